@@ -14,6 +14,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import OF_AXES, FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.rigs.own_law import OwnLaw
+from bayesfric.schemas import LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -49,6 +50,11 @@ class PulleyTrials:
     def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
         """None: what a board has beside the law is no number of it."""
         return {}
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return none."""
+        del law
+        return ()
 
     @property
     def unit(self) -> str:

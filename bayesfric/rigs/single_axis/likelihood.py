@@ -4,12 +4,12 @@ Given the numbers, row i of run r on assembly j is
 
     y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + F_o s_i + Δ F'_i + error_i,
 
-with F_o an offset of the force and s the way that the axis runs, η, ε the scatter of assemblies and runs, ζ friction's wander along the path and Δ the
-time by which the clocks of force and position are off. Errors and wander have a covariance
-whose shape (the ratio of position to force error, the length of the wander, and how much
-friction differs from place to place in a run) is that of the most probable noise; how large
-errors and wander are remains open. Each run is reduced once to quadratic forms, tabulated over
-the ratio of the two.
+with F_o an offset of the force and s the way that the axis runs, η, ε the scatter of assemblies
+and runs, ζ friction's wander along the path and Δ the time by which the clocks of force and
+position are off. Errors and wander have a covariance whose shape (the ratio of position to force
+error, the length of the wander, and how much friction differs from place to place in a run) is
+that of the most probable noise; how large errors and wander are remains open. Each run is reduced
+once to quadratic forms, tabulated over the ratio of the two.
 """
 
 from collections.abc import Mapping
@@ -86,14 +86,15 @@ class AxisModel:
             number for place, number in of_law.items() if place not in self._lacks
         )
         self.scatter = ScatterLevels(("tau", "omega"), (SCATTER, SCATTER), size)
+        offset = Parameter(
+            "offset", unit("N"), Normal(mean=0.0, sd=rows.offset_n or 1.0), "noise", power=1.0
+        )
         self.further = (
             Parameter("wander", "1", SCATTER, "scatter", power=0.5),
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
+            *([offset] if rows.offset_n else []),
         )
-        if rows.offset_n:
-            prior = Normal(mean=0.0, sd=rows.offset_n)
-            self.further += (Parameter("offset", unit("N"), prior, "noise", power=1.0),)
 
     def _tabulate(self, rows: AxisRows) -> None:
         readings = rows.readings
@@ -149,7 +150,8 @@ class AxisModel:
             this number and `density`.
         """
         scale = theta["row_error"][:, None]
-        wander = theta["wander"][:, None] * theta.get("coulomb", self._rough.coulomb)[:, None]
+        rough = np.full_like(theta["mass"], self._rough.coulomb)
+        wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
         found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
         form = found[..., :-1].reshape(*found.shape[:2], 6, 6)

@@ -17,6 +17,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, rank, rms_of
+from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
@@ -148,9 +149,7 @@ class AxisRows:
         rows = self.readings
         if self.simulated is not None:
             return self.simulated.columns(rows)
-        columns = np.stack(
-            [rows.acceleration, np.ones(rows.count), self.mean(rows.speed)], axis=1
-        )
+        columns = np.stack([rows.acceleration, np.ones(rows.count), self.mean(rows.speed)], axis=1)
         return columns * [name not in self.lacks for name in Coefficients._fields]
 
     def residual(self) -> Array:
@@ -240,6 +239,11 @@ def state_of(
     State
         Arrays that broadcast to (W, P).
     """
+    order = rank(table)[rows.trial]
+    held, moved = (
+        (np.zeros(1), np.zeros(1)) if measures.carried is None else measures.carried.at(rows, table)
+    )
+    warm = warmth_of(rows, order)
     return State(
         n_pulleys=1.0,
         wrap_angle_deg=85.0,
@@ -251,7 +255,7 @@ def state_of(
         travel_m=rows.travel,
         passes_m=tuple(rows.passes.T[..., None]),
         acceleration_m_s2=rows.acceleration[:, None],
-        order=rank(table)[rows.trial][:, None],
+        order=order[:, None],
         gravity_m_s2=constants.gravity_m_s2,
         position_m=rows.position,
         direction=np.broadcast_to(rows.way[:, None], rows.speed.shape),
@@ -262,6 +266,11 @@ def state_of(
         force_curvature_n_s2=rows.force_curvature[:, None],
         wave_from_m=measures.wave.start,
         load=measures.load(rows),
+        carried_n=held + moved,
+        held_n=held,
+        dwell_s=rows.dwell_s[:, None],
+        since_rest_m=rows.since_rest[:, None],
+        warmth=0.0 if warm is None else warm[:, None],
         tested=tested.astype(np.float64)[rows.trial][:, None],
         covariates={
             name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in further

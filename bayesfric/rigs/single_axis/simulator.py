@@ -197,7 +197,20 @@ DESIGN = OwnDesign(
     title="a driven axis of 2 kg with 1.5 N of Coulomb friction",
     constants=RigConstants(encoder_resolution=RESOLUTION_M, force_is="commanded"),
     coefficients={SIZE: Coefficients(*LAW)},
-    offers=frozenset({"direction", "position", "drive", "test", "period", "limit", *LENGTHS}),
+    offers=frozenset(
+        {
+            "direction",
+            "position",
+            "drive",
+            "test",
+            "period",
+            "limit",
+            "commanded-force",
+            "load-both-ways",
+            "known-load",
+            *LENGTHS,
+        }
+    ),
     change=change,
     simulate=simulate,
 )

@@ -23,6 +23,8 @@ from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_iner
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
+from bayesfric.rigs.single_axis.declared import MEASURED, doubts
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
@@ -33,6 +35,7 @@ from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
+from bayesfric.schemas import LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -59,7 +62,20 @@ ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"
 BEHIND = frozenset({"play", "spring"})  # by which a load follows the drive
 TURNS = 6  # of the axis, from which on it shows how a load follows
 NO_COULOMB, NO_OFFSET = "law-without-coulomb", "law-without-offset"
-OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
+HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
+LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
+OFFERED = ALWAYS | {
+    "angle",
+    "test",
+    "limit",
+    "commanded-force",
+    "load-both-ways",
+    "known-load",
+    "dwell",
+    "warmth",
+    NO_COULOMB,
+    NO_OFFSET,
+}  # what no column of the user's own stands for
 
 
 @dataclass(frozen=True)
@@ -169,11 +185,32 @@ class AxisRuns(PlainTrials):
             found.add("test")
         if self.measures.limit.there:
             found.add("limit")
+        if self.constants.force_is not in MEASURED:
+            found.add("commanded-force")
+        loads = self._carried
+        if loads is not None and shows_both_ways(self.readings, len(loads.loads)):
+            found.add("load-both-ways")
+        if self.constants.moving_mass_kg is not None and not self.measures.pull:
+            found.add("known-load")
+        if np.ptp(self.readings.dwell_s) > LONG_S:
+            found.add("dwell")
+        if np.ptp(np.asarray(self._state(self._rough).warmth)) > 0:
+            found.add("warmth")
         if "c2" in self._lacks:
             found.add(NO_COULOMB)
         if not self._offset_sd:
             found.add(NO_OFFSET)
         return frozenset(found | ({*self._further} - OFFERED))
+
+    @property
+    def _carried(self) -> Carried | None:
+        """What the gear carries, where that is more than a small part of friction."""
+        found = self.measures.carried
+        if found is None:
+            return None
+        held, moved = found.at(self.readings, self.table)
+        size = float(np.sqrt(np.mean((held + moved) ** 2)))
+        return found if size > HEAVY * self.measures.friction else None
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
@@ -209,19 +246,23 @@ class AxisRuns(PlainTrials):
         """Inertia, Coulomb and viscous friction."""
         return COULOMB_VISCOUS
 
-    @cached_property
+    @property
     def _offset_sd(self) -> float:
         """Prior standard deviation of a constant force; 0 where the law has none.
 
         Where the axis runs one way only, the force that opposes it is friction.
         """
-        both = bool((self.readings.way > 0).any() and (self.readings.way < 0).any())
-        return self.measures.force if both and self._beside is None else 0.0
+        told = self.measures.both_ways and self._beside is None
+        return self.measures.force if told else 0.0
 
     @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
         """The offset of the drive force, behind the difference of the clocks."""
         return {"offset": (1, self.unit)} if self._offset_sd else {}
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return what is doubtful in what was declared; see :mod:`.declared`."""
+        return tuple(doubts(self.constants, law))
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
