@@ -299,8 +299,8 @@ class Effect:
         path), ``play`` and ``spring`` (a load that is followed behind such), ``load-both-ways``
         (lifting and lowering at one pose, or two loads), ``known-load`` (whose mass or torque is
         known), ``dwell`` (rests of several lengths), ``commanded-force`` (which a drive may not
-        give), ``warmth`` (a temperature, or work done), ``law-without-coulomb`` and ``law-without-offset``; or a covariate, which
-        is a further column of the recording by its name and stands in ``State.covariates``.
+        give), ``warmth`` (a temperature, or work done), ``law-without-coulomb`` and
+        ``law-without-offset``; or a covariate, which is a further column of the recording by its name and stands in ``State.covariates``.
     components : int
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on

@@ -20,6 +20,7 @@ from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of
 __all__ = ["Carried", "carried_by", "shows_both_ways", "warmth_of"]
 
 ROWS_A_NUMBER = 6  # of a load, that its own pull is told by
+ROUNDS = 3  # of taking off what friction by the load may be
 BINS = 12  # of the path, in which it is looked whether the axis runs both ways
 BOTH = 0.5  # of the rows, that lie where it does
 ALIKE = 0.9  # correlation of work with the order of runs, from which on neither is told apart
@@ -127,7 +128,10 @@ def _fitted(readings: Readings, places: Array, rows: Whole) -> Pull:
     both, less = _squares(np.column_stack([law, pull]), force)
     if left - less < PULLS * float(force @ force):
         return Pull(max(float(alone[0]), 0.0), np.zeros(POWERS), middle, half)
-    return Pull(max(float(both[0]), 0.0), both[3:], middle, half)
+    for _ in range(ROUNDS):  # friction by the load bends what the place seems to pull
+        carried = both[0] * law[:, 0] + pull @ both[3 : 3 + POWERS]
+        both, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
+    return Pull(max(float(both[0]), 0.0), both[3 : 3 + POWERS], middle, half)
 
 
 def _squares(columns: Array, force: Array) -> tuple[Array, float]:
