@@ -82,7 +82,10 @@ class LoadedJoint:
         warming = np.linspace(0, 1, self.runs + 1)
         count = round(self.seconds * self.sampled_hz)
         each = [
-            self.samples(number, 4 * (share := np.linspace(*warming[number : number + 2], count)) * (1 - share))
+            self.samples(
+                number,
+                4 * (share := np.linspace(*warming[number : number + 2], count)) * (1 - share),
+            )
             for number in range(self.runs)
         ]
         runs = pd.DataFrame({"run": [f"r{number}" for number in range(self.runs)]})

@@ -16,6 +16,7 @@ from scipy.stats import spearmanr
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of
+from bayesfric.rigs.single_axis.weak_form import node_weights
 
 __all__ = ["Carried", "carried_by", "shows_both_ways", "warmth_of"]
 
@@ -71,12 +72,12 @@ class Carried:
             Their trials.
         """
         held, moved = np.zeros_like(readings.position), np.zeros_like(readings.position)
-        keys = _keys(table, self.columns)
+        keys, accelerations = _keys(table, self.columns), _accelerations(readings)
         for key, load in self.loads.items():
             mine = np.array([one == key for one in keys], dtype=np.bool_)[readings.trial]
             at = (readings.position[mine] - load.middle) / load.half
             held[mine] = np.polynomial.legendre.legval(at, load.pull)
-            moved[mine] = (load.mass * readings.acceleration * readings.way)[mine, None]
+            moved[mine] = load.mass * accelerations[mine]
         return held, moved
 
 
@@ -107,6 +108,22 @@ def carried_by(
     return Carried(
         tuple(columns), {key: _fitted(readings, places, rows) for key, rows in rows_of.items()}
     )
+
+
+def _accelerations(readings: Readings) -> Array:
+    """Return accelerations along the position at places inside every row, (W, P).
+
+    Where a row's mean passes through zero those at its places do so one after another: what goes
+    with their size has no corner. Their slope is that between neighbouring rows.
+    """
+    own = readings.acceleration * readings.way
+    near = (np.diff(readings.piece) == 0) & (np.diff(readings.time_s) > 0)
+    step = np.where(near, np.diff(readings.time_s), 1.0)
+    slope = np.where(near, np.diff(own) / step, 0.0)
+    total = np.concatenate([slope, [0.0]]) + np.concatenate([[0.0], slope])
+    count = np.concatenate([near, [False]]).astype(float) + np.concatenate([[False], near])
+    offset = node_weights()[0] * readings.half_s
+    return np.asarray(own[:, None] + (total / np.maximum(count, 1.0))[:, None] * offset)
 
 
 def _keys(table: pd.DataFrame, columns: Sequence[str]) -> list[tuple[float, ...]]:

@@ -108,6 +108,7 @@ def _state(path: Path, law: AxisLaw, tested: Array) -> State:
         force_curvature_n_s2=way * np.gradient(rate, path.time_s, axis=1),
         tested=tested[:, None],
         load=_following(path, law),
+        carried_n=law.mass * path.acceleration,
     )
 
 
@@ -208,6 +209,7 @@ DESIGN = OwnDesign(
             "commanded-force",
             "load-both-ways",
             "known-load",
+            "law-without-offset",
             *LENGTHS,
         }
     ),
