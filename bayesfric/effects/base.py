@@ -19,6 +19,7 @@ from bayesfric.physics.friction import (
 )
 
 __all__ = [
+    "LADDER",
     "ActsOn",
     "Effect",
     "EffectParameter",
@@ -30,6 +31,11 @@ __all__ = [
     "followed",
 ]
 
+LADDER = (
+    "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
+    "2024 (M3 to M6), and the parameters published with it"
+)
+"""Source of what friction by the load of a gear may be."""
 REFERENCE_TENSION_N = 15.0
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]
@@ -300,7 +306,8 @@ class Effect:
         (lifting and lowering at one pose, or two loads), ``known-load`` (whose mass or torque is
         known), ``dwell`` (rests of several lengths), ``commanded-force`` (which a drive may not
         give), ``warmth`` (a temperature, or work done), ``law-without-coulomb`` and
-        ``law-without-offset``; or a covariate, which is a further column of the recording by its name and stands in ``State.covariates``.
+        ``law-without-offset``; or a covariate, which is a further column of the recording by its
+        name and stands in ``State.covariates``.
     components : int
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on

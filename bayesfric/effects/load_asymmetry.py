@@ -13,8 +13,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
-from bayesfric.effects.load_friction import LADDER
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
 
 
 def _driving(p: Mapping[str, Array], state: State) -> Array:

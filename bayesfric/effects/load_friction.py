@@ -17,14 +17,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
-
-__all__ = ["LADDER"]
-
-LADDER = (
-    "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
-    "2024 (M3 to M6), and the parameters published with it"
-)
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
 
 
 def _with_inertia(p: Mapping[str, Array], state: State) -> Array:

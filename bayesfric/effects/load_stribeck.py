@@ -10,8 +10,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
-from bayesfric.effects.load_friction import LADDER
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
 
 
 def _exponential(p: Mapping[str, Array], state: State) -> Array:

@@ -1,13 +1,13 @@
 """What somebody wrote down of an axis: how well it holds, and whether the data contradict it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from bayesfric.recording.tables import RigConstants
 from bayesfric.schemas import Interval, LawNumber
 
-__all__ = ["MEASURED", "doubts", "gain_sd", "mass_sd_kg"]
+__all__ = ["MEASURED", "contradicts", "doubts", "gain_sd", "mass_sd_kg"]
 
 MEASURED = frozenset({"motor", "link", "measured"})
 """Kinds of force that act as they were logged, whatever was commanded."""
@@ -42,7 +42,17 @@ def mass_sd_kg(constants: RigConstants) -> float | None:
     return float(np.hypot(own, gain_sd(constants) * mass))
 
 
-def doubts(constants: RigConstants, law: Mapping[str, LawNumber]) -> Iterator[str]:
+def contradicts(constants: RigConstants, mass: float) -> bool:
+    """Return whether a mass is out of reach of what was declared."""
+    sd = mass_sd_kg(constants)
+    if constants.moving_mass_kg is None or sd is None:
+        return False
+    return abs(mass - constants.moving_mass_kg) > FAR * sd
+
+
+def doubts(
+    constants: RigConstants, law: Mapping[str, LawNumber], rough_mass: float
+) -> Iterator[str]:
     """Yield what a reader must know of what was declared, a sentence each; the worst first.
 
     Parameters
@@ -51,10 +61,16 @@ def doubts(constants: RigConstants, law: Mapping[str, LawNumber]) -> Iterator[st
         What was written down.
     law : mapping of str to LawNumber
         As a diagnosis found it.
+    rough_mass : float
+        By least squares, beside friction and whatever goes with the place.
     """
     mass, sd = constants.moving_mass_kg, mass_sd_kg(constants)
     if mass is not None and sd is not None and "inertia" in law:
-        yield from _contradicted(mass, sd, law["inertia"])
+        number = law["inertia"]
+        # An effect that goes with the acceleration may take the place of a mass: the law alone
+        # counts too, where what it leaves out has not bent it.
+        alone = [number.before] if contradicts(constants, rough_mass) else []
+        yield from _contradicted(mass, sd, [number.after, *alone], number.unit)
     if constants.force_is == "link":
         yield (
             "The force is one behind the gear (rig.force_is = link): friction before the sensor, "
@@ -62,18 +78,22 @@ def doubts(constants: RigConstants, law: Mapping[str, LawNumber]) -> Iterator[st
         )
 
 
-def _contradicted(declared: float, sd: float, number: LawNumber) -> Iterator[str]:
-    told = _by_the_data(number.after, declared, sd)
-    if told is None:
-        return
-    value, error = told
-    apart = abs(value - declared) / float(np.hypot(error, sd))
-    if apart > FAR:
-        yield (
-            f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
-            f"{sd:.2g} {number.unit}, and they say {value:.4g} ± {error:.2g} {number.unit}, "
-            f"{apart:.0f} standard errors apart. The mass, or the scale of the force, is another"
-        )
+def _contradicted(
+    declared: float, sd: float, numbers: Sequence[Interval], unit: str
+) -> Iterator[str]:
+    for number in numbers:
+        told = _by_the_data(number, declared, sd)
+        if told is None:
+            continue
+        value, error = told
+        apart = abs(value - declared) / float(np.hypot(error, sd))
+        if apart > FAR:
+            yield (
+                f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
+                f"{sd:.2g} {unit}, and they say {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
+                "standard errors apart. The mass, or the scale of the force, is another"
+            )
+            return
 
 
 def _by_the_data(posterior: Interval, declared: float, sd: float) -> tuple[float, float] | None:

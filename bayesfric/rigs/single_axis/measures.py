@@ -59,6 +59,8 @@ class Measures:
         Of a load's spring, over what is critical.
     carried : Carried or None
         What the gear carries.
+    rough_mass : float
+        By least squares, whatever was written down.
     both_ways : bool
         Whether the axis runs both ways: else a constant force is friction.
     """
@@ -78,6 +80,7 @@ class Measures:
     lengths: Mapping[str, Array] = field(default_factory=dict)
     damping: float = DAMPINGS[2]
     carried: Carried | None = None
+    rough_mass: float = 0.0
     both_ways: bool = True
 
     def load(self, rows: Readings) -> Load:
@@ -207,5 +210,6 @@ def measures_of(
         wave=strongest_wave(readings),
         limit=limit,
         pull=rough.pull,
+        rough_mass=rough.mass,
         both_ways=bool((readings.way > 0).any() and (readings.way < 0).any()),
     )

@@ -24,7 +24,7 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
-from bayesfric.rigs.single_axis.declared import MEASURED, doubts
+from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
@@ -181,7 +181,9 @@ class AxisRuns(PlainTrials):
         found = {*ALWAYS} - (BEHIND if self.turns < TURNS else frozenset())
         if self.constants.rotary:
             found.add("angle")
-        if self._tested.any():
+        # Of runs that are all alike a mass beside the one that is declared is an error of that.
+        declared = self.constants.moving_mass_kg is not None
+        if self._tested.any() and not (declared and self._tested.all()):
             found.add("test")
         if self.measures.limit.there:
             found.add("limit")
@@ -190,7 +192,8 @@ class AxisRuns(PlainTrials):
         loads = self._carried
         if loads is not None and shows_both_ways(self.readings, len(loads.loads)):
             found.add("load-both-ways")
-        if self.constants.moving_mass_kg is not None and not self.measures.pull:
+        doubtful = contradicts(self.constants, self.measures.rough_mass)
+        if declared and not doubtful and not self.measures.pull:
             found.add("known-load")
         if np.ptp(self.readings.dwell_s) > LONG_S:
             found.add("dwell")
@@ -262,7 +265,7 @@ class AxisRuns(PlainTrials):
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared; see :mod:`.declared`."""
-        return tuple(doubts(self.constants, law))
+        return tuple(doubts(self.constants, law, self.measures.rough_mass))
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
