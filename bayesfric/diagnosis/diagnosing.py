@@ -1,7 +1,7 @@
 """A recording to a diagnosis: where it misses, which effect causes it, how far it shrinks."""
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -49,8 +49,9 @@ from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.opening import with_own_priors
-from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, RecordingId
+from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
@@ -296,7 +297,7 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
-        attention=not_followed(analysis),
+        attention=(*_doubted(data.rigs, law_found), *not_followed(analysis)),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -334,6 +335,11 @@ def _diagnose(
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law)
+
+
+def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+    """Return what the data contradict of what was declared, the first thing to know."""
+    return tuple(line for one in rigs for line in one.doubts(law))
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:

@@ -196,7 +196,7 @@ def fit(
         with _timed(seconds, "summary"):
             fields = {
                 "rigs": chosen,
-                "baseline": baseline,
+                "baseline": law.name,
                 "without_exclusions": without,
                 "without_exclusions_why": why,
                 "without_stalls": without_stalls,

@@ -28,7 +28,7 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import PointEstimate
+from bayesfric.schemas import LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
@@ -255,6 +255,17 @@ class RigTrials(Protocol):
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
         """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
+
+    @property
+    def usual_law(self) -> str:
+        """Name of the law that it has where nobody asks for one."""
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

@@ -11,9 +11,10 @@ from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.observation.coefficients import coefficient_name, coefficient_units
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import VISCOUS, FrictionLaw
+from bayesfric.physics.laws import OF_AXES, FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.rigs.own_law import OwnLaw
+from bayesfric.schemas import LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -36,9 +37,24 @@ class PulleyTrials:
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
-        if law.name == VISCOUS:
+        if law.name in OF_AXES:
             return Unsupported("Over pulleys viscous friction is an effect, which is diagnosed.")
         return None
+
+    @property
+    def usual_law(self) -> str:
+        """The paper's."""
+        return "paper"
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """None: what a board has beside the law is no number of it."""
+        return {}
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return none."""
+        del law
+        return ()
 
     @property
     def unit(self) -> str:

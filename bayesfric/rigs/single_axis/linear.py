@@ -76,7 +76,7 @@ class AxisPart:
         columns = model.filled(
             rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
         )
-        columns[:, model.layout.nuisance(place)] = readings.force_rate[:, None]
+        columns[:, model.layout.nuisance(place)] = rows.nuisance_columns()
         self.columns = columns * model.scales
         self._response = rows.residual()
         moved: Array = rows.friction_of_row

@@ -19,7 +19,7 @@ from bayesfric.rigs.single_axis.even_log import (
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.late_rates import late_rates
-from bayesfric.rigs.single_axis.passes import passes_of
+from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.rough import RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.weak_form import (
     NODES,
@@ -77,6 +77,9 @@ class Readings:
         At places inside: speed, travel since the last reversal, position and drive force.
     passes : ndarray, shape (W, E)
         Travel of the passes before the present one, the last first.
+    dwell_s, since_rest, temperature : ndarray, shape (W,)
+        How long it rested before it moved as it does, travel since then, and the temperature;
+        nan where none was logged.
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
@@ -104,6 +107,9 @@ class Readings:
     position: Array
     drive: Array
     passes: Array
+    dwell_s: Array
+    since_rest: Array
+    temperature: Array
     position_lag: Array
     force_lag: Array
     simulated: Array
@@ -329,6 +335,8 @@ def _of_run(
         there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
     travel, before = passes_of(position, way, FAR * stroke)
+    dwell, since = rests_of(position, way, log.interval_s)
+    warm = log.further.get("temperature", np.full(way.size, np.nan))
     # A log does not say how long ago the axis turned before it, nor by which way it came to where
     # it rests, which friction may remember; where it turns later on, that is better known.
     if (way > 0).any() and (way < 0).any():
@@ -367,6 +375,9 @@ def _of_run(
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
         "passes": before[centres],
+        "dwell_s": dwell[centres],
+        "since_rest": since[centres],
+        "temperature": warm[centres],
         "position": inside(position),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),

@@ -154,6 +154,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         "force": "force_n",
         "sim_force": "sim_force_n",
         "sim_position": "sim_position_m",
+        "temperature": "temperature_c",
     }
     if constants.moving_mass_kg is None:
         del names["sim_position"]  # it takes the simulated mass to make a force of a path
