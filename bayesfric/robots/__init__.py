@@ -6,8 +6,8 @@
 """
 
 from bayesfric.robots.dynamics import RigidBodies
-from bayesfric.robots.model_errors import ModelErrors, model_error_columns
-from bayesfric.robots.model_file import JointSettings, Robot, read_robot
+from bayesfric.robots.model_errors import ModelErrors, model_error_columns, root_of_errors
+from bayesfric.robots.model_file import JointSettings, Robot, read_robot, robot_of_bytes
 
 __all__ = [
     "JointSettings",
@@ -16,4 +16,6 @@ __all__ = [
     "Robot",
     "model_error_columns",
     "read_robot",
+    "robot_of_bytes",
+    "root_of_errors",
 ]

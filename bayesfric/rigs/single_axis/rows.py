@@ -116,6 +116,11 @@ class AxisRows:
         """Of no use here: it changes along a run; zeros, (N,)."""
         return np.zeros(len(self.table))
 
+    @property
+    def moved_mass(self) -> float:
+        """What an error of the position accelerates: by the law, and by a known force's model."""
+        return float(self.law.mass + self.readings.known_inertia)
+
     def mean(self, values: Array) -> Array:
         """Return means over the windows of what is known at places inside, (W,)."""
         rows = self.readings
@@ -186,9 +191,9 @@ class AxisRows:
         return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return the prior standard deviation of the clocks' difference [s]."""
+        """Return prior standard deviations: of the clocks' difference [s], and of amounts."""
         del priors
-        return (self.latency_s,)
+        return (self.latency_s, *[1.0] * self.readings.beside.shape[1])
 
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
+from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
@@ -120,6 +121,8 @@ class AxisRuns(PlainTrials):
         A user's simulator, in the place of the law in a diagnosis.
     turns : int
         How often the axis is seen to turn.
+    machine : Machine or None
+        That the joint is of, with its other joints.
     """
 
     rig: SingleAxis
@@ -134,6 +137,7 @@ class AxisRuns(PlainTrials):
     source: Axis | None = None
     simulated: SimulatedBaseline | None = None
     turns: int = 0
+    machine: Machine | None = None
 
     @property
     def recorded(self) -> pd.DataFrame:
