@@ -27,10 +27,12 @@ from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.judging import judge
+from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
+from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others, model_error_words
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -47,14 +49,17 @@ from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.rigs.model_amounts import ModelAmounts, model_errors
 from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
 
+NOTHING_TOLD = "these data tell no number of the model"
 MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
 
 LN10 = float(np.log(10))
@@ -76,11 +81,17 @@ class Diagnosed:
         ``trajectories`` and ``amplitudes``.
     seconds : float
         Wall time.
+    amounts : ModelAmounts or None
+        How wrong the machine's model is.
+    own_sentence : str
+        The verdict in words, without what it says of that model.
     """
 
     summary: DiagnosisFile
     curves: xr.DataTree
     seconds: float
+    amounts: ModelAmounts | None = None
+    own_sentence: str = ""
 
     def write(self, folder: Path | str) -> None:
         """Write ``diagnosis.json`` and ``diagnosis.nc``.
@@ -162,15 +173,36 @@ def diagnose(
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
+    if parted := parted_by_joint(recording):
+
+        def of_joint(own: Recording, kept: Path | None) -> Diagnosed:
+            return diagnose(
+                own,
+                analysis,
+                fixed=fixed,
+                effects=effects,
+                shipped=shipped,
+                baseline=baseline,
+                simulator=simulator,
+                target=target,
+                executor=executor,
+                announce=announce,
+                checkpoint=kept,
+            )
+
+        return diagnosed_together(parted, of_joint, checkpoint)
     calls = None
     if simulator is not None:
         calls = SimulatorCalls(simulator, executor=executor, announce=announce)
     with threadpool_limits(limits=1):
-        summary, curves = _diagnose(
+        summary, curves, amounts = _diagnose(
             recording, analysis, fixed, effects, shipped, baseline, calls, target, checkpoint
         )
-    summary = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
-    return Diagnosed(identified(summary), curves, time.perf_counter() - began)
+    own = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
+    words = f"{own.sentence}{model_error_words(own.model_error)}"
+    summary = own.model_copy(update={"sentence": words})
+    seconds = time.perf_counter() - began
+    return Diagnosed(identified(summary), curves, seconds, amounts, own.sentence)
 
 
 def _diagnose(
@@ -183,7 +215,7 @@ def _diagnose(
     simulator: SimulatorCalls | None,
     target: pd.DataFrame | None,
     checkpoint: Path | None,
-) -> tuple[DiagnosisFile, xr.DataTree]:
+) -> tuple[DiagnosisFile, xr.DataTree, ModelAmounts | None]:
     data, law = data_of(recording, baseline, simulator)
     own = own_law_of(data)
     if target is not None:
@@ -200,7 +232,8 @@ def _diagnose(
         analysis=analysis,
         created=recording.created,
     )
-    inputs = (baseline, sorted(fixed), shipped, recording.rig, recording.metadata)
+    joint = None if recording.axis is None else recording.axis.joint
+    inputs = (baseline, sorted(fixed), shipped, recording.rig, recording.metadata, joint)
     if effects or simulator is not None:
         checkpoint = None
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
@@ -227,7 +260,9 @@ def _diagnose(
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     gap = gap.model_copy(update=share_of_friction(model, residuals, posterior))
-    contradicted = contradicts(gap)
+    others = data.rigs[0].other_joints
+    elsewhere = looks_like_others(named, examined, others, gap)
+    contradicted = contradicts(gap) or elsewhere
     if contradicted:
         found = found.overruled(frozenset(named))
         chances, acting = found.probabilities(), inclusion(found)
@@ -287,7 +322,10 @@ def _diagnose(
         present,
         considered,
         not_shown if above < MOSTLY else None,
+        elsewhere,
     )
+    amounts = amounts_of(model, best)
+    errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -331,9 +369,13 @@ def _diagnose(
         next_experiment=proposals,
         next_experiment_why=no_proposal,
         target=asked_for,
+        joint=joint,
+        other_joints=others,
+        model_error=errors,
+        model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
-    return summary, curves_of(held_out, amplitudes, posterior.law)
+    return summary, curves_of(held_out, amplitudes, posterior.law), amounts
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:

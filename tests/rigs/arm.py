@@ -13,6 +13,8 @@ JOINTS = ("base", "shoulder", "elbow")
 FRICTIONLOSS, DAMPING, ARMATURE = (0.8, 1.5, 0.6), (0.5, 0.9, 0.3), (0.06, 0.09, 0.03)
 MASSES = (3.0, 2.0, 1.2)
 STIFF, DAMPED = np.array([400.0, 400.0, 150.0]), np.array([30.0, 30.0, 10.0])
+STIFF_FRICTION = {"solreffriction": "0.0006 1", "solimpfriction": "0.99 0.999 0.001"}
+"""MuJoCo's friction gives way a little where a joint turns; as stiff as this it does not."""
 STEP_S, RATE_HZ, COUNT = 2.5e-4, 500, 2e-5
 
 
@@ -51,7 +53,7 @@ def log_of_arm(seed=1, seconds=15.0):
     rng = np.random.default_rng(seed)
     settings = zip(FRICTIONLOSS, DAMPING, ARMATURE, strict=True)
     names = ("frictionloss", "damping", "armature")
-    joints = [dict(zip(names, one, strict=True)) for one in settings]
+    joints = [dict(zip(names, one, strict=True)) | STIFF_FRICTION for one in settings]
     compiled = mujoco.MjModel.from_xml_string(model(MASSES, joints=joints))
     data = mujoco.MjData(compiled)
     reference = Reference(

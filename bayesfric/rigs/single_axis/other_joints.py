@@ -9,6 +9,7 @@ sines and cosines of positions and their sums, momentum f(q) q̇_k, and f(q) q̇
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, product
+from typing import Literal, cast
 
 import numpy as np
 import pandas as pd
@@ -19,7 +20,8 @@ from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
-from bayesfric.robots import RigidBodies, robot_of_bytes, root_of_errors
+from bayesfric.rigs.model_amounts import ModelAmounts
+from bayesfric.robots import PARAMETERS, RigidBodies, robot_of_bytes, root_of_errors
 
 __all__ = ["Machine", "machine_of"]
 
@@ -29,7 +31,7 @@ LEAST_HALF, MOST_S = 4, 0.1  # samples on either side; and no more than so long 
 CHUNK = 2048  # samples whose dynamics are computed at a time
 SHOWN = 20.0  # errors of a position, by which a joint moves that moves
 AROUND = 2  # joints on either side whose sums of positions gravity is told by
-FORCES = 1.0  # of the joint's rms drive force, that what other joints do may be
+KNOWN_TO = 0.15  # of a known force: how far it may be wrong, as a model's masses are
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,35 @@ class Machine:
             return self.axis.joint
         robot = self.constants.robot
         return next(iter(robot.joints)) if robot is not None else ""
+
+    @property
+    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
+        """What other joints did: as somebody says, else by what is in the log."""
+        declared = self.constants.other_joints
+        if declared in ("still", "logged", "moving"):
+            return cast(Literal["still", "logged", "moving"], declared)
+        return "logged" if self.axis.others else "unknown"
+
+    @property
+    def settings(self) -> Mapping[str, float]:
+        """What the model has for numbers of the law, by name; empty without a model."""
+        if self.bodies is None:
+            return {}
+        place = self.bodies.robot.joints.index(self.joint)
+        own = self.bodies.robot.settings[place]
+        return {"mass": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
+
+    def amounts_before(self) -> ModelAmounts:
+        """Return what is believed of the errors of the model before any data."""
+        assert self.bodies is not None
+        root = root_of_errors(self.bodies)
+        units = {"m": "kg", "h": "kg m", "i": "kg m²"}
+        names = tuple(
+            (link, number, units[number[0]]) for link in self.bodies.links for number in PARAMETERS
+        )
+        count = root.shape[1]
+        numbers = self.bodies.parameters.ravel()
+        return ModelAmounts(np.zeros(count), np.eye(count), root, numbers, names)
 
     def around(self, log: EvenLog, run: str) -> EvenLog | None:
         """Return a run with what the machine's model and other joints say of its force.
@@ -191,7 +222,10 @@ def _with_model(
 
 def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterator[WeakForce]:
     """Yield what other joints may do to one, each scaled by what the joint's drive gives."""
-    force = FORCES * float(np.sqrt(np.mean(log.force**2)))
+    whole, share = log.force, 1.0
+    if log.known_force is not None:
+        whole, share = log.known_force.value, KNOWN_TO
+    force = share * float(np.sqrt(np.mean(whole**2)))
     near = range(max(0, own - AROUND), min(len(paths), own + AROUND + 1))
     rates = [paths[k].velocity for k in near]
     shapes = [np.ones(log.time_s.size)]
@@ -202,6 +236,7 @@ def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterat
     for group in ("momentum", "pull"):
         if group == "momentum":
             columns = [shape * rate for shape in shapes for rate in rates]
+            del columns[near.index(own)]  # alone it is the law's inertia
             sizes = [np.gradient(column, log.interval_s) for column in columns]
         else:
             pairs = combinations_with_replacement(rates, 2)
@@ -221,9 +256,8 @@ def _inner(paths: list[Path], near: range) -> Iterator[Array]:
     for k in near:
         yield from (paths[k].position, 2 * paths[k].position)
         if k + 1 in near:
-            for sign in (1, -1):
-                together = paths[k].position + sign * paths[k + 1].position
-                yield from (together, 2 * together)
+            for first, second in product((1, 2), (1, 2, -1, -2)):
+                yield first * paths[k].position + second * paths[k + 1].position
 
 
 def _sums(paths: list[Path], near: range, own: int) -> Iterator[Array]:

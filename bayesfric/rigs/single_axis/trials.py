@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
+from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
@@ -178,6 +180,24 @@ class AxisRuns(PlainTrials):
     def _further(self) -> tuple[str, ...]:
         """Columns of the recording's own that varied over all runs."""
         return () if self.source is None else varied_columns(self.source.runs)
+
+    @property
+    def in_simulator(self) -> Mapping[str, float]:
+        """Armature, frictionloss and damping of the machine's model; empty without one."""
+        return {} if self.machine is None else self.machine.settings
+
+    @property
+    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
+        """What the machine's other joints did: as somebody says, else by what is in the log."""
+        return "unknown" if self.machine is None else self.machine.other_joints
+
+    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
+        """Return how wrong the machine's model is; the first nuisance is the clocks'."""
+        if self.machine is None or self.machine.bodies is None:
+            return None
+        before = self.machine.amounts_before()
+        shares = self.readings.mixing.shares
+        return ModelAmounts.told(mean[1:], covariance[1:, 1:], shares, before)
 
     @property
     def unit(self) -> str:
