@@ -26,8 +26,8 @@ from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
-from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.joints import diagnosed_together
+from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.nearby import around_nearby

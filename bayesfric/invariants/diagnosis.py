@@ -12,6 +12,7 @@ SUM, SHARES = 1e-9, 1e-6
 SURE, HALF, POSSIBLE = 0.9, 0.5, 0.1
 ABOVE_FLOOR = 0.95  # probability that a gap is above the floor, from which on it can shrink
 MOST_SHRINK = 1.2
+UNRESOLVED = 0.002  # of friction, a gap that windows and linearisation leave without any noise
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 
@@ -52,6 +53,8 @@ def _shares(record: Mapping[str, Any]) -> list[str]:
 def _gap_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     systematic, before = gap["systematic"], gap["before"]
+    if systematic["q50"] < UNRESOLVED * (gap.get("friction_rms") or 0.0):
+        return []
     if systematic["q05"] > before["q95"] and systematic["q50"] > FAR * before["q50"]:
         return [
             f"a systematic gap of {systematic['q50']:.3g} {gap['unit']} stands beside "

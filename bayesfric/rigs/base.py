@@ -296,6 +296,10 @@ class RigTrials(Protocol):
         """Return the same conditions without noise, on time by a law; None where none moves."""
 
     @property
+    def taken_up(self) -> frozenset[str]:
+        """Effects that forces of unknown amounts, which every hypothesis has, look like."""
+
+    @property
     def in_simulator(self) -> Mapping[str, float]:
         """Numbers of the law as the user's simulator has them, by name; empty if nobody knows."""
 

@@ -74,6 +74,11 @@ class PlainTrials(PulleyTrials):
         return self
 
     @property
+    def taken_up(self) -> frozenset[str]:
+        """Nothing."""
+        return frozenset()
+
+    @property
     def in_simulator(self) -> Mapping[str, float]:
         """Nothing."""
         return {}

@@ -42,8 +42,8 @@ def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
         return [Fault(SAMPLES, expected, column="command_m")]
     if "joint" in samples and len(samples["joint"].unique()) > 1:
         expected = (
-            "the samples of one joint: those of several are read, and no model takes them yet "
-            "(keep the rows of one)"
+            "the samples of one joint: diagnose and fit take each joint by itself, and this "
+            "does not (keep the rows of one)"
         )
         joints = ", ".join(samples["joint"].unique())
         faults.append(Fault(SAMPLES, expected, column="joint", value=joints))

@@ -2,7 +2,7 @@
 
 Given the numbers, row i of run r on assembly j is
 
-    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + Δ F'_i + Σ_k c_k B_ki + error_i,
+    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + Δ F'_i + Σ c_k B_ki + error_i,
 
 with η, ε the scatter of assemblies and runs, ζ friction's wander along the path and Δ the
 time by which the clocks of force and position are off. B_k are forces of other joints, or of

@@ -16,11 +16,12 @@ import pandas as pd
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from bayesfric.arrays import Array
+from bayesfric.recording.joints import joints_of
 from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
-from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.robots import PARAMETERS, RigidBodies, robot_of_bytes, root_of_errors
 
 __all__ = ["Machine", "machine_of"]
@@ -84,8 +85,8 @@ class Machine:
         """Name of this joint in the log."""
         if self.axis.joint is not None:
             return self.axis.joint
-        robot = self.constants.robot
-        return next(iter(robot.joints)) if robot is not None else ""
+        robot, named = self.constants.robot, joints_of(self.axis)
+        return next(iter(named or (() if robot is None else robot.joints)), "")
 
     @property
     def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
@@ -208,9 +209,9 @@ def _with_model(
         of_momentum, of_pull = bodies.regressors(position[part], velocity[part])
         momentum[part] = of_momentum[:, place] @ mixtures
         pull[part] = of_pull[:, place] @ mixtures
-    own = np.zeros((len(position[::CHUNK // 8]), len(names)))
+    own = np.zeros((len(position[:: CHUNK // 8]), len(names)))
     own[:, place] = 1.0
-    inertia = bodies.momentum_and_pull(position[::CHUNK // 8], own)[0][:, place].mean()
+    inertia = bodies.momentum_and_pull(position[:: CHUNK // 8], own)[0][:, place].mean()
     forces = [WeakForce(-pull[:, k], momentum=momentum[:, k]) for k in range(mixtures.shape[1])]
     known_force = log.known_force
     if known_force is None and not log.forces:  # a simulator in the place of the law says it all

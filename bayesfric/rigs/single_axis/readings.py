@@ -1,7 +1,7 @@
 """All runs reduced, once, to rows that are linear in mass and friction."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import uniform_filter1d
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import (
     EvenLog,
     given,
@@ -16,7 +17,6 @@ from bayesfric.rigs.single_axis.even_log import (
     resolving,
     smooth_motion,
 )
-from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.late_rates import late_rates
@@ -121,7 +121,7 @@ class Readings:
     half_s: float
     hop: float
     known_inertia: float = 0.0
-    mixing: Mixing = Mixing()
+    mixing: Mixing = field(default_factory=Mixing)
 
     @property
     def count(self) -> int:

@@ -19,6 +19,7 @@ from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
+from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
 from bayesfric.rigs.model_amounts import ModelAmounts
@@ -29,8 +30,8 @@ from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
-from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
@@ -60,6 +61,7 @@ WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
 BEHIND = frozenset({"play", "spring"})  # by which a load follows the drive
+PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 TURNS = 6  # of the axis, from which on it shows how a load follows
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
@@ -86,6 +88,12 @@ class SingleAxis(PlainRig):
         """Return the runs that do not enter, and why; see :mod:`.left_out`."""
         if recording.axis is None:
             return []
+        if parted := parted_by_joint(recording):
+            return [
+                replace(fault, column=f"{joint}, {fault.column}" if fault.column else joint)
+                for joint, one in parted.items()
+                for fault in self.left_out(one)
+            ]
         if faults := not_modelled(recording.axis, recording.rig):
             return faults
         found = entering(recording.axis, recording.rig)
@@ -180,6 +188,12 @@ class AxisRuns(PlainTrials):
     def _further(self) -> tuple[str, ...]:
         """Columns of the recording's own that varied over all runs."""
         return () if self.source is None else varied_columns(self.source.runs)
+
+    @property
+    def taken_up(self) -> frozenset[str]:
+        """Pulls towards a place, where other joints move and no model says what that does."""
+        without_model = self.machine is not None and self.machine.bodies is None
+        return PLACED if without_model and self.readings.beside.shape[1] else frozenset()
 
     @property
     def in_simulator(self) -> Mapping[str, float]:
