@@ -59,13 +59,14 @@ class ModelAmounts:
         inverse = np.linalg.inv(covariance)
         precision = like.precision + shares.T @ (inverse - np.eye(len(mean))) @ shares
         centre = np.linalg.solve(precision, shares.T @ (inverse @ mean))
-        return replace(like, mean=centre, precision=precision)
+        return replace(like, mean=np.asarray(centre, dtype=np.float64), precision=precision)
 
     def and_of(self, other: "ModelAmounts") -> "ModelAmounts":
         """Return the amounts by two joints together, whose data are independent."""
         precision = self.precision + other.precision - np.eye(self.mean.size)
         pulled = self.precision @ self.mean + other.precision @ other.mean
-        return replace(self, mean=np.linalg.solve(precision, pulled), precision=precision)
+        mean = np.asarray(np.linalg.solve(precision, pulled), dtype=np.float64)
+        return replace(self, mean=mean, precision=precision)
 
 
 def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:

@@ -47,8 +47,13 @@ def joints(found: DiagnosisFile) -> Iterator[Block]:
             label="model-error",
         )
     yield Paragraph(
-        ["All that follows is of the joint ", Code(str(found.joint)), ", whose verdict is the "]
-        + ["machine's; ", Code("joints"), ", diagnosis.json, has all the others."]
+        [
+            "All that follows is of the joint ",
+            Code(str(found.joint)),
+            ", whose verdict is the machine's; ",
+            Code("joints"),
+            ", diagnosis.json, has all the others.",
+        ]
     )
 
 

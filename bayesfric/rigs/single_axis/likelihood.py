@@ -6,7 +6,8 @@ Given the numbers, row i of run r on assembly j is
 
 with η, ε the scatter of assemblies and runs, ζ friction's wander along the path and Δ the
 time by which the clocks of force and position are off. B_k are forces of other joints, or of
-errors of the machine's model, in amounts c_k whose priors are N(0, 1). Errors and wander have a covariance
+errors of the machine's model, in amounts c_k whose priors are N(0, 1). Errors and wander have
+a covariance
 whose shape (the ratio of position to force error, the length of the wander, and how much
 friction differs from place to place in a run) is that of the most probable noise; how large
 errors and wander are remains open. Each run is reduced once to quadratic forms, tabulated over

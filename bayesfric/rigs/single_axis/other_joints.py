@@ -43,15 +43,12 @@ class Path:
     ----------
     position, velocity : ndarray, shape (N,)
         Smoothed.
-    logged : ndarray, shape (N,)
-        Position as it was measured.
     error : float
-        Standard deviation of that.
+        Standard deviation of a position as it was measured.
     """
 
     position: Array
     velocity: Array
-    logged: Array
     error: float
 
 
@@ -109,7 +106,7 @@ class Machine:
         """Return what is believed of the errors of the model before any data."""
         assert self.bodies is not None
         root = root_of_errors(self.bodies)
-        units = {"m": "kg", "h": "kg m", "i": "kg m²"}
+        units = {"m": "kg", "h": "kg·m", "i": "kg·m²"}
         names = tuple(
             (link, number, units[number[0]]) for link in self.bodies.links for number in PARAMETERS
         )
@@ -184,9 +181,12 @@ def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
     position = savgol_filter(log.position, width, DEGREE)
     velocity = savgol_filter(log.position, width, DEGREE, deriv=1, delta=step)
     if time_s is None:
-        return Path(position, velocity, log.position, noise)
-    moved = (np.interp(time_s, log.time_s, values) for values in (position, velocity, log.position))
-    return Path(*moved, noise)
+        return Path(position, velocity, noise)
+    return Path(
+        np.interp(time_s, log.time_s, position),
+        np.interp(time_s, log.time_s, velocity),
+        noise,
+    )
 
 
 def _moves(path: Path) -> bool:
