@@ -261,13 +261,16 @@ def _diagnose(
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     gap = gap.model_copy(update=share_of_friction(model, residuals, posterior))
     others = data.rigs[0].other_joints
-    elsewhere = looks_like_others(named, examined, others, gap)
+    rivals = [name for one in sets_of_one(chances, known, named) for name in one]
+    amounts = amounts_of(model, best)
+    elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
     contradicted = contradicts(gap) or elsewhere
     if contradicted:
-        found = found.overruled(frozenset(named))
+        for effects in [named] if named else [[name] for name in rivals]:
+            found = found.overruled(frozenset(effects))
         chances, acting = found.probabilities(), inclusion(found)
         known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
-    together = sets_of_one(chances, known, named)
+    together = () if elsewhere else sets_of_one(chances, known, named)
     not_shown = why_not_shown(found, residuals)
     verdict, chance = decide(
         chances,
@@ -296,7 +299,7 @@ def _diagnose(
     causes, present = told(named), told(judged.present)
     considered: tuple[Cause, ...] = ()
     if contradicted:
-        causes, considered = (), causes
+        causes, considered = (), causes or told(rivals)
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
@@ -324,7 +327,6 @@ def _diagnose(
         not_shown if above < MOSTLY else None,
         elsewhere,
     )
-    amounts = amounts_of(model, best)
     errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
         **attributes.model_dump(),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from bayesfric.diagnosis.other_joints import model_error_words
-from bayesfric.errors import InputError
+from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
 from bayesfric.rigs.model_amounts import model_errors
@@ -44,7 +44,8 @@ def diagnosed_together(
         No joint can be diagnosed: why, of each.
     """
     each: dict[str, Diagnosed] = {}
-    faults, left_out = [], []
+    faults: list[Fault] = []
+    left_out: list[str] = []
     for place, (joint, recording) in enumerate(parted.items()):
         folder = None if checkpoint is None else checkpoint / f"joint-{place + 1}"
         try:

@@ -19,12 +19,17 @@ LISTED = 3  # numbers of a model that a sentence has
 
 
 def looks_like_others(
-    named: Collection[str], examined: Mapping[str, Effect], others: str | None, gap: Gap
+    named: Collection[str],
+    examined: Mapping[str, Effect],
+    others: str | None,
+    gap: Gap,
+    amounts: ModelAmounts | None,
 ) -> bool:
     """Return whether causes are of a kind that the pull of a joint looks like that is not logged.
 
     Where nobody says what other joints did, they are taken to have moved if more is left of the
-    force than a machine's own friction scatters.
+    force than a machine's own friction scatters; where they are logged and there is no model,
+    that much says that what they do is not told by the form that it was given.
 
     Parameters
     ----------
@@ -35,10 +40,13 @@ def looks_like_others(
     others : str or None
         What other joints did: ``still``, ``logged``, ``moving`` or ``unknown``.
     gap : Gap
-        With what a perfect law would leave.
+        With what causes leave of data held out, and what a perfect law would leave.
+    amounts : ModelAmounts or None
+        Of the errors of the machine's model; None without one.
     """
-    left = gap.floor.q50 >= LEFT * gap.friction_rms
-    moved = others == "moving" or (others == "unknown" and left)
+    left = max(gap.floor.q50, gap.after.q50) >= LEFT * gap.friction_rms
+    open_still = others in ("unknown", "logged") and amounts is None
+    moved = others == "moving" or (open_still and left)
     return moved and any(_is_placed(examined[name]) for name in named if name in examined)
 
 

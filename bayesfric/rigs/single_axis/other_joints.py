@@ -222,7 +222,7 @@ def _with_model(
 
 
 def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterator[WeakForce]:
-    """Yield what other joints may do to one, each scaled by what the joint's drive gives."""
+    """Yield what other joints may do to one: of each kind together as much as its drive gives."""
     whole, share = log.force, 1.0
     if log.known_force is not None:
         whole, share = log.known_force.value, KNOWN_TO
@@ -233,7 +233,8 @@ def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterat
     if rotary:
         shapes += [turn(a) for a in _inner(paths, near) for turn in (np.cos, np.sin)]
         angles = list(_sums(paths, near, own))
-        yield from (WeakForce(force * turn(a)) for a in angles for turn in (np.cos, np.sin))
+        pull = force / np.sqrt(2 * len(angles))
+        yield from (WeakForce(pull * turn(a)) for a in angles for turn in (np.cos, np.sin))
     for group in ("momentum", "pull"):
         if group == "momentum":
             columns = [shape * rate for shape in shapes for rate in rates]
@@ -245,7 +246,7 @@ def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterat
         largest = max(float(np.sqrt(np.mean(size**2))) for size in sizes) or 1.0
         nothing = np.zeros(log.time_s.size)
         for column in columns:
-            scaled = force / largest * column
+            scaled = force / (largest * np.sqrt(len(columns))) * column
             if group == "momentum":
                 yield WeakForce(nothing, momentum=scaled)
             else:
