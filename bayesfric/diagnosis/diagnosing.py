@@ -44,7 +44,7 @@ from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
+from bayesfric.diagnosis.verdict import decide, sets_of_one, sort_effects, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
@@ -255,6 +255,7 @@ def _diagnose(
     found, best = judged.search, judged.search.best()
     residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
     known, named, settled = judged.known, judged.named, judged.settled
+    present, possible = judged.present, judged.possible
     chances = found.probabilities()
     friction, above, plain = residuals.friction_rms, judged.above, judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
@@ -270,6 +271,9 @@ def _diagnose(
             found = found.overruled(frozenset(effects))
         chances, acting = found.probabilities(), inclusion(found)
         known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
+        _, present, possible = sort_effects(
+            [one for one in known if one.effect not in (*named, *rivals)], above
+        )
     together = () if elsewhere else sets_of_one(chances, known, named)
     not_shown = why_not_shown(found, residuals)
     verdict, chance = decide(
@@ -296,7 +300,7 @@ def _diagnose(
     def told(names: list[str]) -> tuple[Cause, ...]:
         return causes_of(names, model, found, posterior, practical, floor, check)
 
-    causes, present = told(named), told(judged.present)
+    causes, beside = told(named), told(present)
     considered: tuple[Cause, ...] = ()
     if contradicted:
         causes, considered = (), causes or told(rivals)
@@ -322,7 +326,7 @@ def _diagnose(
         causes,
         where,
         unseparated,
-        present,
+        beside,
         considered,
         not_shown if above < MOSTLY else None,
         elsewhere,
@@ -350,8 +354,8 @@ def _diagnose(
         unvisited_probability=found.unvisited(),
         inclusion=inclusion_of(known, posterior, practical),
         causes=causes,
-        present=present,
-        possible=told(judged.possible),
+        present=beside,
+        possible=told(possible),
         considered=considered,
         enter=to_enter,
         enter_why=not_entered,
