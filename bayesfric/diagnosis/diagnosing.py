@@ -267,8 +267,8 @@ def _diagnose(
     elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
     contradicted = contradicts(gap) or elsewhere
     if contradicted:
-        for effects in [named] if named else [[name] for name in rivals]:
-            found = found.overruled(frozenset(effects))
+        for acting_together in [named] if named else [[name] for name in rivals]:
+            found = found.overruled(frozenset(acting_together))
         chances, acting = found.probabilities(), inclusion(found)
         known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
         _, present, possible = sort_effects(
@@ -303,7 +303,8 @@ def _diagnose(
     causes, beside = told(named), told(present)
     considered: tuple[Cause, ...] = ()
     if contradicted:
-        causes, considered = (), causes or told(rivals)
+        considered = causes if named else told(rivals)
+        causes = ()
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
