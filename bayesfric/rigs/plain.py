@@ -1,7 +1,7 @@
 """What a rig has when it says nothing of its own: no rules, no path, nothing beyond its trials."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import pandas as pd
 import xarray as xr
@@ -13,7 +13,6 @@ from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
 from bayesfric.rigs.changes import Change
-from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.pulleys import PulleyTrials
@@ -72,26 +71,6 @@ class PlainTrials(PulleyTrials):
         """Return all trials: readings are linear, so that what they tell rests on conditions."""
         del laws
         return self
-
-    @property
-    def taken_up(self) -> frozenset[str]:
-        """Nothing."""
-        return frozenset()
-
-    @property
-    def in_simulator(self) -> Mapping[str, float]:
-        """Nothing."""
-        return {}
-
-    @property
-    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"] | None:
-        """None: it is no joint."""
-        return None
-
-    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return None: it has no model."""
-        del mean, covariance
-        return None
 
     def next_trials(self, laws: Mapping[str, Any]) -> Self | None:
         """Return None: nobody lays out further trials."""
