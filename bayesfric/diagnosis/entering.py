@@ -86,11 +86,12 @@ def numbers_to_enter(
         return (), OF_PULLEYS
     if not {"inertia", "coulomb"} & set(law):
         return (), NO_JOINT
-    turns = model.data.unit == rotary_unit("N")
+    turns, has = model.data.unit == rotary_unit("N"), model.data.rigs[0].in_simulator
     found = [
         Enter(
             parameter=name,
             unit=number.unit,
+            in_your_simulator=has.get(name),
             value=number.after,
             fields=_fields("inertia, turning" if turns and name == "inertia" else name),
             lost_without_why=HAS_FIELD,
@@ -105,6 +106,7 @@ def numbers_to_enter(
                 Enter(
                     parameter="viscous",
                     unit=unit,
+                    in_your_simulator=has.get("viscous"),
                     value=interval(damping),
                     fields=_fields("viscous"),
                     lost_without_why=HAS_FIELD,

@@ -22,6 +22,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
+from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
@@ -45,6 +46,7 @@ class Entering(NamedTuple):
     interval_s: float
     simulated: SimulatedBaseline | None
     turns: int
+    machine: Machine
 
 
 def entering(
@@ -67,8 +69,11 @@ def entering(
     logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
+    machine = machine_of(axis, constants)
     for _, run in axis.runs.iterrows():
         log = log_of(by_run[run["run"]], constants)
+        if log is not None and simulator is None:
+            log = machine.around(log, run["run"])
         if log is None:
             still.append(str(run["run"]))
             continue
@@ -127,6 +132,7 @@ def entering(
         float(np.median([log.interval_s for log in logs])),
         beside,
         turns,
+        machine,
     )
 
 

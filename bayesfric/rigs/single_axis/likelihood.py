@@ -2,14 +2,15 @@
 
 Given the numbers, row i of run r on assembly j is
 
-    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + F_o s_i + Δ F'_i + error_i,
+    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + F_o s_i + Δ F'_i + Σ c_k B_ki + error_i,
 
 with F_o an offset of the force and s the way that the axis runs, η, ε the scatter of assemblies
 and runs, ζ friction's wander along the path and Δ the time by which the clocks of force and
-position are off. Errors and wander have a covariance whose shape (the ratio of position to force
-error, the length of the wander, and how much friction differs from place to place in a run) is
-that of the most probable noise; how large errors and wander are remains open. Each run is reduced
-once to quadratic forms, tabulated over the ratio of the two.
+position are off. B_k are forces of other joints, or of errors of the machine's model, in amounts
+c_k whose priors are N(0, 1). Errors and wander have a covariance whose shape (the ratio of
+position to force error, the length of the wander, and how much friction differs from place to
+place in a run) is that of the most probable noise; how large errors and wander are remains open.
+Each run is reduced once to quadratic forms, tabulated over the ratio of the two.
 """
 
 from collections.abc import Mapping
@@ -39,6 +40,7 @@ RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over
 DECAY = 2.0  # of the spectrum of a map of friction
 SCATTER = HalfNormal(scale=0.05)
 FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
+BESIDE = "beside"  # and a number: the amount of a force beside the law
 
 
 class AxisModel:
@@ -65,6 +67,8 @@ class AxisModel:
         self.trials, size = table, SizeIndex.of(table["pulley_size"])
         self._rough, self._lacks = rows.law, rows.lacks
         self._theta = None if rows.simulated is None else rows.theta
+        count = rows.readings.beside.shape[1]
+        self._beside = tuple(f"{BESIDE}_{place}" for place in range(1, count + 1))
         self._speed = np.bincount(
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
@@ -94,6 +98,7 @@ class AxisModel:
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
             *([offset] if rows.offset_n else []),
+            *(Parameter(name, "1", Normal(mean=0.0, sd=1.0), "noise") for name in self._beside),
         )
 
     def _tabulate(self, rows: AxisRows) -> None:
@@ -106,10 +111,11 @@ class AxisModel:
                 rows.mean(readings.speed),
                 readings.force_rate,
                 readings.way,
+                *readings.beside.T,
             ],
             axis=1,
         )
-        pieces = Pieces.of(readings, rows.law.mass, np.ones(readings.count))
+        pieces = Pieces.of(readings, rows.moved_mass, np.ones(readings.count))
         first = np.array([row[0] for row in pieces.rows])
         owner = readings.trial[first]
         position, force, _, length, along = self.noise
@@ -154,10 +160,11 @@ class AxisModel:
         wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
         found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
-        form = found[..., :-1].reshape(*found.shape[:2], 6, 6)
+        width = 6 + len(self._beside)
+        form = found[..., :-1].reshape(*found.shape[:2], width, width)
         determinant = found[..., -1]
         zero = np.zeros_like(theta["mass"])
-        names = ("mass", "coulomb", "viscous", "latency", "offset")
+        names = ("mass", "coulomb", "viscous", "latency", "offset", *self._beside)
         minus = [theta.get(name, zero) for name in names]
         left = np.stack([np.ones_like(zero), *(-one for one in minus)], axis=-1)
         residual = np.einsum("wi,wnij->wnj", left, form)
@@ -203,6 +210,7 @@ class AxisModel:
         }
         reference = rough if self._theta is None else self._theta
         places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
+        found |= dict.fromkeys(self._beside, 0.0)
         return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 
@@ -213,7 +221,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     to place in a run.
     """
     readings, friction = rows.readings, rows.law.coulomb
-    pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
+    pieces = Pieces.of(readings, rows.moved_mass, np.full(readings.count, friction))
     columns = np.column_stack([rows.coefficient_columns(), rows.nuisance_columns()])
     rms = np.sqrt((columns**2).mean(axis=0))
     columns = columns / np.where(rms > 0, rms, 1.0)

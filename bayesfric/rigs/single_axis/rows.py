@@ -121,6 +121,11 @@ class AxisRows:
         """Of no use here: it changes along a run; zeros, (N,)."""
         return np.zeros(len(self.table))
 
+    @property
+    def moved_mass(self) -> float:
+        """What an error of the position accelerates: by the law, and by a known force's model."""
+        return float(self.law.mass + self.readings.known_inertia)
+
     def mean(self, values: Array) -> Array:
         """Return means over the windows of what is known at places inside, (W,)."""
         rows = self.readings
@@ -190,14 +195,19 @@ class AxisRows:
         return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return prior standard deviations: of the clocks' difference [s], and of an offset [N]."""
+        """Return prior standard deviations of the columns of :meth:`nuisance_columns`.
+
+        Of the clocks' difference [s], of an offset [N], and of amounts beside the law.
+        """
         del priors
-        return (self.latency_s, self.offset_n) if self.offset_n else (self.latency_s,)
+        offset = (self.offset_n,) if self.offset_n else ()
+        return (self.latency_s, *offset, *[1.0] * self.readings.beside.shape[1])
 
     def nuisance_columns(self) -> Array:
         """Return what the nuisances of 1 add to each row, (W, m)."""
-        columns = [self.readings.force_rate, self.readings.way]
-        return np.stack(columns if self.offset_n else columns[:1], axis=1)
+        rows = self.readings
+        offset = [rows.way] if self.offset_n else []
+        return np.stack([rows.force_rate, *offset, *rows.beside.T], axis=1)
 
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -18,8 +19,10 @@ from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
+from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
+from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
@@ -30,6 +33,7 @@ from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
@@ -80,6 +84,7 @@ OFFERED = ALWAYS | {
     NO_COULOMB,
     NO_OFFSET,
 }  # what no column of the user's own stands for
+PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
 @dataclass(frozen=True)
@@ -104,6 +109,12 @@ class SingleAxis(PlainRig):
         """Return the runs that do not enter, and why; see :mod:`.left_out`."""
         if recording.axis is None:
             return []
+        if parted := parted_by_joint(recording):
+            return [
+                replace(fault, column=f"{joint}, {fault.column}" if fault.column else joint)
+                for joint, one in parted.items()
+                for fault in self.left_out(one)
+            ]
         if faults := not_modelled(recording.axis, recording.rig):
             return faults
         found = entering(recording.axis, recording.rig)
@@ -141,6 +152,8 @@ class AxisRuns(PlainTrials):
         A user's simulator, in the place of the law in a diagnosis.
     turns : int
         How often the axis is seen to turn.
+    machine : Machine or None
+        That the joint is of, with its other joints.
     """
 
     rig: SingleAxis
@@ -155,6 +168,7 @@ class AxisRuns(PlainTrials):
     source: Axis | None = None
     simulated: SimulatedBaseline | None = None
     turns: int = 0
+    machine: Machine | None = None
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -223,6 +237,30 @@ class AxisRuns(PlainTrials):
     def _further(self) -> tuple[str, ...]:
         """Columns of the recording's own that varied over all runs."""
         return () if self.source is None else varied_columns(self.source.runs)
+
+    @property
+    def taken_up(self) -> frozenset[str]:
+        """Pulls towards a place, where other joints move and no model says what that does."""
+        without_model = self.machine is not None and self.machine.bodies is None
+        return PLACED if without_model and self.readings.beside.shape[1] else frozenset()
+
+    @property
+    def in_simulator(self) -> Mapping[str, float]:
+        """Armature, frictionloss and damping of the machine's model; empty without one."""
+        return {} if self.machine is None else self.machine.settings
+
+    @property
+    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
+        """What the machine's other joints did: as somebody says, else by what is in the log."""
+        return "unknown" if self.machine is None else self.machine.other_joints
+
+    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
+        """Return how wrong the machine's model is; the first nuisance is the clocks'."""
+        if self.machine is None or self.machine.bodies is None:
+            return None
+        before = self.machine.amounts_before()
+        shares = self.readings.mixing.shares
+        return ModelAmounts.told(mean[1:], covariance[1:, 1:], shares, before)
 
     @property
     def unit(self) -> str:
