@@ -17,6 +17,7 @@ from bayesfric.rigs.layout import COEFFICIENTS
 __all__ = ["share_of_friction", "why_not_shown", "windows_told"]
 
 WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
+HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
 TOLD = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
@@ -78,8 +79,8 @@ def share_of_friction(
     """
     if model.data.rigs[0].has_pulleys:
         return {"no_share": None}  # a board whose pulleys rub not at all would not be recorded
-    drawn = _friction_draws(model, residuals, posterior)
-    middle, error = float(drawn.mean()), float(drawn.std())
+    drawn, held = _friction_draws(model, residuals, posterior)
+    middle, error = float(drawn.mean()), float(drawn.std()) + held
     if error < WITHIN * middle:
         return {"no_share": None}
     unit = model.data.unit
@@ -89,23 +90,33 @@ def share_of_friction(
     }
 
 
-def _friction_draws(model: LinearModel, residuals: Residuals, posterior: Posterior) -> Array:
-    """Return draws of rms friction, (S,); a law's friction is linear in its numbers."""
+def _friction_draws(
+    model: LinearModel, residuals: Residuals, posterior: Posterior
+) -> tuple[Array, float]:
+    """Return draws of rms friction, (S,), and the rms of what is held at its least.
+
+    A law's friction is linear in its numbers. Draws of a number that would be below its least
+    are there: it may be nothing, whatever their spread is.
+    """
     laws, moved = model.laws, posterior.law.coefficients
     rows = [rig.linear(laws) for rig in model.data.rigs]
     friction = np.concatenate([of_rig.friction_n for of_rig in rows])
-    drawn = np.repeat(friction[:, None], len(moved), axis=1)
+    drawn, held = np.repeat(friction[:, None], len(moved), axis=1), np.zeros(friction.size)
     sizes = np.concatenate([rig.size for rig in model.rigs])
     for place, size in enumerate(model.layout.sizes):
         law = laws[size]
         for column, name in enumerate(Coefficients._fields):
-            middle, step = float(np.asarray(law[column])), float(moved[:, place, column].std())
+            values, middle = moved[:, place, column], float(np.asarray(law[column]))
+            at_least = float(np.mean(values == values.min())) > HELD
+            step = float(values.std()) or abs(middle)
             shown = residuals.columns[residuals.size == place, column].any()
-            if step == 0 or not shown:  # a number that does nothing here is not known either
+            free = bool(model.free[place, column])
+            if step == 0 or not shown or not free:  # what does nothing here is not known either
                 continue
             beside = {**laws, size: law._replace(**{name: middle + step})}
             above = np.concatenate([rig.linear(beside).friction_n for rig in model.data.rigs])
             slope = np.where(sizes == place, (above - friction) / step, 0.0)
-            drawn += np.outer(slope, moved[:, place, column] - middle)
+            drawn += np.outer(slope, values - middle)
+            held += at_least * slope * values.min()
     weight = np.bincount(residuals.trial, residuals.weight, friction.size)
-    return np.asarray(np.sqrt(weight @ drawn**2))
+    return np.asarray(np.sqrt(weight @ drawn**2)), float(np.sqrt(weight @ held**2))

@@ -28,6 +28,10 @@ def _parameters(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
+BOTH_WAYS = ("normal(", "student-t(", "uniform(")
+"""Priors of numbers that may be below 0, such as the latency between two clocks."""
+
+
 def _positive(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     groups = {"scatter": record["scatter"], "noise": record["noise"]}
@@ -35,7 +39,7 @@ def _positive(record: Mapping[str, Any]) -> list[str]:
         groups[f"pulleys.{size}"] = {name: law[name] for name in ("c1", "c2") if name in law}
     for kind, entries in groups.items():
         for name, entry in entries.items():
-            if entry["q05"] < 0:
+            if entry["q05"] < 0 and not entry["prior"].startswith(BOTH_WAYS):
                 wrong.append(f"{kind}.{name} may be {entry['q05']:.3g}")
     return wrong
 
@@ -128,7 +132,8 @@ FIT = {
         _parameters,
     ),
     "positive-where-it-must-be": Rule(
-        "Scatter and noise are above 0, and so is friction that c1 and c2 make.",
+        "Scatter and noise are above 0, and so is friction that c1 and c2 make; an offset, whose "
+        "prior goes both ways, need not be.",
         _positive,
     ),
     "trials-counted": Rule(

@@ -2,6 +2,7 @@
 
 import copy
 import json
+from pathlib import Path
 
 import pytest
 from blind.verdicts import diagnosed as made_up
@@ -14,6 +15,8 @@ from bayesfric.report.chapters.faults import faults
 from bayesfric.report.stored import StoredDiagnosis, StoredResults
 from bayesfric.schemas import Unseparated
 from bayesfric.testing import check_result
+
+SCORECARD = Path(__file__).parent / "scorecard.json"  # of blind boards
 
 
 def record(**changes):
@@ -161,9 +164,9 @@ def test_a_file_without_a_key_is_refused():
 
 
 def test_stored_results_of_the_repository_break_nothing(root):
-    names = ("reference/fit", "reference/claims", "reference/diagnosis", "evidence/blind/scorecard")
-    for name in names:
-        assert broken_of(root / "reports" / f"{name}.json") == {}, name
+    for name in ("fit", "claims", "diagnosis"):
+        assert broken_of(root / "reports" / "reference" / f"{name}.json") == {}, name
+    assert broken_of(SCORECARD) == {}
 
 
 @pytest.mark.parametrize(
@@ -173,12 +176,13 @@ def test_stored_results_of_the_repository_break_nothing(root):
         ("reference/fit", "parameters-are-drawn", "pulleys__small__c1__r_hat", 0.2),
         ("reference/fit", "positive-where-it-must-be", "pulleys__small__c1__q05", -0.1),
         ("reference/claims", "claims-follow", "claims__0__log10_bayes_factor_se", -1.0),
-        ("evidence/blind/scorecard", "rates-within-intervals", "accuracy__rate", 1.5),
-        ("evidence/blind/scorecard", "accuracy-of-cases", "accuracy__rate", 0.5),
+        ("scorecard", "rates-within-intervals", "accuracy__rate", 1.5),
+        ("scorecard", "accuracy-of-cases", "accuracy__rate", 0.5),
     ],
 )
 def test_rules_of_other_results(root, name, rule, path, value):
-    found = json.loads((root / "reports" / f"{name}.json").read_text())
+    path_of = SCORECARD if name == "scorecard" else root / "reports" / f"{name}.json"
+    found = json.loads(path_of.read_text())
     part = found
     *keys, last = path.split("__")
     for key in keys:
