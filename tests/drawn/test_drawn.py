@@ -7,10 +7,10 @@ plan: ``recording_of(*plans)`` makes the recording again.
 from dataclasses import replace
 
 import pytest
-from hypothesis import HealthCheck, Phase, event, given, seed, settings
+from hypothesis import HealthCheck, Phase, event, example, given, seed, settings
 from hypothesis import strategies as st
 
-from drawn.plans import PLANS, recording_of
+from drawn.plans import PLANS, Points, recording_of
 from drawn.through import answered
 
 QUICK = settings(
@@ -40,7 +40,11 @@ def small(plan):
     return replace(plan, **{name: min(most, getattr(plan, name)) for name, most in counts.items()})
 
 
+NO_TENSION = Points(points=30, columns=("wrap_angle_deg",), same=True)  # has c2 alone
+
+
 @QUICK
+@example(plans=(NO_TENSION,), verb="fit", number=0)
 @given(plans=PLANS, verb=st.sampled_from(["fit", "diagnose"]), number=st.integers(0, 9))
 def test_thirty_recordings_come_to_an_answer_or_a_reason(plans, verb, number):
     said(answered(recording_of(*map(small, plans)), (verb,), report=number == 0))
