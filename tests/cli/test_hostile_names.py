@@ -9,13 +9,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from recording.mini import Mini, write_files
 from report.hostile import FORMULAS, HOSTILE, IN_CELLS
 from typer.testing import CliRunner
 
 from bayesfric.characters import legible
-from bayesfric.claims.checking import Checked
+from bayesfric.claims.junit import write_junit
 from bayesfric.cli import app
 from bayesfric.export import export_text
 from bayesfric.export.stored_law import StoredLaw
@@ -85,15 +84,15 @@ def test_the_terminal_shows_what_was_wrong_as_text(tmp_path):
                 assert said[0].startswith("error: ")
 
 
-def test_junit_holds_each_as_it_was_written():
+def test_junit_holds_each_as_it_was_written(tmp_path):
     found = read_json(ClaimsFile, reference_folder() / "claims.json")
     claims = tuple(
         found.claims[0].model_copy(update={"id": f"c{i}", "verdict": verdict, "reason": text})
         for i, text in enumerate(HOSTILE)
         for verdict in ("refuted", "undecided")
     )
-    told = Checked(found.model_copy(update={"claims": claims}), xr.DataTree(), 0.0)._junit()
-    suite = ElementTree.fromstring(told)
+    write_junit(found.model_copy(update={"claims": claims}), tmp_path / "junit.xml")
+    suite = ElementTree.fromstring((tmp_path / "junit.xml").read_bytes())
     assert {case.tag for case in suite} == {"testcase"}
     assert [one.tag for case in suite for one in case] == ["failure", "skipped"] * len(HOSTILE)
     messages = [one.get("message") for case in suite for one in case]
@@ -117,7 +116,11 @@ def law_of(name, size):
     places = {"velocity": np.arange(1.0, 5.0), "tension": np.full(4, 10.0)}
     places |= {"n_pulleys": np.full(4, 1.0), "wrap_angle": np.full(4, 85.0)}
     coefficients = {size: Coefficients(0.01, 0.1, 0.0)}
-    return StoredLaw(name, "paper", "N", coefficients, {}, (), places, np.full(4, 0.2), 0.01)
+    friction = np.full(4, 0.2)
+    trial = np.arange(4)
+    return StoredLaw(
+        name, "paper", "N", {}, "", coefficients, {}, (), places, friction, friction + 0.01, trial
+    )
 
 
 def test_an_exported_law_is_a_law_whatever_it_is_named():

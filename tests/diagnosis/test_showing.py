@@ -9,6 +9,7 @@ from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
 from bayesfric.diagnosis.showing import why_not_shown
+from bayesfric.errors import InputError
 
 
 def recorded(windows, numbers=2):
@@ -47,7 +48,7 @@ def test_what_does_nothing_is_no_number_that_needs_windows():
     assert why_not_shown(search(-3.0), recorded(5, numbers=1)) is None
 
 
-def test_a_recording_of_one_window_is_undecided(tmp_path):
+def test_a_recording_of_one_stroke_is_refused(tmp_path):
     """Friction grows fourfold with speed, and one stroke in one direction cannot show it."""
     time = np.arange(40) / 50
     angle = 0.3 * np.sin(np.pi * (time / time[-1] - 0.5))
@@ -59,11 +60,8 @@ def test_a_recording_of_one_window_is_undecided(tmp_path):
     )
     runs = pd.DataFrame({"run": ["a"], "order": [1]})
     written = write(tmp_path / "stroke", Machine(), runs, samples, rotary=True)
-    found = bf.diagnose(bf.read_recording(written)).summary
-    assert found.verdict == "undecided"
-    assert found.verdict_probability < 0.9
-    assert "could not have shown a gap" in found.sentence
-    assert "window" in found.sentence
+    with pytest.raises(InputError, match=r"6 windows .* and it takes 12"):
+        bf.diagnose(bf.read_recording(written))
 
 
 def test_of_an_axis_without_friction_no_share_is_told(tmp_path):

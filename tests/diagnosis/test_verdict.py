@@ -203,7 +203,7 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
     gap, causes = diagnosis().gap, [cause("viscous")] if verdict == "named" else ()
 
     def said(where):
-        return sentence_of(verdict, 0.97, causes, gap, where, (), 0.02)
+        return told(verdict, gap, 0.02, causes, where=where)
 
     lies = "It lies along velocity (share 0.60 [0.55, 0.65])."
     assert lies in said(placed(0.6, 0.1, leads=True))

@@ -15,7 +15,7 @@ import pandas as pd
 from fingerprint.points import AXIS, NOISE, TABLE1
 from pydantic import TypeAdapter
 
-from bayesfric.analysis import Analysis, Prior, checked_analysis
+from bayesfric.analysis import Analysis, Normal, Prior, checked_analysis
 from bayesfric.claims.checking import check_claims
 from bayesfric.claims.comparison import bayes_factor as claims_factor
 from bayesfric.claims.studies import Task, study_all
@@ -32,7 +32,7 @@ from bayesfric.diagnosis.search import Steps, search
 from bayesfric.diagnosis.systematic import posterior_of
 from bayesfric.diagnosis.unknown import unknown_force
 from bayesfric.diagnosis.weighing import log_volume, weigh
-from bayesfric.effects import all_effects
+from bayesfric.effects import Effect, all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.effects.candidates import prior_moments as candidate_moments
 from bayesfric.fitting.drawing import draw_posterior
@@ -310,9 +310,23 @@ def small_fit(rig: str) -> dict[str, tuple[np.ndarray, float]]:
     }
 
 
-def diagnosis(rig: str) -> Any:
-    """Return what ``diagnosis.json`` says of the recording of a rig."""
-    return diagnose(recording(rig), analysis_of({"seed": 481})).summary
+def diagnosis(rig: str, recorded: Recording | None = None) -> Any:
+    """Return what ``diagnosis.json`` says of a rig's recording, or of another."""
+    whole = recording(rig) if recorded is None else recorded
+    return diagnose(whole, analysis_of({"seed": 481})).summary
+
+
+def with_more_friction() -> dict[str, Recording]:
+    """Return the friction points with what a diagnosis calls unknown, and what it names."""
+    whole = recording("points")
+    table = whole.steady
+    speed = table["velocity_m_s"].abs()
+    hump = 1 + 0.35 * np.exp(-0.5 * (np.log(speed / 0.3) / 0.4) ** 2)
+    more = {"a hump along speed": hump, "more with speed": 1 + 0.4 * speed}
+    return {
+        name: replace(whole, steady=table.assign(friction_n=table["friction_n"] * factor))
+        for name, factor in more.items()
+    }
 
 
 def linear(
@@ -321,6 +335,7 @@ def linear(
     *,
     discrepancy: bool = True,
     acting: Sequence[tuple[str, str, float]] = (),
+    away: bool = False,
 ) -> LinearModel:
     """Return the linear model of a rig around a law near the truth.
 
@@ -335,11 +350,15 @@ def linear(
     acting : sequence of (str, str, float)
         Effects, their laws, and amplitudes as shares of their priors' widths: friction scatters
         with them, and their laws may be wrong.
+    away : bool
+        Whether amplitudes have normal priors around what their own priors are wide.
     """
     data, _ = diagnosed_data(recording(rig), "paper", None)
     analysis = with_own_priors(analysis_of({}), data.rigs)
     laws = {size: _law_of(size) for size in data.sizes}
     effects = suited(data)
+    if away:
+        effects = {name: _away(effect) for name, effect in effects.items()}
     candidates = [
         candidate
         for name, effect in effects.items()
@@ -360,6 +379,13 @@ def linear(
     return LinearModel(
         data, laws, candidates, analysis, scattering=added, forms=forms, by_trial=True
     )
+
+
+def _away(effect: Effect) -> Effect:
+    """Return an effect whose amplitude has a normal prior that is not around 0."""
+    width = inference_priors.prior_width(effect.amplitude.prior)
+    around = Normal(mean=width, sd=width)
+    return replace(effect, amplitude=replace(effect.amplitude, prior=around))
 
 
 def _law_of(size: str) -> Coefficients:
@@ -544,9 +570,9 @@ class Searched:
     strengths: dict[str, tuple[float, float]]
 
 
-def searched(rig: str, names: Sequence[str], *, seed: int) -> Searched:
+def searched(rig: str, names: Sequence[str], *, seed: int, away: bool = False) -> Searched:
     """Return a search among a few effects around the law, and the gap that it leaves."""
-    linear_model = linear(rig, names)
+    linear_model = linear(rig, names, away=away)
     start = np.log([NOISE[rig][parameter.name] for parameter in linear_model.noise])
     at = climb(linear_model, start, Acting())
     classes = classes_of(linear_model, at.psi)
@@ -580,8 +606,11 @@ def _mean(values: np.ndarray) -> tuple[float, float]:
 
 
 @cache
-def loop_at_shaft(name: str) -> Any:
-    """Return a bundled loop at the motor's shaft, for twelve draws around Table I."""
+def loop_at_shaft(name: str, *, stiff: bool = False) -> Any:
+    """Return a bundled loop at the motor's shaft, for twelve draws around Table I.
+
+    On a stiff cable motor and joint move as one.
+    """
     rng = np.random.default_rng(482)
     sizes = ("small", "medium", "large")
     coefficients = {
@@ -597,6 +626,9 @@ def loop_at_shaft(name: str) -> Any:
     identity = RecordingId(name="fixed", title="", sha256="a" * 64)
     posterior = Posterior(coefficients, omega, 12.0, identity, "b" * 64, None)
     loop = read_loop(Path(name))
+    if stiff:
+        cable = loop.cable.model_copy(update={"axial_stiffness_n": 1e12})
+        loop = loop.model_copy(update={"cable": cable})
     return at_shaft(loop, draw_assembly(loop, posterior, RigDiscrepancy(0.05, ""), 483))
 
 
@@ -633,6 +665,11 @@ def simulated() -> dict[str, pd.DataFrame]:
         "points": simulate_recording("points", seed=484),
         "points with effects": simulate_recording("points", seed=484, effects={"stribeck": 0.3}),
         "axis": simulate_recording("axis", seed=484),
+        "axis that wanders": simulate_recording(
+            "axis",
+            seed=484,
+            truth=Truth({"axis": Coefficients(2.0, 1.5, 0.0)}, wander=0.02, wander_length=0.05),
+        ),
         "axis with effects": simulate_recording(
             "axis", seed=484, effects={"presliding": 0.3, "delay": 0.2, "backlash": 0.3}
         ),

@@ -19,6 +19,8 @@ SEARCHED = {
     "axis": ("viscous", "presliding"),
 }
 
+AWAY = ("motor", "points")
+
 
 def numbers(rig: str) -> dict[str, Number]:
     """Return the numbers of a rig."""
@@ -73,6 +75,10 @@ def _of_hypothesis(
 
 
 def _of_a_search(rig: str) -> Iterator[tuple[str, Number]]:
+    if rig in AWAY:
+        around = access.searched(rig, SEARCHED[rig], seed=477, away=True)
+        for name, value in around.log_evidence.items():
+            yield f"search, priors away from 0, {name}: log evidence", integrated(value)
     search = access.searched(rig, SEARCHED[rig], seed=477)
     # The volume of an axis's noise is one of differences that are as small as rounding; it is
     # nearly the same for all hypotheses.

@@ -1,6 +1,7 @@
 """Every metric of the four bundled loops at fixed draws, and how two draws of them swing."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from fingerprint import access
@@ -11,7 +12,9 @@ LOOPS = ("raven-elbow", "raven-grasp", "raven-insertion", "raven-tool-rotation")
 
 def numbers() -> dict[str, Number]:
     """Return the metrics of each loop, draw by draw."""
-    return dict(item for loop in LOOPS for item in _of_a_loop(loop))
+    rows = dict(item for loop in LOOPS for item in _of_a_loop(loop))
+    as_one = access.swing(access.loop_at_shaft("raven-insertion", stiff=True))
+    return rows | dict(_of_a_swing("raven-insertion on a stiff cable", as_one))
 
 
 def _of_a_loop(name: str) -> Iterator[tuple[str, Number]]:
@@ -24,7 +27,10 @@ def _of_a_loop(name: str) -> Iterator[tuple[str, Number]]:
             # Margins are read off at crossings, which are looked for.
             yield label, integrated(values[np.isfinite(values)])
     yield f"{name}: gamma_hunting by formula", closed(access.hunting_formula(loop))
-    swing = access.swing(loop)
+    yield from _of_a_swing(name, access.swing(loop))
+
+
+def _of_a_swing(name: str, swing: Any) -> Iterator[tuple[str, Number]]:
     yield f"{name}: hunts", text(" ".join(str(bool(hunts)) for hunts in swing.hunts))
     for figure in ("amplitude", "final_error", "rms_error"):
         values = np.asarray(getattr(swing, figure))

@@ -21,7 +21,12 @@ def of_fit(rig: str) -> dict[str, Number]:
 
 def of_diagnosis(rig: str) -> dict[str, Number]:
     """Return probabilities, verdict, gap, causes and strengths."""
-    return dict(_of_diagnosis(access.diagnosis(rig)))
+    rows = dict(_of_diagnosis(access.diagnosis(rig)))
+    if rig == "points":
+        for name, recorded in access.with_more_friction().items():
+            numbers = _of_diagnosis(access.diagnosis(rig, recorded))
+            rows |= {f"{name}: {number}": value for number, value in numbers}
+    return rows
 
 
 def _of_diagnosis(diagnosis: Any) -> Iterator[tuple[str, Number]]:
@@ -55,6 +60,19 @@ def _of_diagnosis(diagnosis: Any) -> Iterator[tuple[str, Number]]:
     for axis in diagnosis.where:
         if axis.share is not None:
             yield f"where: share along {axis.axis}", drawn(axis.share.mean, _error(axis.share))
+        if axis.p_value is not None:
+            yield f"where: p_value along {axis.axis}", drawn(axis.p_value, 0.003)
+    if diagnosis.where and diagnosis.where[0].shape is not None:
+        shape = diagnosis.where[0].shape
+        for name in ("gap_n", "high_n"):
+            spread = float(np.mean(np.subtract(shape.high_n, shape.low_n)))
+            largest = float(np.max(np.abs(getattr(shape, name))))
+            yield f"where: largest {name}", drawn(largest, 0.01 * spread)
+    yield "gap: floor agrees", text(str(gap.floor_agrees))
+    for row in gap.held_out:
+        yield f"gap, {row.name}: before", drawn(row.before.q50, _error(row.before))
+        yield f"gap, {row.name}: after", drawn(row.after.q50, _error(row.after))
+    yield "remainder", drawn(diagnosis.remainder.log10_bayes_factor, 0.01)
 
 
 def _error(interval: Any) -> float:
