@@ -1,6 +1,7 @@
 """A recording through the verbs: an answer each, or the package's own error of input."""
 
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
