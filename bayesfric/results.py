@@ -5,15 +5,15 @@ beside the target and then renames them into place.
 """
 
 import hashlib
+import math
 import platform
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import arviz_base
-import h5py
 import netCDF4
 import numpy as np
 import xarray as xr
@@ -267,20 +267,21 @@ def read_tree(path: Path) -> xr.DataTree:
 
 
 def _check_bytes(path: Path) -> None:
-    """Find damage before it meets the netCDF library: by its checksum, else by its arrays'."""
-    whole = has_checksum(path)
-    if whole and checksum_differs(path):
+    """Find damage before the arrays are read: a wrong checksum, or an array of absurd size."""
+    if has_checksum(path) and checksum_differs(path):
         raise ValueError("its bytes have changed")
+    with netCDF4.Dataset(path) as file:
+        for variable in _variables(file):
+            size = math.prod(variable.shape) * max(1, np.dtype(variable.dtype).itemsize)
+            if size > LARGEST_ARRAY:
+                raise ValueError(f"{variable.name} has {size:,} bytes")
 
-    def check(name: str, item: h5py.HLObject) -> None:
-        if isinstance(item, h5py.Dataset) and item.shape is not None:
-            if item.nbytes > LARGEST_ARRAY:
-                raise ValueError(f"{name} has {item.nbytes:,} bytes")
-            if not whole:
-                item[()]
 
-    with h5py.File(path, "r") as file:
-        file.visititems(check)
+def _variables(group: netCDF4.Dataset | netCDF4.Group) -> Iterator["netCDF4.Variable[Any]"]:
+    """Yield the variables of a group and of all groups in it."""
+    yield from group.variables.values()
+    for child in group.groups.values():
+        yield from _variables(child)
 
 
 def _layout(tree: xr.DataTree) -> str:
@@ -362,16 +363,20 @@ def refuse_mixed(record: Provenance, path: Path) -> None:
     """
     for name in ARRAYS.get(path.name, ()):
         beside = path.with_name(name)
-        if beside.is_file() and _attributes(beside).get("run_id", "") != record.run_id:
+        if beside.is_file() and _run_id(beside) != record.run_id:
             expected = f"a file of the same run as {path.name}: run the verb again"
             raise InputError([Fault(str(beside), expected)])
 
 
-def _attributes(path: Path) -> Mapping[str, Any]:
+def _run_id(path: Path) -> str:
     try:
+        if not has_checksum(path):  # damage of its arrays shows only when they are read
+            return str(read_tree(path).attrs.get("run_id", ""))
         _check_bytes(path)
         with netCDF4.Dataset(path) as file:
-            return {name: file.getncattr(name) for name in ("run_id",) if name in file.ncattrs()}
+            return str(getattr(file, "run_id", ""))
+    except InputError:
+        raise
     except Exception as error:  # as in read_tree
         raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
 

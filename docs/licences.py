@@ -9,9 +9,10 @@ from importlib import metadata
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+ELSEWHERE = {"colorama"}  # on Windows alone, where no pin is tested
 HEAD = """# Licences of what is installed beside it
 
-bayesfric itself is under the MIT licence. The packages of `constraints.txt`, those for its
+bayesfric itself is under the MIT licence. The packages of `requirements.lock`, those for its
 development included, say of themselves, in their metadata or the first line of their licence file:
 
 | package | version | licence | said in |
@@ -29,8 +30,9 @@ def page() -> str:
 
 def pins() -> list[tuple[str, str]]:
     """Return name and version of each pin."""
-    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
-    return [(name, version) for name, _, version in (line.partition("==") for line in lines)]
+    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    entries = re.findall(r"^([a-z0-9-]+)==([a-z0-9.]+)", text, flags=re.MULTILINE)
+    return [(name, version) for name, version in entries if name not in ELSEWHERE]
 
 
 def rows_of(text: str) -> dict[tuple[str, str], str]:

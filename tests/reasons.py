@@ -22,8 +22,7 @@ def unexplained(value: Any, place: str = "") -> list[str]:
         return []
     wrong = []
     for key, one in value.items():
-        # Of a simulator's fields null is the answer: it has none.
-        if REASON.search(key) or key in ("analysis", "fields"):
+        if REASON.search(key) or key == "analysis":
             continue
         why = value.get(f"{key}_why")
         if why or (one == [] and f"{key}_why" in value):

@@ -2,7 +2,9 @@
 
 import dataclasses
 import json
+import re
 import signal
+import zlib
 from pathlib import Path
 
 import netCDF4
@@ -25,6 +27,7 @@ from bayesfric.results import (
     identified,
     read_json,
     read_tree,
+    refuse_mixed,
     write_netcdf,
 )
 from bayesfric.schemas import ClaimsFile, DiagnosisFile
@@ -193,6 +196,38 @@ def test_arrays_that_another_library_changed_are_read_as_they_are(pairs, tmp_pat
     assert found.attrs == expected.attrs | {"note": "seen"}
     del found.attrs["note"]
     xr.testing.assert_identical(found, expected)
+
+
+def test_a_damaged_array_is_refused_where_the_checksum_of_the_file_is_lost(pairs, tmp_path):
+    """By the array's own, whichever of its bytes is altered, of every reader."""
+    pairs["claims"][0].write(tmp_path)
+    path = tmp_path / "claims.nc"
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("note", "seen")
+    record = read_json(ClaimsFile, tmp_path / "claims.json")
+    refuse_mixed(record, tmp_path / "claims.json")
+    whole = path.read_bytes()
+    for place in compressed(whole, 3 * 8 + 4):  # three numbers and their checksum
+        damaged = bytearray(whole)
+        damaged[place] ^= 8
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match=r"claims\.nc"):
+            read_tree(path)
+        with pytest.raises(InputError, match=r"claims\.nc"):
+            refuse_mixed(record, tmp_path / "claims.json")
+
+
+def compressed(whole, size):
+    """Return the places of the bytes of a file that zlib makes into so many."""
+    for start in (match.start() for match in re.finditer(b"x", whole)):
+        stream = zlib.decompressobj()
+        try:
+            content = stream.decompress(whole[start:])
+        except zlib.error:
+            continue
+        if len(content) == size:
+            return range(start, len(whole) - len(stream.unused_data))
+    raise AssertionError("no array is compressed")
 
 
 def test_arrays_without_a_group_that_was_written_are_refused(pairs, tmp_path):

@@ -138,8 +138,11 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
     shutil.rmtree(output / CHECKPOINT, ignore_errors=True)  # of a simulator nothing is kept
     summary = found.summary
     say(f"{summary.verdict}: {summary.sentence}")
-    for name, chance in list(summary.probabilities.items())[:5]:
-        say(f"  {name:<28} {stated(chance)}")
+    for block in summary.joints or (summary,):
+        if summary.joints:
+            say(f"{block.joint}: {block.verdict}: {block.sentence}")
+        for name, chance in list(block.probabilities.items())[:5]:
+            say(f"  {name:<28} {stated(chance)}")
     happened = say_attention(summary.attention, quiet=quiet)
     if summary.target is not None:
         for line in target_lines(summary.target):

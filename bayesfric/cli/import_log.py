@@ -1,4 +1,4 @@
-"""``bayesfric import``: a log as people have it, to a recording."""
+"""``bayesfric import``: logs as people have them, to a recording."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,33 +14,71 @@ __all__ = ["import_log"]
 
 @exit_status
 def import_log(
-    log: Annotated[Path, typer.Argument(help="CSV, .mcap, or a ROS 2 bag's folder.")],
+    logs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="LOG...",
+            help="CSV, JSON, npz, MAT, parquet, MCAP, or a ROS 2 bag's folder; several are runs.",
+        ),
+    ],
     output: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "-o", "--output", metavar="PATH", help="New folder; refused if it is not empty."
         ),
-    ],
-    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="As the log names it.")],
+    ] = None,
+    joint: Annotated[
+        str | None, typer.Option("--joint", metavar="NAME", help="As the log names it, or all.")
+    ] = None,
     mapping: Annotated[
         Path | None,
         typer.Option(
-            "--map", metavar="PATH", help="A TOML file: columns, units, signs, gear ratios, runs."
+            "--map",
+            metavar="PATH",
+            help="A TOML file: columns, units, signs, gears, runs; without it, one is proposed.",
         ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Turn a log of a joint into a recording.
+    """Turn logs of joints into a recording; without a mapping, propose one.
 
     Example: bayesfric import log.csv -o my-joint --joint elbow --map mapping.toml
     """
+    from bayesfric.errors import Fault, InputError
     from bayesfric.logs import import_log as imported_log
     from bayesfric.recording import describe_recording, write_recording
 
-    found = imported_log(log, joint, mapping=mapping, name=output.resolve().name)
-    write_recording(found.recording, output)
-    for note in found.notes:
+    if mapping is None:
+        _propose(logs[0], joint, quiet)
+        return
+    if output is None:
+        raise InputError([Fault("-o", "the folder of the recording, where --map is given")])
+    imported = imported_log(logs, joint, mapping=mapping, name=output.resolve().name)
+    write_recording(imported.recording, output)
+    for note in imported.notes:
         say(note)
     if not quiet:
-        for label, text in describe_recording(found.recording):
+        for label, text in describe_recording(imported.recording):
             say(f"{label}: {text}", err=True)
+
+
+def _propose(log: Path, joint: str | None, quiet: bool) -> None:
+    """Print a mapping, and write it beside the log where no file has its name."""
+    from bayesfric.logs import propose_mapping
+
+    proposal = propose_mapping(log, joint)
+    typer.echo(proposal.toml, nl=False)
+    file = log.resolve().with_name(f"{log.resolve().name}.mapping.toml")
+    try:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(proposal.toml)
+        where = f"It is written to {file.name} beside the log"
+    except FileExistsError:
+        where = f"{file.name} is there already and is left as it is"
+    except OSError as error:
+        where = f"It is not written beside the log ({error.strerror}): keep what is printed"
+    if not quiet:
+        left = f"; to be said: {'; '.join(proposal.open)}" if proposal.open else ""
+        say(f"Nothing is imported: this is a proposal{left}. {where}.", err=True)
+        edited = log.with_name(file.name)
+        say(f"Edit it, then: bayesfric import {log} -o RECORDING --map {edited}", err=True)

@@ -60,8 +60,9 @@ Baseline = Annotated[
     typer.Option(
         "--baseline",
         metavar="LAW",
-        help="Friction law: paper (c1 T + c2), recursive (pulley by pulley), proportional (no "
-        "constant), constant (nothing else) or viscous (of an axis: with a share of speed).",
+        help="Friction law. Of pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
+        "proportional (no constant), constant (nothing else). Of an axis: coulomb-viscous "
+        "(inertia, Coulomb, viscous, offset: what it has without a word), coulomb, or none.",
     ),
 ]
 Workers = Annotated[

@@ -1,7 +1,7 @@
 """A recording to a diagnosis: where it misses, which effect causes it, how far it shrinks."""
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,11 +26,13 @@ from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
+from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others, model_error_words
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -42,19 +44,23 @@ from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
+from bayesfric.diagnosis.verdict import decide, sets_of_one, sort_effects, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.rigs.base import RigTrials
+from bayesfric.rigs.model_amounts import ModelAmounts, model_errors
 from bayesfric.rigs.opening import with_own_priors
-from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, RecordingId
+from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
 
+NOTHING_TOLD = "these data tell no number of the model"
 MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
 
 LN10 = float(np.log(10))
@@ -76,11 +82,17 @@ class Diagnosed:
         ``trajectories`` and ``amplitudes``.
     seconds : float
         Wall time.
+    amounts : ModelAmounts or None
+        How wrong the machine's model is.
+    own_sentence : str
+        The verdict in words, without what it says of that model.
     """
 
     summary: DiagnosisFile
     curves: xr.DataTree
     seconds: float
+    amounts: ModelAmounts | None = None
+    own_sentence: str = ""
 
     def write(self, folder: Path | str) -> None:
         """Write ``diagnosis.json`` and ``diagnosis.nc``.
@@ -162,15 +174,36 @@ def diagnose(
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
+    if parted := parted_by_joint(recording):
+
+        def of_joint(own: Recording, kept: Path | None) -> Diagnosed:
+            return diagnose(
+                own,
+                analysis,
+                fixed=fixed,
+                effects=effects,
+                shipped=shipped,
+                baseline=baseline,
+                simulator=simulator,
+                target=target,
+                executor=executor,
+                announce=announce,
+                checkpoint=kept,
+            )
+
+        return diagnosed_together(parted, of_joint, checkpoint)
     calls = None
     if simulator is not None:
         calls = SimulatorCalls(simulator, executor=executor, announce=announce)
     with threadpool_limits(limits=1):
-        summary, curves = _diagnose(
+        summary, curves, amounts = _diagnose(
             recording, analysis, fixed, effects, shipped, baseline, calls, target, checkpoint
         )
-    summary = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
-    return Diagnosed(identified(summary), curves, time.perf_counter() - began)
+    own = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
+    words = f"{own.sentence}{model_error_words(own.model_error)}"
+    summary = own.model_copy(update={"sentence": words})
+    seconds = time.perf_counter() - began
+    return Diagnosed(identified(summary), curves, seconds, amounts, own.sentence)
 
 
 def _diagnose(
@@ -183,7 +216,7 @@ def _diagnose(
     simulator: SimulatorCalls | None,
     target: pd.DataFrame | None,
     checkpoint: Path | None,
-) -> tuple[DiagnosisFile, xr.DataTree]:
+) -> tuple[DiagnosisFile, xr.DataTree, ModelAmounts | None]:
     data, law = data_of(recording, baseline, simulator)
     own = own_law_of(data)
     if target is not None:
@@ -200,7 +233,8 @@ def _diagnose(
         analysis=analysis,
         created=recording.created,
     )
-    inputs = (baseline, sorted(fixed), shipped, recording.rig, recording.metadata)
+    joint = None if recording.axis is None else recording.axis.joint
+    inputs = (baseline, sorted(fixed), shipped, recording.rig, recording.metadata, joint)
     if effects or simulator is not None:
         checkpoint = None
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
@@ -222,17 +256,26 @@ def _diagnose(
     found, best = judged.search, judged.search.best()
     residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
     known, named, settled = judged.known, judged.named, judged.settled
+    present, possible = judged.present, judged.possible
     chances = found.probabilities()
     friction, above, plain = residuals.friction_rms, judged.above, judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     gap = gap.model_copy(update=share_of_friction(model, residuals, posterior))
-    contradicted = contradicts(gap)
+    others = data.rigs[0].other_joints
+    rivals = [name for one in sets_of_one(chances, known, named) for name in one]
+    amounts = amounts_of(model, best)
+    elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
+    contradicted = contradicts(gap) or elsewhere
     if contradicted:
-        found = found.overruled(frozenset(named))
+        for acting_together in [named] if named else [[name] for name in rivals]:
+            found = found.overruled(frozenset(acting_together))
         chances, acting = found.probabilities(), inclusion(found)
         known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
-    together = sets_of_one(chances, known, named)
+        _, present, possible = sort_effects(
+            [one for one in known if one.effect not in (*named, *rivals)], above
+        )
+    together = () if elsewhere else sets_of_one(chances, known, named)
     not_shown = why_not_shown(found, residuals)
     verdict, chance = decide(
         chances,
@@ -258,10 +301,11 @@ def _diagnose(
     def told(names: list[str]) -> tuple[Cause, ...]:
         return causes_of(names, model, found, posterior, practical, floor, check)
 
-    causes, present = told(named), told(judged.present)
+    causes, beside = told(named), told(present)
     considered: tuple[Cause, ...] = ()
     if contradicted:
-        causes, considered = (), causes
+        considered = causes if named else told(rivals)
+        causes = ()
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
@@ -284,10 +328,12 @@ def _diagnose(
         causes,
         where,
         unseparated,
-        present,
+        beside,
         considered,
         not_shown if above < MOSTLY else None,
+        elsewhere,
     )
+    errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -296,7 +342,7 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
-        attention=not_followed(analysis),
+        attention=(*_doubted(data.rigs, law_found), *not_followed(analysis)),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -310,8 +356,8 @@ def _diagnose(
         unvisited_probability=found.unvisited(),
         inclusion=inclusion_of(known, posterior, practical),
         causes=causes,
-        present=present,
-        possible=told(judged.possible),
+        present=beside,
+        possible=told(possible),
         considered=considered,
         enter=to_enter,
         enter_why=not_entered,
@@ -331,9 +377,18 @@ def _diagnose(
         next_experiment=proposals,
         next_experiment_why=no_proposal,
         target=asked_for,
+        joint=joint,
+        other_joints=others,
+        model_error=errors,
+        model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
-    return summary, curves_of(held_out, amplitudes, posterior.law)
+    return summary, curves_of(held_out, amplitudes, posterior.law), amounts
+
+
+def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+    """Return what the data contradict of what was declared, the first thing to know."""
+    return tuple(line for one in rigs for line in one.doubts(law))
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:

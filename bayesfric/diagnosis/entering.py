@@ -27,12 +27,12 @@ DAMPING = {
 }
 FIELDS: dict[str, dict[str, str]] = {
     # What is accelerated at the joint besides the links: no element of URDF or SDF holds it.
-    "mass, turning": {
+    "inertia, turning": {
         MUJOCO: "joint/@armature",
         ISAACLAB: "ActuatorBaseCfg.armature",
         DRAKE: "actuator/drake:rotor_inertia/@value, with a gear ratio of 1",
     },
-    "mass": {
+    "inertia": {
         MUJOCO: "body/inertial/@mass",
         ISAACLAB: "MassPropertiesCfg.mass",
         SDF: "link/inertial/mass",
@@ -84,15 +84,16 @@ def numbers_to_enter(
     """
     if model.data.rigs[0].has_pulleys:
         return (), OF_PULLEYS
-    if not {"mass", "coulomb"} & set(law):
+    if not {"inertia", "coulomb"} & set(law):
         return (), NO_JOINT
-    turns = model.data.unit == rotary_unit("N")
+    turns, has = model.data.unit == rotary_unit("N"), model.data.rigs[0].in_simulator
     found = [
         Enter(
             parameter=name,
             unit=number.unit,
+            in_your_simulator=has.get(name),
             value=number.after,
-            fields=_fields("mass, turning" if turns and name == "mass" else name),
+            fields=_fields("inertia, turning" if turns and name == "inertia" else name),
             lost_without_why=HAS_FIELD,
         )
         for name, number in law.items()
@@ -105,6 +106,7 @@ def numbers_to_enter(
                 Enter(
                     parameter="viscous",
                     unit=unit,
+                    in_your_simulator=has.get("viscous"),
                     value=interval(damping),
                     fields=_fields("viscous"),
                     lost_without_why=HAS_FIELD,

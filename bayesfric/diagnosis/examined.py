@@ -14,6 +14,7 @@ from bayesfric.schemas import ExaminedEffect
 
 __all__ = ["examinable", "examined_effects", "widened"]
 
+APART = "a model of the machine, or other joints that are still"
 LN10 = float(np.log(10))
 
 
@@ -26,11 +27,14 @@ def examinable(
     share is in those that it was described in.
     """
     offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    taken = frozenset().union(*(one.taken_up for one in data.rigs)) - frozenset(own)
     examined: dict[str, Effect] = {}
     lacking: dict[str, tuple[str, ...]] = {}
     for name, effect in sorted({**all_effects(None), **own}.items()):
         if missing := effect.needs - offered:
             lacking[name] = tuple(sorted(missing))
+        elif name in taken:
+            lacking[name] = (APART,)
         elif name in own or len(data.rigs) > 1:
             examined[name] = effect
         else:

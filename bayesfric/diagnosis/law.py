@@ -3,7 +3,7 @@
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
@@ -12,6 +12,7 @@ from bayesfric.schemas import Interval, LawNumber
 
 __all__ = ["law_of_diagnosis"]
 
+CALLED = {"mass": "inertia"}  # of a joint, whose links have masses of their own
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 
 
@@ -44,11 +45,32 @@ def law_of_diagnosis(
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])
             mean = float(np.asarray(fitted[size][column]))
-            found[name] = LawNumber(
+            found[CALLED.get(name, name)] = LawNumber(
                 unit=unit,
-                before=Interval(
-                    mean=mean, sd=sd, q05=mean + LOW * sd, q50=mean, q95=mean + HIGH * sd
-                ),
+                before=_normal(mean, sd),
                 after=interval(posterior.law.coefficients[:, place, column]),
             )
+    return found | _beside_the_law(alone, at, posterior)
+
+
+def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:
+    """Return the nuisances that a reader knows as numbers of the law, such as an offset."""
+    found, start = {}, 0
+    count = sum(alone.layout.nuisances)
+    for rig, own in zip(alone.data.rigs, alone.layout.nuisances, strict=True):
+        for name, (place, unit) in rig.shared_numbers.items():
+            column = start + place
+            number = at.mean.size - count + column
+            scale = float(alone.scales[alone.layout.local - count + column])
+            sd = float(np.sqrt(at.covariance[number, number]))
+            found[name] = LawNumber(
+                unit=unit,
+                before=_normal(float(at.mean[number]) * scale, sd * scale),
+                after=interval(posterior.law.nuisances[:, column]),
+            )
+        start += own
     return found
+
+
+def _normal(mean: float, sd: float) -> Interval:
+    return Interval(mean=mean, sd=sd, q05=mean + LOW * sd, q50=mean, q95=mean + HIGH * sd)

@@ -31,11 +31,18 @@ class RefittedLaw:
         Of pulleys.
     draws : int
         S of them.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (S, sizes, 3)
+    nuisances : ndarray, shape (S, K)
+        Of all rigs, in the order of the rigs.
     """
 
     def __init__(self, sizes: Sequence[str], draws: int) -> None:
         self.sizes, self.draws = tuple(sizes), draws
         self.coefficients = np.zeros((draws, len(sizes), len(Coefficients._fields)))
+        self.nuisances = np.zeros((draws, 0))
         self.scatter: dict[str, Array] = {}
         self.amplitude: dict[str, Array] = {}
         self.shape: dict[str, Array] = {}
@@ -68,6 +75,11 @@ class RefittedLaw:
             How far the coefficients are from the model's, in its scales.
         """
         self.coefficients[rows] = model.coefficients_of(own)
+        count = sum(model.layout.nuisances)
+        if self.nuisances.shape[1] != count:
+            self.nuisances = np.zeros((self.draws, count))
+        last = slice(model.full.layout.local - count, None)
+        self.nuisances[rows] = numbers[:, numbers.shape[1] - count :] * model.full.scales[last]
         for name, value in model.noise.named(psi).items():
             if name.startswith("omega"):
                 self.scatter.setdefault(name, np.zeros(self.draws))[rows] = value

@@ -40,6 +40,8 @@ class Statement:
         Effects that held-out data contradict.
     not_shown : str or None
         Why the data could not have shown a gap; None where they could.
+    elsewhere : bool
+        Whether what was considered may be the pull of joints that are not in the log.
     """
 
     verdict: Verdict
@@ -52,6 +54,7 @@ class Statement:
     present: Sequence[Cause] = ()
     considered: Sequence[Cause] = ()
     not_shown: str | None = None
+    elsewhere: bool = False
 
     @property
     def size(self) -> str:
@@ -184,6 +187,12 @@ def _unknown(told: Statement) -> str:
     if told.considered:
         names = " and ".join(effect.effect for effect in told.considered)
         fit = "fits" if len(told.considered) == 1 else "fit"
+        if told.elsewhere:
+            return (
+                f"A gap of {told.size}{small}is there; {names} {fit} what was recorded, and so "
+                "would the pull of other joints, which may have moved and are not in the log "
+                f"{told.chance}: log them, or hold them still and say so.{told.place}"
+            )
         miss = "misses" if len(told.considered) == 1 else "miss"
         model, seen = told.gap.shrink_of_model, told.gap.shrink
         beside = ""

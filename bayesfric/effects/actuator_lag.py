@@ -29,6 +29,6 @@ EFFECT = Effect(
     ),
     laws={"first-order": _first_order},
     along_path=True,
-    needs=frozenset({"drive"}),
+    needs=frozenset({"drive", "commanded-force"}),
     axes=frozenset({"acceleration", "velocity"}),
 )

@@ -25,6 +25,12 @@ EFFECT = Effect(
         plausible=(0.0, 0.05),
         reference="argued: ρ c A / 2 of two weights with plates of 0.03 m² each, with a drag "
         "coefficient c of 1.2 and air of 1.2 kg/m³, is 0.04 N s²/m²",
+        on_joints=(
+            0.0,
+            1.2,
+            "argued: fans, stirred oil and long links take up to twice the friction of a joint "
+            "at its top speed",
+        ),
     ),
     laws={"quadratic": _quadratic},
     edge={"speed_m_s": 1.3, "n_pulleys": 5.0},

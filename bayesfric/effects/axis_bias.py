@@ -28,6 +28,6 @@ EFFECT = Effect(
     ),
     laws={"constant": _constant},
     along_path=True,
-    needs=frozenset({"direction"}),
+    needs=frozenset({"direction", "law-without-offset"}),
     axes=frozenset({"direction"}),
 )

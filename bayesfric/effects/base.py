@@ -19,6 +19,7 @@ from bayesfric.physics.friction import (
 )
 
 __all__ = [
+    "LADDER",
     "ActsOn",
     "Effect",
     "EffectParameter",
@@ -30,6 +31,11 @@ __all__ = [
     "followed",
 ]
 
+LADDER = (
+    "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
+    "2024 (M3 to M6), and the parameters published with it"
+)
+"""Source of what friction by the load of a gear may be."""
 REFERENCE_TENSION_N = 15.0
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]
@@ -103,6 +109,13 @@ class State(NamedTuple):
         1 in a run of role ``test``, in which something may differ from calibration; else 0.
     load : Load
         Of a driven axis: how a load behind its drive moves.
+    carried_n, held_n : array_like
+        Of a driven axis: what its gear carries, positive along the position, with what the
+        moving mass takes and without: what gravity and springs pull alone [N, or N·m].
+    dwell_s, since_rest_m : array_like
+        Of a driven axis: how long it rested before it moved as it does, and travel since [s], [m].
+    warmth : array_like
+        From −0.5 (coldest of the recording) to 0.5 (warmest), the mean taken off.
     wrap_spread_deg : array_like
         Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
         wrote them down.
@@ -139,6 +152,11 @@ class State(NamedTuple):
     wave_from_m: ArrayLike = 0.0
     tested: ArrayLike = 0.0
     load: Load = _fixed
+    carried_n: ArrayLike = 0.0
+    held_n: ArrayLike = 0.0
+    dwell_s: ArrayLike = 0.0
+    since_rest_m: ArrayLike = 0.0
+    warmth: ArrayLike = 0.0
     wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
     covariates: Mapping[str, ArrayLike] = MappingProxyType({})
@@ -236,6 +254,9 @@ class EffectParameter:
         Where the plausible range comes from.
     typical : float or None
         Of a shape: the value that the simulator takes where none is given.
+    on_joints : tuple or None
+        Of a driven axis, where its gears and bearings have another range than pulleys: lowest and
+        highest plausible value, and where they come from.
     """
 
     name: str
@@ -245,6 +266,7 @@ class EffectParameter:
     plausible: tuple[float, float]
     reference: str
     typical: float | None = None
+    on_joints: tuple[float, float, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -280,8 +302,12 @@ class Effect:
         What a rig must offer beyond speed, friction and order: ``pulleys``, ``direction``,
         ``position``, ``drive`` (the drive force along a run), ``angle`` (a position that is
         one), ``test`` (runs of that role), ``period`` (of a force that comes back along the
-        path), ``play`` and ``spring`` (a load that is followed behind such); or a covariate, which
-        is a further column of the recording by its name and stands in ``State.covariates``.
+        path), ``play`` and ``spring`` (a load that is followed behind such), ``load-both-ways``
+        (lifting and lowering at one pose, or two loads), ``known-load`` (whose mass or torque is
+        known), ``dwell`` (rests of several lengths), ``commanded-force`` (which a drive may not
+        give), ``warmth`` (a temperature, or work done), ``law-without-coulomb`` and
+        ``law-without-offset``; or a covariate, which is a further column of the recording by its
+        name and stands in ``State.covariates``.
     components : int
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on

@@ -34,6 +34,12 @@ EFFECT = Effect(
         prior=HalfNormal(scale=0.3),
         plausible=(0.0, 1.0),
         reference=ARMSTRONG,
+        on_joints=(
+            0.0,
+            3.0,
+            "of geared servos most of friction at rest may go with speed: Duclusaud et al., "
+            "Extended friction models for the physics simulation of servo actuators, 2024, M2",
+        ),
     ),
     shape=EffectParameter(
         name="speed",
@@ -42,6 +48,13 @@ EFFECT = Effect(
         prior=LogNormal(median=0.15, sd_log=0.7),
         plausible=(0.001, 0.3),
         reference=ARMSTRONG,
+        on_joints=(
+            0.001,
+            1.3,
+            "0.35 to 4.2 rad/s of servos that reach some rad/s (parameters published with "
+            "Duclusaud et al., Extended friction models for the physics simulation of servo "
+            "actuators, 2024); of sliding contacts less",
+        ),
         typical=0.15,
     ),
     laws={"exponential": _exponential, "gaussian": _gaussian},

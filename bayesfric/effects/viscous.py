@@ -42,6 +42,14 @@ EFFECT = Effect(
         reference="argued: at 1.3 m/s lubricant should not cost more than 0.4 of what load costs;"
         " that bearings have a load and a speed part is textbook (Harris and Kotzalas, "
         "Essential Concepts of Bearing Technology, 2006)",
+        on_joints=(
+            0.0,
+            4.0,
+            "of six geared servos and harmonic drives it is 0.1 to 1.5 of Coulomb friction at "
+            "1 rad/s (parameters published with Duclusaud et al., Extended friction models for "
+            "the physics simulation of servo actuators, 2024): at a joint's top speed up to five "
+            "times Coulomb friction",
+        ),
     ),
     laws={
         "constant": _constant,

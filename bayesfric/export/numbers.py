@@ -11,12 +11,14 @@ from bayesfric.arrays import Array
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_tree
-from bayesfric.schemas import DiagnosisFile, FitFile, Interval
+from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
 from bayesfric.stored_names import name_of
 
 __all__ = ["Number", "drawn_numbers", "law_said", "numbers_of"]
 
 MOST_DRAWS = 200
+OF_FIT = {"inertia": "mass"}  # by its name in a diagnosis
+OF_AXIS = ("mass", "coulomb", "viscous")  # in the places of c1, c2 and c3
 
 
 class Number(NamedTuple):
@@ -66,12 +68,18 @@ def _told_by_refit(fit: FitFile, found: DiagnosisFile) -> dict[str, Number]:
     them, and the refit, which has both, tells neither.
     """
     alone = _fitted(fit)
-    apart = {_size(name) for name in found.law if name not in alone}
+    law = _law_by_fit(found)
+    apart = {_size(name) for name in law if name not in alone}
     return {
         name: Number(number.after, number.unit)
-        for name, number in found.law.items()
+        for name, number in law.items()
         if found.causes and name in alone and _size(name) not in apart
     }
+
+
+def _law_by_fit(found: DiagnosisFile) -> dict[str, LawNumber]:
+    """Return the numbers of a diagnosis by the names that a fit has for them."""
+    return {OF_FIT.get(name, name): number for name, number in found.law.items()}
 
 
 def _size(name: str) -> str:
@@ -107,8 +115,9 @@ def _of_refit(table: xr.Dataset, found: DiagnosisFile, told: Collection[str]) ->
     for size in map(str, table["pulley"].to_numpy()):
         columns = [table[name].sel(pulley=size).to_numpy() for name in Coefficients._fields]
         names = [coefficient_name(name, size) for name in Coefficients._fields]
-        if not found.law.keys() & set(names):
-            names = list(found.law)
+        law = _law_by_fit(found)
+        if not law.keys() & set(names):
+            names = [name for name in OF_AXIS if name in law]
         flat |= dict(zip(names, columns, strict=False))
     flat = {name: values for name, values in flat.items() if name in told}
     scatter = [str(name) for name in table.data_vars if str(name).startswith("omega")]

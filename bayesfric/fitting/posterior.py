@@ -15,6 +15,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
+from bayesfric.fitting.joints import fitted_together
 from bayesfric.fitting.predictive import covered, predict
 from bayesfric.fitting.predictive.assemblies import assemblies_of
 from bayesfric.fitting.predictive.left_out import leave_out
@@ -24,6 +25,7 @@ from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
 from bayesfric.inference.sampling import Progress
 from bayesfric.physics.laws import FrictionLaw
+from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     identified,
@@ -136,6 +138,14 @@ def fit(
         A rig is unknown or has no data in the recording, or no trial could enter.
     """
     analysis = Analysis() if analysis is None else analysis
+    if parted := parted_by_joint(recording):
+
+        def of_joint(own: Recording, kept: Path | None) -> Fit:
+            return fit(
+                own, analysis, progress=progress, checkpoint=kept, rigs=rigs, baseline=baseline
+            )
+
+        return fitted_together(parted, of_joint, checkpoint)
     chosen = chosen_rigs(recording, rigs)
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
@@ -150,7 +160,8 @@ def fit(
             analysis=analysis,
             created=recording.created,
         )
-        key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
+        machine = None if recording.axis is None else (recording.axis.joint, recording.rig)
+        key = ",".join([*chosen, baseline, str(machine)]) + attributes.model_dump_json()
         with _timed(seconds, "draws"):
             draws = draw_posterior(
                 model, analysis, progress, Checkpoint(checkpoint, key), recording=recording.name
@@ -196,7 +207,7 @@ def fit(
         with _timed(seconds, "summary"):
             fields = {
                 "rigs": chosen,
-                "baseline": baseline,
+                "baseline": law.name,
                 "without_exclusions": without,
                 "without_exclusions_why": why,
                 "without_stalls": without_stalls,

@@ -12,6 +12,7 @@ SUM, SHARES = 1e-9, 1e-6
 SURE, HALF, POSSIBLE = 0.9, 0.5, 0.1
 ABOVE_FLOOR = 0.95  # probability that a gap is above the floor, from which on it can shrink
 MOST_SHRINK = 1.2
+UNRESOLVED = 0.002  # of friction, a gap that windows and linearisation leave without any noise
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 
@@ -52,6 +53,8 @@ def _shares(record: Mapping[str, Any]) -> list[str]:
 def _gap_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     systematic, before, floor = gap["systematic"], gap["before"], gap["floor"]
+    if systematic["q50"] < UNRESOLVED * (gap.get("friction_rms") or 0.0):
+        return []
     # By chance as much may be taken off the squares before as scatter makes.
     most, middle = (max(before[key], floor[key]) for key in ("q95", "q50"))
     if systematic["q05"] > most and systematic["q50"] > FAR * middle:

@@ -1,5 +1,6 @@
-"""Logs as people have them, to a recording of a single axis."""
+"""Logs as people have them, to a recording of driven joints."""
 
 from bayesfric.logs.importing import Imported, import_log
+from bayesfric.logs.proposing import Proposal, propose_mapping
 
-__all__ = ["Imported", "import_log"]
+__all__ = ["Imported", "Proposal", "import_log", "propose_mapping"]

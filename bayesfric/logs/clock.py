@@ -15,7 +15,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
-from bayesfric.logs.mapping import SECONDS
+from bayesfric.logs.units import SECONDS
 
 __all__ = ["DECIMALS", "Stamps", "seconds_since", "stamps_of"]
 
@@ -55,7 +55,9 @@ class Stamps:
         return next((stamp for stamp in self.seconds if stamp is not None), None)
 
 
-def stamps_of(cells: Sequence[str | None], unit: str, file: str, column: str) -> Stamps:
+def stamps_of(
+    cells: Sequence[str | None], unit: str, file: str, column: str, first_row: int = 2
+) -> Stamps:
     """Return the stamps of a column.
 
     Parameters
@@ -63,10 +65,12 @@ def stamps_of(cells: Sequence[str | None], unit: str, file: str, column: str) ->
     cells : sequence of str or None
         As written; None or blank where there is none.
     unit : str
-        Of numbers: a key of :data:`bayesfric.logs.mapping.SECONDS`. Stamps of a day and of
+        Of numbers: a key of :data:`bayesfric.logs.units.SECONDS`. Stamps of a day and of
         ISO 8601 say it themselves.
     file, column : str
         What an error calls them.
+    first_row : int
+        What it calls the first row.
 
     Raises
     ------
@@ -89,7 +93,7 @@ def stamps_of(cells: Sequence[str | None], unit: str, file: str, column: str) ->
             wrong.append(row)
         found.append(None if value is None else value * scale)
     if wrong:
-        place, like = wrong[0] + 2, len(wrong) - 1
+        place, like = wrong[0] + first_row, len(wrong) - 1
         raise InputError([Fault(file, EXPECTED, place, column, texts[wrong[0]], like)])
     if read is _number:
         _check_unit(found, unit, file, column)

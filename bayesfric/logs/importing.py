@@ -1,5 +1,7 @@
-"""A log to a recording: clocks aligned, runs cut, and what is late said and left in."""
+"""Logs to a recording: clocks aligned, runs cut, and what is late said and left in."""
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,16 +9,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
-from bayesfric.logs.clock import DECIMALS
+from bayesfric.logs.agreeing import check_velocity
+from bayesfric.logs.cutting import Window, cut, span_of
 from bayesfric.logs.delay import Delay, delay_between
-from bayesfric.logs.mapping import Run, read_mapping
-from bayesfric.logs.ordering import Series, gaps_of
-from bayesfric.logs.reading import bag_signals, csv_signals, is_bag
+from bayesfric.logs.mapping import Mapping, Run, read_mapping
+from bayesfric.logs.readers import read_log
+from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
+from bayesfric.logs.table import Log, texts_of
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
 __all__ = ["Imported", "import_log"]
+
+MOST_RUNS = 10_000
 
 
 @dataclass(frozen=True)
@@ -26,9 +31,10 @@ class Imported:
     Parameters
     ----------
     recording : Recording
-        Of one joint.
+        Of one joint, or of all.
     delay : Delay or None
-        Of the measured force behind the command; None where only one of them is there.
+        Of the measured force behind the command, of the first joint and run; None where only one
+        of them is there.
     notes : tuple of str
         Sentences.
     """
@@ -38,19 +44,43 @@ class Imported:
     notes: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class _Piece:
+    """A log, or the rows of it that are a run, and the name of the run."""
+
+    log: Log
+    name: str
+    value: str | None = None
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """Rows of runs, samples and notes of a piece."""
+
+    runs: list[dict[str, Any]]
+    samples: list[pd.DataFrame]
+    notes: list[str]
+    delays: list[str]
+    delay: Delay | None
+
+
 def import_log(
-    log: Path, joint: str, *, mapping: Path | None = None, name: str = "imported"
+    logs: Path | Sequence[Path],
+    joint: str | None = None,
+    *,
+    mapping: Path | Mapping,
+    name: str = "imported",
 ) -> Imported:
-    """Return a log's joint as a recording.
+    """Return a joint of a log, or all of them, as a recording.
 
     Parameters
     ----------
-    log : Path
-        A CSV file, a ROS 2 bag's folder or an MCAP file.
-    joint : str
-        Which one.
-    mapping : Path or None
-        A ``mapping.toml``; compulsory for CSV. Of a bag only its runs count.
+    logs : Path or sequence of Path
+        A file or a ROS 2 bag's folder; several are runs of their own.
+    joint : str or None
+        Which one, or ``all``; None where the mapping's columns are of one.
+    mapping : Path or Mapping
+        Which columns are what.
     name : str
         Of the recording.
 
@@ -59,110 +89,186 @@ def import_log(
     InputError
         The log or the mapping cannot be used: where and why.
     """
-    if not log.exists():
-        raise InputError([Fault(str(log), "a log: a CSV file, an .mcap file or a bag's folder")])
-    told = None if mapping is None else read_mapping(mapping)
-    if is_bag(log):
-        found, rotary, kind = bag_signals(log, joint), True, "measured"
-        if "measured_force" in found.series:
-            kind = "commanded"
-    elif told is None:
-        raise InputError([Fault("--map", f"a mapping file: which columns of {log.name} are what")])
-    else:
-        found, rotary, kind = csv_signals(log, told, joint), told.rotary, told.force.kind
-    signals = found.series
-    runs, samples, notes = _cut(log.name, signals, () if told is None else told.runs)
-    delay = None
-    if "measured_force" in signals:
-        delay = delay_between(signals["force"], signals["measured_force"])
-    done = [*found.notes, *notes]
-    notes = [*done, _said(delay, signals)]
-    constants = RigConstants(
-        rotary=rotary,
-        force_is=kind,
-        encoder_resolution=None if told is None else told.encoder_resolution,
-        moving_mass_kg=None if told is None else told.moving_mass,
+    paths = [logs] if isinstance(logs, Path) else list(logs)
+    what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
+    pieces = _pieces(paths, what)
+    joints = joints_of(pieces[0].log, what, joint)
+    windows = _runs_of(pieces, what)
+    cuts = [
+        _cut_piece(piece, what, joints, runs)
+        for piece, runs in zip(pieces, windows, strict=True)
+        if runs
+    ]
+    rows = [row for piece in cuts for row in piece.runs]
+    runs = pd.DataFrame(
+        [{"run": row["run"], "order": order} | row for order, row in enumerate(rows, start=1)]
     )
+    samples = pd.concat([frame for piece in cuts for frame in piece.samples], ignore_index=True)
+    done = list(dict.fromkeys(note for piece in cuts for note in piece.notes))
+    notes = [*done, *dict.fromkeys(said for piece in cuts for said in piece.delays)]
+    delay = next((piece.delay for piece in cuts if piece.delay is not None), None)
+    files = ", ".join(path.name for path in paths)
+    whom = "Joints" if len(joints) > 1 else "Joint"
+    names = ", ".join(label for label in joints if label is not None)
     recording = Recording(
         name=name,
-        title=f"Joint {joint} of {log.name}",
-        rig=constants,
+        title=f"{whom} {names} of {files}" if names else f"Joint of {files}",
+        rig=_constants(what, joints),
         axis=Axis(runs, samples),
         metadata={
-            "sources": [{"title": f"Imported from {log.name}. {' '.join(notes)}"}],
+            "sources": [{"title": f"Imported from {files}. {' '.join(notes)}"}],
             **({"import_notes": done} if done else {}),
         },
     )
     return Imported(recording, delay, tuple(notes))
 
 
-def _said(delay: Delay | None, signals: dict[str, Series]) -> str:
-    if delay is None and "measured_force" in signals:
-        return "How late the force is cannot be estimated: command or measurement does not vary."
-    if delay is None:
-        return (
-            "How late the force is cannot be estimated: the log has it once, and not as a command "
-            "and as a measurement."
-        )
-    return (
-        f"The measured force comes {1e3 * delay.seconds:.2f} ± {1e3 * delay.error_s:.2f} ms after "
-        "the command; it is left in."
+def _constants(what: Mapping, joints: tuple[str | None, ...]) -> RigConstants:
+    return RigConstants(
+        rotary=what.rotary,
+        force_is=None if what.force is None else what.force.force_is,
+        encoder_resolution=what.encoder_resolution if len(joints) == 1 else None,
+        moving_mass_kg=what.moving_mass if len(joints) == 1 else None,
+        other_joints=what.other_joints,
     )
 
 
-def _unsaid(time_s: Array, force: Series) -> Flags:
-    """Return where no force was logged for some intervals, (N,): it is not bridged."""
-    begin, end = gaps_of(force)
-    if not begin.size:
-        return np.zeros(time_s.size, dtype=np.bool_)
-    gap = np.searchsorted(begin, time_s, side="left") - 1
-    inside: Flags = (gap >= 0) & (time_s < end[gap])
-    return inside
-
-
-def _counted(samples: int) -> str:
-    return "1 sample" if samples == 1 else f"{samples:,} samples"
-
-
-def _cut(
-    name: str, signals: dict[str, Series], wanted: tuple[Run, ...]
-) -> tuple[pd.DataFrame, pd.DataFrame, list[str]]:
-    """Return runs and samples at the times of the positions, the force in between."""
-    position, force = signals["position"], signals["force"]
-    begin = max(position.time_s[:1].max(initial=-np.inf), force.time_s[:1].max(initial=-np.inf))
-    end = min(position.time_s[-1:].min(initial=np.inf), force.time_s[-1:].min(initial=np.inf))
-    if not begin < end:
-        expected = "position and force that are logged at the same time"
-        raise InputError([Fault(name, expected)])
-    first = position.time_s[0]
-    unsaid = _unsaid(position.time_s, force)
-    pieces = wanted or (Run(name="whole", from_s=begin - first, to_s=end - first),)
-    rows: list[dict[str, Any]] = []
-    samples, faults = [], []
-    for order, run in enumerate(pieces, start=1):
-        low, high = max(first + run.from_s, begin), min(first + run.to_s, end)
-        inside = (position.time_s >= low) & (position.time_s <= high) & ~unsaid
-        if inside.sum() < 2:
-            faults.append(Fault(name, "samples in the run", column=f"runs.{run.name}"))
+def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
+    """Return the logs, each cut where a column says that another run begins."""
+    stems = [path.name if path.is_dir() else path.stem for path in paths]
+    pieces = []
+    for path, stem in zip(paths, stems, strict=True):
+        log = read_log(path, what.csv, wanted_columns(what))
+        twice = stems.count(stem) > 1
+        called = _id(f"{path.resolve().parent.name}-{stem}" if twice else stem)
+        if what.run is None:
+            pieces.append(_Piece(log, "whole" if len(paths) == 1 else called))
             continue
-        row = {"run": run.name, "order": order, **(run.model_extra or {})}
-        rows.append(row | ({} if run.role is None else {"role": run.role}))
-        time = position.time_s[inside]
-        samples.append(
-            pd.DataFrame(
-                {
-                    "run": run.name,
-                    "time_s": (time - first).round(DECIMALS),
-                    "position_m": position.value[inside].round(DECIMALS),
-                    "force_n": np.interp(time, force.time_s, force.value).round(DECIMALS),
-                }
+        prefix = "" if len(paths) == 1 else f"{called}-"
+        pieces += [
+            _Piece(part, f"{prefix}{_id(value)}", value) for value, part in _parts(log, what.run)
+        ]
+    names = [piece.name for piece in pieces]
+    double = next((name for name in names if names.count(name) > 1), None)
+    if double is not None:
+        raise InputError([Fault("LOG", "files of different names", value=double)])
+    return pieces
+
+
+def _id(text: str) -> str:
+    """Return a name of a run: letters, digits and dots, so that it is one of a file too."""
+    return re.sub(r"[^\w.]+", "-", text).strip("-.") or "run"
+
+
+def _parts(log: Log, column: str | int) -> list[tuple[str, Log]]:
+    """Return the rows of each value of the column of runs, in the order of the log."""
+    name = log.name_of(column)
+    if name is None:
+        raise InputError([log.no_column(column)])
+    cells = texts_of(log.columns[name])
+    rows: dict[str, list[int]] = {}
+    for row, cell in enumerate(cells):
+        if cell is not None:
+            rows.setdefault(cell, []).append(row)
+    if not rows or len(rows) > MOST_RUNS:
+        expected = f"between 1 and {MOST_RUNS:,} runs"
+        raise InputError([Fault(log.name, expected, column=name, value=f"{len(rows):,}")])
+    return [(value, log.taken(np.array(places), len(cells))) for value, places in rows.items()]
+
+
+def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
+    """Return the runs of each piece: those of the mapping that are of it, or the whole."""
+    if not what.runs:
+        return [[Run(name=piece.name)] for piece in pieces]
+    faults, of_piece = [], [list[Run]() for _ in pieces]
+    for run in what.runs:
+        value = None if run.value is None else str(run.value)
+        places = [
+            place
+            for place, piece in enumerate(pieces)
+            if run.file in (None, piece.log.name) and value in (None, piece.value)
+        ]
+        if len(places) != 1:
+            files = ", ".join(dict.fromkeys(piece.log.name for piece in pieces))
+            values = ", ".join(str(piece.value) for piece in pieces if piece.value is not None)
+            expected = f"a file that is one of {files}" + (
+                f", and a value that is one of {values}" if values else ""
             )
-        )
+            faults.append(Fault("the mapping", expected, column=f"runs.{run.name}"))
+            continue
+        of_piece[places[0]].append(run)
     if faults:
         raise InputError(faults)
-    notes = []
-    if unsaid.any():
-        notes.append(f"{_counted(int(unsaid.sum()))} in which no force was logged left out.")
-    if not np.array_equal(position.time_s, force.time_s):
-        notes.append("Force is a straight line between its samples, at the times of the positions.")
-    return pd.DataFrame(rows), pd.concat(samples, ignore_index=True), notes
+    return of_piece
+
+
+def _cut_piece(
+    piece: _Piece, what: Mapping, joints: tuple[str | None, ...], runs: list[Run]
+) -> _Cut:
+    name = piece.log.name
+    of_joints = signals_of(piece.log, what, joints)
+    spans = [span_of(name, signals.series) for signals in of_joints.values()]
+    origin = min(signals.series["position"].time_s[0] for signals in of_joints.values())
+    begin, end = min(first for first, _ in spans), max(last for _, last in spans)
+    windows = [
+        Window(
+            run,
+            begin if run.from_s is None else origin + run.from_s,
+            end if run.to_s is None else origin + run.to_s,
+        )
+        for run in runs
+    ]
+    samples, delays, notes = [], [], {}
+    first_delay = None
+    for joint, signals in of_joints.items():
+        check_velocity(name, joint, signals.series)
+        frames, done = cut(name, signals.series, windows, origin)
+        for frame in frames:
+            if len(joints) > 1:
+                frame.insert(2, "joint", joint)
+        samples += frames
+        notes[joint] = [*signals.notes, *done]
+        delay, said = _delay(signals)
+        first_delay = first_delay or delay
+        delays += [said if len(joints) == 1 or delay is None else f"{joint}: {said}"]
+    order = {window.run.name: place for place, window in enumerate(windows)}
+    samples.sort(key=lambda frame: order[str(frame["run"].iloc[0])])
+    return _Cut([_row(run) for run in runs], samples, _together(notes), delays, first_delay)
+
+
+def _row(run: Run) -> dict[str, Any]:
+    row = {"run": run.name, **(run.model_extra or {})}
+    return row | ({} if run.role is None else {"role": run.role})
+
+
+def _together(notes: dict[str | None, list[str]]) -> list[str]:
+    """Return notes that are of all joints once, and those of some with the joint's name."""
+    everywhere = set.intersection(*(set(of_joint) for of_joint in notes.values()))
+    together = [note for of_joint in notes.values() for note in of_joint if note in everywhere]
+    alone = [
+        f"{joint}: {note}"
+        for joint, of_joint in notes.items()
+        for note in of_joint
+        if note not in everywhere
+    ]
+    return [*dict.fromkeys(together), *alone]
+
+
+def _delay(signals: Signals) -> tuple[Delay | None, str]:
+    series = signals.series
+    if "force" not in series:
+        return None, "The log has no force: how late it is cannot be estimated."
+    if "measured_force" not in series:
+        return None, (
+            "How late the force is cannot be estimated: the log has it once, and not as a command "
+            "and as a measurement."
+        )
+    delay = delay_between(series["force"], series["measured_force"])
+    if delay is None:
+        return None, (
+            "How late the force is cannot be estimated: command or measurement does not vary."
+        )
+    return delay, (
+        f"The measured force comes {1e3 * delay.seconds:.2f} ± {1e3 * delay.error_s:.2f} ms after "
+        "the command; it is left in."
+    )

@@ -45,7 +45,7 @@ class Ordered:
 
 
 def unwrapped(
-    time_s: Array, first: float, periods_s: tuple[float, ...]
+    time_s: Array, first: float, periods_s: tuple[float, ...], first_row: int = 2
 ) -> tuple[Array, tuple[str, ...]]:
     """Return times of a counter that began again, as if it had not, and what was done.
 
@@ -57,6 +57,8 @@ def unwrapped(
         What the counter showed at the first row [s].
     periods_s : tuple of float
         After which it may begin again.
+    first_row : int
+        What is said of the first row.
     """
     there = np.flatnonzero(np.isfinite(time_s))
     steps = np.diff(time_s[there])
@@ -77,7 +79,7 @@ def unwrapped(
         turns = np.maximum(turns, 0)
         found = time_s.copy()
         found[there[1:]] += turns * period
-        times, row = int(turns.max(initial=0)), int(there[1:][np.argmax(begins_again)]) + 2
+        times, row = int(turns.max(initial=0)), int(there[1:][np.argmax(begins_again)]) + first_row
         often = "once" if times == 1 else f"{times} times"
         return found, (
             f"its clock begins again after {period:.10g} s, {often} (first at row {row}): "
@@ -86,7 +88,7 @@ def unwrapped(
     return time_s, ()
 
 
-def in_order(time_s: Array, value: Array, file: str, column: str) -> Ordered:
+def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int = 2) -> Ordered:
     """Return what is a number, by time, of equal times the first.
 
     Parameters
@@ -95,6 +97,8 @@ def in_order(time_s: Array, value: Array, file: str, column: str) -> Ordered:
         In the order of the log; NaN where there is none.
     file, column : str
         What an error calls the log and its clock.
+    first_row : int
+        What it calls the first row.
 
     Raises
     ------
@@ -110,13 +114,13 @@ def in_order(time_s: Array, value: Array, file: str, column: str) -> Ordered:
     ahead = np.maximum.accumulate(times) if times.size else times
     late = times < ahead
     if late.any():
-        _check_behind(times, ahead - times, late, there, file, column)
-        row = int(there[np.argmax(late)]) + 2
+        _check_behind(times, ahead - times, late, there + first_row, file, column)
+        row = int(there[np.argmax(late)]) + first_row
         notes.append(f"{_rows(int(late.sum()))} out of order (first: row {row}) sorted")
     unique, kept = np.unique(times, return_index=True)
     doubled = np.setdiff1d(np.arange(times.size), kept)
     if doubled.size:
-        row = int(there[doubled[0]]) + 2
+        row = int(there[doubled[0]]) + first_row
         notes.append(
             f"{_rows(int(doubled.size))} with the time of an earlier row (first: row {row}) "
             "left out"
@@ -146,7 +150,7 @@ def _gap_notes(series: Series) -> tuple[str, ...]:
 
 
 def _check_behind(
-    times: Array, behind: Array, late: Flags, there: Whole, file: str, column: str
+    times: Array, behind: Array, late: Flags, rows: Whole, file: str, column: str
 ) -> None:
     edges = np.flatnonzero(np.diff(late.astype(int), prepend=0, append=0))
     begins, ends = edges[::2], edges[1::2]
@@ -160,7 +164,7 @@ def _check_behind(
             f"{_rows(int(ends[wrong[0]] - first))} from there are behind what came before: "
             "cut the log there, or take a clock that does not start anew"
         )
-        raise InputError([Fault(file, expected, int(there[first]) + 2, column)])
+        raise InputError([Fault(file, expected, int(rows[first]), column)])
 
 
 def _interval(steps: Array) -> float:

@@ -2,8 +2,9 @@
 
 ``paper`` is the law of eq. (15) at the nominal tension; ``recursive`` takes the
 tension down pulley by pulley. ``proportional`` is eq. (15) without its constant part, and
-``constant`` with nothing else; ``viscous``, of a driven axis alone, has viscous friction
-beside Coulomb's. All have the same coefficients, and so have two laws
+``constant`` with nothing else. Of a driven axis alone, c1, c2 and c3 being its inertia, Coulomb
+and viscous friction: ``coulomb-viscous`` has all three, as every simulator of joints has, and
+``coulomb`` and ``none`` say less. All have the same coefficients, and so have two laws
 that only serve as rivals of a claim: no dependence on the wrap angle, and friction in
 proportion to the load on the bearings, 2 T sin(θ/2).
 """
@@ -25,7 +26,14 @@ from bayesfric.physics.friction import (
 from bayesfric.physics.gravity import Condition, board_friction, recursive_board_friction
 from bayesfric.physics.motor import MotorCondition, motor_friction, recursive_motor_friction
 
-__all__ = ["BASELINES", "RIVAL_LAWS", "VISCOUS", "FrictionLaw"]
+__all__ = [
+    "ALIASES",
+    "BASELINES",
+    "COULOMB_VISCOUS",
+    "OF_AXES",
+    "RIVAL_LAWS",
+    "FrictionLaw",
+]
 
 
 @dataclass(frozen=True)
@@ -63,7 +71,11 @@ def _recursive_at_tension(
     return recursive_friction(loss, tension_n, "mean")
 
 
-VISCOUS = "viscous"
+COULOMB_VISCOUS = "coulomb-viscous"
+OF_AXES = {COULOMB_VISCOUS: (), "coulomb": ("c3",), "none": ("c2", "c3")}
+"""Laws of a driven axis by name, with the coefficients that each lacks."""
+ALIASES = {"viscous": COULOMB_VISCOUS}
+"""Names of old, and what they stand for."""
 BASELINES = {
     "paper": FrictionLaw("paper", board_friction, motor_friction, coulomb_friction),
     "recursive": FrictionLaw(
@@ -75,7 +87,9 @@ BASELINES = {
     "constant": FrictionLaw(
         "constant", board_friction, motor_friction, coulomb_friction, ("c1", "c3")
     ),
-    VISCOUS: FrictionLaw(VISCOUS, board_friction, motor_friction, coulomb_friction),
+} | {
+    name: FrictionLaw(name, board_friction, motor_friction, coulomb_friction, without)
+    for name, without in OF_AXES.items()
 }
 """The laws by name."""
 

@@ -128,7 +128,8 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
         warnings.catch_warnings(),
         figure(PAIRS_SHARE * TEXT_WIDTH, 60.0, room=False) as fig,
     ):
-        warnings.simplefilter("ignore", FutureWarning)  # arviz, which corner imports
+        # Of ArviZ 0.23, which corner imports where it is installed.
+        warnings.simplefilter("ignore", FutureWarning)
         import corner
 
         corner.corner(

@@ -8,7 +8,6 @@ __all__ = ["notes_on_axis"]
 
 UNUSED_COLUMNS = (
     "force_time_s",
-    "known_force_n",
     "command_m",
     "command_time_s",
     "temperature_c",
@@ -16,8 +15,6 @@ UNUSED_COLUMNS = (
 """Columns of ``axis_samples.csv`` that no model takes yet."""
 UNUSED_KEYS = (
     "mass_sd_kg",
-    "robot",
-    "other_joints",
     "force_gain_sd",
     "known_force_sd",
     "command_gain",

@@ -16,9 +16,10 @@ from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
 from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, Robot
 
-__all__ = ["PACKAGE_FILE", "Package", "Resource", "parse_package"]
+__all__ = ["PACKAGE_FILE", "ForceIs", "Package", "Resource", "parse_package"]
 
 PACKAGE_FILE = "datapackage.json"
+ForceIs = Literal["commanded", "motor", "link", "measured", "unknown"]
 
 # Properties of the Data Package standard, and one of ours, that travel along as written.
 KEPT = (
@@ -184,7 +185,7 @@ class _Rig(_Strict):
     moving_mass_kg: Positive | None = None
     mass_sd_kg: Positive | None = None
     encoder_resolution: Step | None = None
-    force_is: Literal["commanded", "motor", "link", "measured", "unknown"] | None = None
+    force_is: ForceIs | None = None
     robot: _Robot | None = None
     other_joints: Literal["still", "logged", "moving", "unknown"] | None = None
     force_gain_sd: Share | None = None

@@ -163,10 +163,19 @@ class Axis:
     ----------
     runs, samples : DataFrame
         One row a run; one row a sample. ``force_n`` is absent where only commands were logged.
+    joint : str or None
+        The joint that `samples` are of, where those of several were logged and parted.
+    others : mapping of str to DataFrame
+        Samples of the other joints of that log, by joint, in the order of the log.
+    place : int
+        Of `joint` among all joints of the log.
     """
 
     runs: pd.DataFrame
     samples: pd.DataFrame
+    joint: str | None = None
+    others: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    place: int = 0
 
 
 @dataclass(frozen=True)

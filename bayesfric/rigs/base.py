@@ -24,11 +24,12 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
+from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import PointEstimate
+from bayesfric.schemas import LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
@@ -257,6 +258,17 @@ class RigTrials(Protocol):
         """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
 
     @property
+    def usual_law(self) -> str:
+        """Name of the law that it has where nobody asks for one."""
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of its law in its own measures, by size; empty where those of all do."""
 
@@ -293,6 +305,27 @@ class RigTrials(Protocol):
 
     def planned(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
         """Return the same conditions without noise, on time by a law; None where none moves."""
+
+    @property
+    def taken_up(self) -> frozenset[str]:
+        """Effects that forces of unknown amounts, which every hypothesis has, look like."""
+
+    @property
+    def in_simulator(self) -> Mapping[str, float]:
+        """Numbers of the law as the user's simulator has them, by name; empty if nobody knows."""
+
+    @property
+    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"] | None:
+        """What the machine's other joints did; None where a rig has none."""
+
+    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
+        """Return how wrong the machine's model is, by the rig's own nuisances; None without one.
+
+        Parameters
+        ----------
+        mean, covariance : ndarray, shape (n,) and (n, n)
+            Of the rig's nuisances, in units of their scale.
+        """
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
         """Return feasible trials without noise, on time by a law; None where none moves."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, FrictionLaw
+from bayesfric.physics.laws import ALIASES, BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import RigTrials, Unsupported
@@ -191,10 +191,12 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
 def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     """Return a friction law by its name.
 
+    Without a word it is the law that the rigs usually have, where they have the same.
+
     Parameters
     ----------
     name : str
-        As in :data:`bayesfric.physics.laws.BASELINES`.
+        As in :data:`bayesfric.physics.laws.BASELINES`, or of old.
     rigs : sequence of RigTrials
         On which it must make sense.
 
@@ -203,9 +205,11 @@ def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     InputError
         The law is unknown, or makes no sense on a rig.
     """
+    name = ALIASES.get(name, name)
     if name not in BASELINES:
         raise InputError([Fault("baseline", one_of(BASELINES, name), value=name)])
-    law = BASELINES[name]
+    own = {one.usual_law for one in rigs}
+    law = BASELINES[own.pop() if name == DEFAULT and len(own) == 1 else name]
     faults = [
         Fault("baseline", f"a law that the {one.rig.words.rig} can have. {why.reason}", value=name)
         for one in rigs

@@ -2,18 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Self, cast
+from typing import Any, Literal, Self, cast
 
 import numpy as np
 import pandas as pd
 
 from bayesfric.analysis import PriorOverrides
+from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.observation.coefficients import coefficient_name, coefficient_units
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import VISCOUS, FrictionLaw
+from bayesfric.physics.laws import OF_AXES, FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
+from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_law import OwnLaw
+from bayesfric.schemas import LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -36,9 +39,24 @@ class PulleyTrials:
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
-        if law.name == VISCOUS:
+        if law.name in OF_AXES:
             return Unsupported("Over pulleys viscous friction is an effect, which is diagnosed.")
         return None
+
+    @property
+    def usual_law(self) -> str:
+        """The paper's."""
+        return "paper"
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """None: what a board has beside the law is no number of it."""
+        return {}
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return none."""
+        del law
+        return ()
 
     @property
     def unit(self) -> str:
@@ -85,3 +103,23 @@ class PulleyTrials:
         """Return the same trials, which a diagnosis makes linear around another law."""
         found: Self = replace(cast(Any, self), law=law)  # each rig's trials are a dataclass
         return found
+
+    @property
+    def taken_up(self) -> frozenset[str]:
+        """Nothing."""
+        return frozenset()
+
+    @property
+    def in_simulator(self) -> Mapping[str, float]:
+        """Nothing."""
+        return {}
+
+    @property
+    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"] | None:
+        """None: it is no joint."""
+        return None
+
+    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
+        """Return None: it has no model."""
+        del mean, covariance
+        return None

@@ -5,15 +5,18 @@
 :mod:`.model_errors` gives what errors of the model may add.
 """
 
-from bayesfric.robots.dynamics import RigidBodies
-from bayesfric.robots.model_errors import ModelErrors, model_error_columns
-from bayesfric.robots.model_file import JointSettings, Robot, read_robot
+from bayesfric.robots.dynamics import PARAMETERS, RigidBodies
+from bayesfric.robots.model_errors import ModelErrors, model_error_columns, root_of_errors
+from bayesfric.robots.model_file import JointSettings, Robot, read_robot, robot_of_bytes
 
 __all__ = [
+    "PARAMETERS",
     "JointSettings",
     "ModelErrors",
     "RigidBodies",
     "Robot",
     "model_error_columns",
     "read_robot",
+    "robot_of_bytes",
+    "root_of_errors",
 ]

@@ -18,7 +18,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.robots.dynamics import PARAMETERS, RigidBodies, six_moments
 
-__all__ = ["ErrorShares", "ModelErrors", "model_error_columns"]
+__all__ = ["ErrorShares", "ModelErrors", "model_error_columns", "root_of_errors"]
 
 LEAST = 1e-6  # of the largest direction: below it a direction is rounding
 
@@ -72,14 +72,28 @@ def model_error_columns(
     least : float
         Directions that add less than this share of the largest are left out.
     """
-    root = np.zeros((rows.shape[1], rows.shape[1]))
-    count = len(PARAMETERS)
-    for link, numbers in enumerate(bodies.parameters):
-        block = slice(link * count, (link + 1) * count)
-        root[block, block] = _root_of_link(numbers, shares or ErrorShares())
+    root = root_of_errors(bodies, shares)
     left, size, right = np.linalg.svd(rows @ root, full_matrices=False)
     kept = size > least * size[:1].max(initial=0.0)
     return ModelErrors(left[:, kept] * size[kept], right[kept] @ root.T)
+
+
+def root_of_errors(bodies: RigidBodies, shares: ErrorShares | None = None) -> Array:
+    """Return how independent N(0, 1) amounts move the links' numbers, shape (10 × links,) twice.
+
+    Parameters
+    ----------
+    bodies : RigidBodies
+        The model.
+    shares : ErrorShares or None
+        How well the model is known; None is the default.
+    """
+    count = len(PARAMETERS)
+    root = np.zeros((count * len(bodies.links),) * 2)
+    for link, numbers in enumerate(bodies.parameters):
+        block = slice(link * count, (link + 1) * count)
+        root[block, block] = _root_of_link(numbers, shares or ErrorShares())
+    return root
 
 
 def _root_of_link(numbers: Array, shares: ErrorShares) -> Array:

@@ -7,6 +7,7 @@ counts only where MJCF takes a link's mass from it.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -15,7 +16,7 @@ import numpy as np
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import file_bytes
 
-__all__ = ["JointSettings", "Robot", "read_robot"]
+__all__ = ["JointSettings", "Robot", "read_robot", "robot_of_bytes"]
 
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
 LARGEST_MESHES = 67_108_864  # bytes of all meshes together
@@ -111,6 +112,23 @@ def read_robot(
     if urdf and gravity_m_s2 is not None:
         compiled.opt.gravity[:] = 0.0, 0.0, -gravity_m_s2
     return _with_joints(model, compiled, joints)
+
+
+def robot_of_bytes(
+    model: str, content: bytes, joints: Mapping[str, str], gravity_m_s2: float | None = None
+) -> Robot:
+    """Read a robot's model from the bytes of its file, which includes no other; see `read_robot`.
+
+    Raises
+    ------
+    InputError
+        An element of it or a joint's name cannot be used, or it needs a file beside it.
+    """
+    with TemporaryDirectory() as name:
+        path = Path(name) / model
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+        return read_robot(Path(name), model, joints, gravity_m_s2)
 
 
 def _inside(folder: Path, model: str, name: str) -> Path:

@@ -23,6 +23,7 @@ __all__ = [
     "HeldOutDensity",
     "Inclusion",
     "LawNumber",
+    "ModelError",
     "NextExperiment",
     "Remainder",
     "Shape",
@@ -97,6 +98,21 @@ class LawNumber(Record):
     after: Interval = Field(
         description="Averaged over all hypotheses, what acts beside the law taken apart."
     )
+
+
+class ModelError(Record):
+    """By how much a number of the machine's model is off: of links, seen by its joints."""
+
+    link: str = Field(description="Name in the model.")
+    number: str = Field(
+        description="mass, hx to hz (mass times centre of mass), or ixx to iyz (inertia about "
+        "the link's frame)."
+    )
+    unit: str = Field(description="SI.")
+    in_your_model: Number = Field(description="As the model has it.")
+    error: Interval = Field(description="What it is in truth, less that.")
+    believed_sd: Number = Field(description="Standard deviation of that before the data.")
+    significant: bool = Field(description="Whether it surely is off by more than is usual.")
 
 
 class Unseparated(Record):
@@ -403,8 +419,22 @@ class DiagnosisFile(Provenance):
         (), description="Numbers to enter in a simulator, of a driven joint."
     )
     enter_why: str | None = Field(None, description="Why there are none.")
-    joints: tuple[()] = Field((), description="A diagnosis a joint, of several.")
-    joints_why: Annotated[Why, Because("the recording is not of several joints")] = None
+    joint: str | None = Field(
+        None,
+        description="Joint that all keys are of but `joints`, `attention`, `model_error` and "
+        "`sentence`: of several, the first whose verdict is the verdict of all.",
+    )
+    joint_why: Annotated[Why, Because("no joint is named")] = None
+    joints: "tuple[DiagnosisFile, ...]" = Field((), description="A diagnosis a joint, of several.")
+    joints_why: Annotated[Why, Because("it is of one joint, or of none")] = None
+    other_joints: Literal["still", "logged", "moving", "unknown"] | None = Field(
+        None, description="What the other joints of the machine did, as far as anybody says."
+    )
+    other_joints_why: Annotated[Why, Because("the recording is of no driven joint")] = None
+    model_error: tuple[ModelError, ...] = Field(
+        (), description="Numbers of the machine's model of which data tell something."
+    )
+    model_error_why: Annotated[Why, Because("no model of the machine was given")] = None
     scatter: dict[str, Number] = Field(
         default_factory=dict, description="Noise of every rig at its most probable, by name."
     )

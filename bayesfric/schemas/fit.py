@@ -15,6 +15,7 @@ __all__ = [
     "DataQuality",
     "Excluded",
     "FitFile",
+    "JointFit",
     "OutlyingAssembly",
     "PointEstimate",
     "Prediction",
@@ -223,6 +224,15 @@ class WithoutExclusions(Record):
     )
 
 
+class JointFit(Record):
+    """Posteriors of one joint of several."""
+
+    converged: bool = Field(description="Whether every diagnostic is within its bound.")
+    parameters: dict[str, ParameterSummary] = Field(description="Numbers of its law.")
+    scatter: dict[str, ParameterSummary] = Field(description="Relative scatter of its friction.")
+    noise: dict[str, ParameterSummary] = Field(description="Noise of its sensors.")
+
+
 class FitFile(Provenance):
     """``fit.json``: posteriors of a recording."""
 
@@ -238,6 +248,15 @@ class FitFile(Provenance):
     noise: dict[str, ParameterSummary] = Field(description="Noise of the sensors.")
     parameters: dict[str, ParameterSummary] = Field(
         description="Further parameters; empty for the paper's law."
+    )
+    joint: str | None = Field(
+        None,
+        description="Joint that all keys are of but `joints`, `converged` and `attention`: of "
+        "several, the first.",
+    )
+    joint_why: Annotated[Why, Because("the recording is not of several joints")] = None
+    joints: dict[str, JointFit] = Field(
+        default_factory=dict, description="A fit a joint, of several; empty of one."
     )
     paper_estimator: dict[str, PointEstimate] = Field(
         default_factory=dict,

@@ -84,7 +84,7 @@ def case(given):
         "causes": named,
         "right": right,
         "further": sorted(set(named) - alike),
-        "mass_off": found.law["mass"].after.mean / machine.mass - 1,
+        "mass_off": found.law["inertia"].after.mean / machine.mass - 1,
         "friction_off": found.law["coulomb"].after.mean / machine.coulomb - 1,
         "falsely_viscous": name != "viscous" and "viscous" in named,
     }

@@ -20,10 +20,10 @@ from bayesfric.simulate import simulate_recording, table1_coefficients
 RINGING = "cable-compliance"  # in less time than a window takes
 NAMES = sorted(n for n, e in all_effects().items() if not e.components and n != RINGING)
 OF_AN_AXIS = (
-    *("air-drag", "axis-bias", "backlash", "direction-asymmetry", "hysteresis", "presliding"),
-    *("delay", "actuator-lag", "spring", "stribeck", "viscous", "wear-drift"),
+    *("air-drag", "backlash", "direction-asymmetry", "hysteresis", "presliding"),
+    *("delay", "actuator-lag", "spring", "stribeck", "wear-drift"),
 )
-"""Those whose force windows of a driven axis show: no wave and no ringing."""
+"""Those whose force windows of a driven axis show: no wave, no ringing, and what no law takes."""
 
 
 def middle(effect):

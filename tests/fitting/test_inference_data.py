@@ -1,19 +1,21 @@
 """``draws.nc`` in the hands of its users: ArviZ 0.23, ArviZ 1 and corner, as they come."""
 
 import json
-import subprocess
-import sys
+import re
+from pathlib import Path
 
 import arviz_stats as azs
 import numpy as np
 import pytest
 import xarray as xr
 from conftest import QUICK_SAMPLER
+from fitting.generations import finished, python_of
 
 from bayesfric.analysis import Analysis, HalfNormal, Priors
 from bayesfric.fitting import fit
 from bayesfric.results import read_tree
 
+ROOT = Path(__file__).parents[2]
 GROUPS = {
     "posterior",
     "prior",
@@ -144,44 +146,65 @@ def test_predictions_scatter_as_trials_do(draws):
     assert float(before.std()) > 20 * float(again.std(("chain", "draw")).mean())
 
 
-IN_ARVIZ_0_23 = """
-import matplotlib
-matplotlib.use("Agg")
+BEFORE = """
 import warnings
-warnings.simplefilter("ignore", FutureWarning)
-import arviz as az
-import corner
 warnings.simplefilter("error", UserWarning)  # Pareto k, shapes that do not fit
 warnings.simplefilter("error", RuntimeWarning)  # NaN, overflow
-data = az.from_netcdf("draws.nc")
-axes = az.plot_ppc(data, num_pp_samples=20, random_seed=1)
-trace = az.plot_trace(data, var_names=["tau"])
-figure = corner.corner(data, var_names=["tau", "omega"])
+"""
+AFTER = {
+    "0.23": """
+import json
+ends = ("hdi_3%", "hdi_97%")
+loo = az.loo(data, var_name="friction").elpd_loo
 pit = az.loo_pit(data, y="friction")
+prior = az.psens(data, component="prior", var_names=["omega"])
 table = az.compare({"a": data, "b": data}, var_name="friction", method="BB-pseudo-BMA")
-print(
-    len(axes.lines), trace.shape[0], len(figure.axes), az.loo(data, var_name="friction").elpd_loo,
-    float(az.psens(data, component="prior", var_names=["omega"])), len(table), pit.sum(),
-)
+""",
+    "1": """
+import json
+ends = ("eti89_lb", "eti89_ub")
+loo = az.loo(data, var_name="friction").elpd
+pit = az.loo_pit(data)["friction"]
+prior = az.psense_summary(data, var_names=["omega"], round_to=12).loc["omega", "prior"]
+table = az.compare({"a": data, "b": data}, var_name="friction", method="pseudo-bma")
+""",
+}
+PRINTED = """
+means = {name: float(summary.loc[name, "mean"]) for name in summary.index}
+low, high = (summary[end].astype(float) for end in ends)
+numbers = float(loo), float(pit.sum()), float(prior), len(table), len(pairs.axes)
+print(json.dumps([means, (high - low).to_dict(), *numbers]))
 """
 
 
-def test_arviz_0_23_and_corner(draws, folder):
-    """In a process of its own: on its first import of a day ArviZ 0.23 warns."""
-    done = subprocess.run(
-        [sys.executable, "-c", IN_ARVIZ_0_23],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
+def snippet(generation):
+    """Return the block of the page on draws.nc for one generation of ArviZ."""
+    page = (ROOT / "docs" / "draws.md").read_text(encoding="utf-8")
+    (block,) = re.findall(
+        rf"^## ArviZ {re.escape(generation)}\n.*?^```python\n(.*?)^```", page, flags=re.M | re.S
     )
-    assert done.returncode == 0, done.stderr
-    lines, panels, corners, elpd, sensitivity, compared, pit = map(float, done.stdout.split())
-    assert (lines, panels, corners, compared) == (23, 1, 4, 2)  # 20 draws and three more
+    return block
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("generation", AFTER)
+def test_either_generation_of_arviz_reads_the_draws_as_the_page_says(draws, folder, generation):
+    """Summary, prediction, leave-one-out and corner; numbers are those of this environment."""
+    code = BEFORE + snippet(generation) + AFTER[generation] + PRINTED
+    printed = finished(python_of(generation), "-c", code, cwd=folder)
+    means, spreads, elpd, pit, sensitivity, compared, panels = json.loads(printed.splitlines()[-1])
+    posterior = draws["posterior"].to_dataset()
+    assert set(means) >= {"c1[small]", "c3[large]", "tau", "sigma_x"}
+    for name, mean in means.items():
+        stem, _, size = name.removesuffix("]").partition("[")
+        values = posterior[stem].sel(pulley=size) if size else posterior[stem]
+        assert mean == pytest.approx(float(values.mean()), rel=0.01)  # digits that say something
+        assert 1 < spreads[name] / float(values.std()) < 5
     assert elpd == pytest.approx(azs.loo(draws, **OF_ONE_TRIAL).elpd, abs=0.02)
+    assert pit == pytest.approx(float(azs.loo_pit(draws)["friction"].sum()), abs=0.05)
     modern = azs.psense_summary(draws, var_names=["omega"], round_to=12)
     assert sensitivity == pytest.approx(float(modern.loc["omega", "prior"]), rel=0.05)
-    assert pit == pytest.approx(float(azs.loo_pit(draws)["friction"].sum()), abs=0.05)
+    assert (compared, panels) == (2, 4)
 
 
 def test_csv_is_what_r_expects(folder, draws):

@@ -6,11 +6,12 @@ where it stopped.
 
 import signal
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import FrameType
+from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -106,7 +107,8 @@ def netcdf(random: np.random.Generator, folder: Path) -> None:
     read_tree(path)
 
 
-KINDS: dict[str, Callable[[np.random.Generator, Path], None]] = {
+Alter: TypeAlias = Callable[[np.random.Generator, Path], None]
+KINDS: dict[str, Alter] = {
     "recording": recording,
     "toml": toml,
     "json": json,
@@ -114,7 +116,7 @@ KINDS: dict[str, Callable[[np.random.Generator, Path], None]] = {
 }
 
 
-def outcome(kind: str, seed: int) -> str:
+def outcome(kind: str, seed: int, kinds: Mapping[str, Alter] = KINDS) -> str:
     """Make a mutant and read it.
 
     Returns
@@ -122,10 +124,10 @@ def outcome(kind: str, seed: int) -> str:
     str
         ``read`` or ``refused``; any other exception is a fault, and so is a hang.
     """
-    random = np.random.default_rng([list(KINDS).index(kind), seed])
+    random = np.random.default_rng([list(kinds).index(kind), seed])
     with tempfile.TemporaryDirectory() as folder, _no_longer_than(HANGS_S):
         try:
-            KINDS[kind](random, Path(folder))
+            kinds[kind](random, Path(folder))
         except InputError as error:
             said = str(error.faults[0])
         else:

@@ -99,7 +99,7 @@ OWNERS = {
     "typer": {"cli"},
     "typst": {"report"},
 }
-# Extras, and corner, which drags in arviz: imported where they are used.
+# Extras, and corner, which imports ArviZ where it is installed: imported where they are used.
 INSIDE_FUNCTIONS = {"IPython", "control", "corner", "dask", "distributed", "mujoco", "rosbags"}
 
 # Effects do not import each other; these files are what they have in common.

@@ -8,6 +8,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from house.lock import pins
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -87,16 +88,6 @@ def test_no_test_switches_warnings_off():
     assert [file for file in files_with(blanket) if file.startswith("tests/")] == []
 
 
-def pins():
-    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
-    # No addresses, hashes, options or comments: a name and a version, in order.
-    assert [line for line in lines if not re.fullmatch(r"[a-z0-9-]+==[a-z0-9.]+", line)] == []
-    found = dict(line.split("==") for line in lines)
-    assert list(found) == sorted(found)
-    assert len(found) == len(lines)
-    return found
-
-
 def requirements():
     """Everything that the package, its tools and its build need, here."""
     project = SETTINGS["project"]
@@ -122,13 +113,3 @@ def test_nothing_floats():
     pinned = pins()
     installed = {name: metadata.version(name) for name in requirements()}
     assert {name: pinned.get(name) for name in installed} == installed
-
-
-def test_the_pins_meet_the_requirements():
-    project = SETTINGS["project"]
-    extras = [
-        Requirement(line) for group in project["optional-dependencies"].values() for line in group
-    ]
-    pinned = pins()
-    for requirement in [*extras, *map(Requirement, project["dependencies"])]:
-        assert requirement.specifier.contains(pinned[canonicalize_name(requirement.name)])

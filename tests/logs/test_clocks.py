@@ -25,7 +25,7 @@ def imported(folder, stamps, unit="s", rows=None, more="", **columns):
     table.to_csv(folder / "log.csv", index=False)
     mapping = (
         f'[time]\ncolumn = "t"\nunit = "{unit}"\n[position]\ncolumn = "q"\nunit = "rad"\n'
-        f'[force]\ncolumn = "tau"\nunit = "N·m"\n{more}'
+        f'[force]\ncolumn = "tau"\nunit = "N·m"\nforce_is = "motor"\n{more}'
     )
     (folder / "map.toml").write_text(mapping, encoding="utf-8")
     return import_log(folder / "log.csv", "j", mapping=folder / "map.toml")

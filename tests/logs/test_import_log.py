@@ -25,6 +25,21 @@ unit = "rad"
 [force]
 column = "tau"
 unit = "N·m"
+force_is = "motor"
+"""
+BAG = """
+time = { column = "/joint_states.stamp", unit = "ns" }
+[position]
+column = "/joint_states.position[{joint}]"
+unit = "rad"
+[force]
+column = "/joint_commands.effort[{joint}]"
+time = "/joint_commands.stamp"
+unit = "N·m"
+force_is = "commanded"
+[measured_force]
+column = "/joint_states.effort[{joint}]"
+unit = "N·m"
 """
 
 
@@ -70,6 +85,11 @@ def test_a_delay_is_found_with_an_error_that_holds(late):
     assert error.mean() < 2e-3
 
 
+def bag_map(folder):
+    (folder / "bag.toml").write_text(BAG, encoding="utf-8")
+    return folder / "bag.toml"
+
+
 def made_bag(folder, storage, late=0.006):
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
@@ -100,7 +120,7 @@ def made_bag(folder, storage, late=0.006):
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 def test_a_bag_has_the_command_as_sent_and_says_how_late_the_force_is(tmp_path, storage):
-    found = import_log(made_bag(tmp_path / "bag", storage), "elbow")
+    found = import_log(made_bag(tmp_path / "bag", storage), "elbow", mapping=bag_map(tmp_path))
     samples = found.recording.axis.samples
     time = samples["time_s"].to_numpy() + 100.001
     assert samples["position_m"].to_numpy() == pytest.approx(np.sin(time), abs=1e-8)
@@ -112,29 +132,34 @@ def test_a_bag_has_the_command_as_sent_and_says_how_late_the_force_is(tmp_path, 
 
 
 def test_a_joint_that_is_not_in_a_bag_is_told_with_those_that_are(tmp_path):
-    with pytest.raises(InputError, match=r"'knee', expected one of its joints \(elbow, wrist\)"):
-        import_log(made_bag(tmp_path / "bag", "mcap"), "knee")
+    with pytest.raises(
+        InputError, match=r"'knee', expected all, or one of its joints \(wrist, elbow\)"
+    ):
+        import_log(made_bag(tmp_path / "bag", "mcap"), "knee", mapping=bag_map(tmp_path))
 
 
 def test_without_the_extra_it_says_what_to_install(tmp_path, monkeypatch):
-    (tmp_path / "log.mcap").write_bytes(b"")
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / "metadata.yaml").write_bytes(b"")
+    (tmp_path / "log.parquet").write_bytes(b"")
     whole = builtins.__import__
 
     def without(name, *rest, **more):
-        if name.startswith("rosbags"):
+        if name.startswith(("rosbags", "pyarrow")):
             raise ImportError(name)
         return whole(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(InputError, match=r"pip install 'bayesfric\[logs\]'"):
-        import_log(tmp_path / "log.mcap", "elbow")
+    for log in ("bag", "log.parquet"):
+        with pytest.raises(InputError, match=r"pip install 'bayesfric\[logs\]'"):
+            import_log(tmp_path / log, "elbow", mapping=bag_map(tmp_path))
 
 
 def log(folder, mapping=MAPPING, **columns):
     given = {"time_s": [0.0, 0.1, 0.2], "q": [0.0, 0.1, 0.2], "tau": [1.0, 1.0, 1.0]} | columns
     pd.DataFrame(given).to_csv(folder / "log.csv", index=False)
     (folder / "map.toml").write_text(mapping, encoding="utf-8")
-    return {"log": folder / "log.csv", "joint": "elbow", "mapping": folder / "map.toml"}
+    return {"logs": folder / "log.csv", "joint": "elbow", "mapping": folder / "map.toml"}
 
 
 @pytest.mark.parametrize(
@@ -157,12 +182,10 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path, mapping, columns, told):
         import_log(**log(tmp_path, mapping, **columns))
 
 
-def test_a_csv_needs_a_mapping_and_a_log_has_to_be_there(tmp_path):
-    given = log(tmp_path)
-    with pytest.raises(InputError, match="--map: expected a mapping file"):
-        import_log(given["log"], "elbow")
+def test_a_log_has_to_be_there(tmp_path):
+    given = log(tmp_path) | {"logs": Path(tmp_path / "nowhere.csv")}
     with pytest.raises(InputError, match="expected a log"):
-        import_log(Path(tmp_path / "nowhere.csv"), "elbow")
+        import_log(**given)
 
 
 def test_what_cannot_be_estimated_is_said(tmp_path):

@@ -174,7 +174,7 @@ def test_an_axis_that_runs_twice_as_often_knows_its_mass_better_by_the_root_of_t
         written = write(tmp_path / name, machine, *tables)
         found.append(power(read_recording(written)).coefficients)
     few, many = found
-    assert few.index.tolist() == ["mass", "coulomb"]
+    assert few.index.tolist() == ["mass", "coulomb", "viscous"]
     assert many["sd"]["mass"] == pytest.approx(few["sd"]["mass"] / np.sqrt(2), rel=0.05)
 
 

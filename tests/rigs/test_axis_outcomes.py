@@ -19,7 +19,7 @@ def test_friction_that_falls_more_slowly_with_speed_is_stribeck_friction(tmp_pat
     found = diagnosed(tmp_path, stribeck=(0.6, 0.04), slowly=True)
     assert [one.effect for one in found.causes] == ["stribeck"]
     assert found.scatter["tau_axis"] < 0.03
-    assert abs(found.law["mass"].after.mean / 2.0 - 1) < 0.02
+    assert abs(found.law["inertia"].after.mean / 2.0 - 1) < 0.02
 
 
 def test_a_worn_spot_is_a_gap_along_the_path_and_no_scatter(tmp_path):

@@ -84,9 +84,7 @@ def test_a_log_that_enters_says_nothing(tmp_path):
 
 
 NOT_MODELLED = {
-    "joints": (joint(slow, joint=lambda log: np.where(log.index < 600, "q1", "q2")), "q1, q2"),
     "commands": (joint(slow, command_m=0.0), "commands alone"),
-    "a known force": (joint(slow, known_force_n=1.0), "a known force is read"),
     "a clock of its own": (
         joint(slow, force_time_s=lambda log: log.time_s + 0.1),
         "a clock of the force's own",

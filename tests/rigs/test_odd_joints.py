@@ -14,7 +14,6 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.errors import InputError
 from bayesfric.fitting.posterior import fit
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES
 from bayesfric.recording import write_recording
 from bayesfric.recording.held import held_for
 from bayesfric.rigs import all_rigs
@@ -37,7 +36,7 @@ def runs_of(recording):
 @pytest.mark.parametrize("joint", LOGS.values(), ids=LOGS)
 def test_inertia_and_friction_are_right_beside_gravity(joint):
     """The rough law lays out windows, noise and priors: with an inertia of 0 all of them fail."""
-    rough = runs_of(joint.recording()).under(BASELINES["viscous"])._rough
+    rough = runs_of(joint.recording())._rough
     assert rough.mass == pytest.approx(joint.inertia, rel=0.05)
     assert rough.coulomb == pytest.approx(joint.coulomb, rel=0.05)
     assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)

@@ -97,7 +97,7 @@ def test_the_information_is_that_of_a_dense_normal(model):
     psi = np.log([NOISE[one.name] for one in model.noise])
     at = model.evaluate(psi, acting)
     covariance = dense(rows, NOISE, part._deviating[:, 0], trial, part.setup[trial])
-    for numbers in (np.zeros(5), np.array([0.3, -0.2, 0.0, 0.5, 0.1])):
+    for numbers in (np.zeros(6), np.array([0.3, -0.2, 0.0, 0.5, 0.1, -0.4])):
         off = part._response - part.columns @ numbers
         expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
         information = at.information
@@ -119,7 +119,7 @@ def test_the_gradient_is_that_of_the_evidence(model):
 def test_the_likelihood_is_that_of_a_dense_normal(trials):
     likelihood = trials.likelihood(Analysis())
     values = {"mass": 2.05, "coulomb": 1.45, "tau": 0.02, "omega": 0.03}
-    values |= {"wander": 0.015, "row_error": 1.2, "latency": 4e-4}
+    values |= {"wander": 0.015, "row_error": 1.2, "latency": 4e-4, "viscous": 0.0, "offset": 0.2}
     theta = {name: np.array([value]) for name, value in values.items()}
     rows = trials.linear({"axis": Coefficients(*likelihood.model._rough)})
     readings = rows.readings
@@ -132,6 +132,7 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     moved, setup = np.full(readings.count, 1.45), np.arange(len(trials.table))
     covariance = dense(rows, noise, moved, readings.trial, setup[readings.trial])
     off = readings.force - 2.05 * readings.acceleration - 1.45 - 4e-4 * readings.force_rate
+    off = off - 0.2 * readings.way
     expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
     assert likelihood.log_likelihood(theta)[0] == pytest.approx(expected, abs=0.01)
     given = likelihood.given_rest(theta)  # assemblies are independent, and of one run each
@@ -265,15 +266,15 @@ def test_late_commands_are_called_late_and_nothing_viscous(tmp_path):
 
 def test_viscous_friction_is_named_with_its_size(tmp_path):
     recording = recorded(tmp_path, seed=6, viscous=0.8, wander=0.02, one_path=True)
-    found = bf.diagnose(recording).summary
+    found = bf.diagnose(recording, baseline="coulomb").summary
     assert [one.effect for one in found.causes] == ["viscous"]
     (slope,) = found.causes[0].parameters.values()
     assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.15)
     # With it, mass and friction are those of the machine; without it friction is not.
-    assert found.law["mass"].after.q50 == pytest.approx(2.0, rel=0.02)
+    assert found.law["inertia"].after.q50 == pytest.approx(2.0, rel=0.02)
     assert found.law["coulomb"].after.q50 == pytest.approx(1.5, rel=0.05)
     assert found.law["coulomb"].before.q50 > 1.05 * 1.5
-    assert found.law["mass"].unit == "kg"
+    assert found.law["inertia"].unit == "kg"
     # Alone, too, no effect that is in the same model explains as much.
     alone = {one.effect: one.log10_bayes_factor or 0.0 for one in found.effects}
     assert max(alone, key=alone.__getitem__) == "viscous"
@@ -283,7 +284,7 @@ def test_friction_that_is_missing_after_a_reversal_leaves_the_mass_alone(tmp_pat
     # Half of it builds up again over a twentieth of the stroke, from rest at the start too.
     found = bf.diagnose(recorded(tmp_path, seed=8, presliding=(0.5, 0.01))).summary
     assert {one.effect for one in found.causes} & {"hysteresis", "presliding"}
-    assert found.law["mass"].after.q50 == pytest.approx(2.0, rel=0.02)
+    assert found.law["inertia"].after.q50 == pytest.approx(2.0, rel=0.02)
 
 
 def test_a_machine_that_is_as_simulated_is_not_blamed(tmp_path):

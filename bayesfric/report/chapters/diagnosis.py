@@ -19,6 +19,7 @@ from bayesfric.report.chapters.diagnosis_details import (
     remainder,
     share_words,
 )
+from bayesfric.report.chapters.joints import joints
 from bayesfric.report.content import (
     Block,
     Code,
@@ -100,6 +101,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
         yield Notice(box(found), found.sentence, title=title)
     for line in found.attention:
         yield Notice("attention", line)
+    if found.joints:
+        yield from joints(found)
     yield _at_a_glance(found)
     yield Heading(2, "How large it is")
     yield gap_words(found)

@@ -1,6 +1,7 @@
 """Which runs of an axis enter, whole or in parts, and their rows."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +10,8 @@ import pandas as pd
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.carried import carried_by
+from bayesfric.rigs.single_axis.declared import MEASURED
 from bayesfric.rigs.single_axis.enough import (
     too_few_windows,
     too_little_motion,
@@ -19,7 +22,9 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
+from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
@@ -41,6 +46,7 @@ class Entering(NamedTuple):
     interval_s: float
     simulated: SimulatedBaseline | None
     turns: int
+    machine: Machine
 
 
 def entering(
@@ -63,8 +69,11 @@ def entering(
     logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
+    machine = machine_of(axis, constants)
     for _, run in axis.runs.iterrows():
         log = log_of(by_run[run["run"]], constants)
+        if log is not None and simulator is None:
+            log = machine.around(log, run["run"])
         if log is None:
             still.append(str(run["run"]))
             continue
@@ -80,7 +89,7 @@ def entering(
     nothing = without_force(logs) or too_little_motion(logs, resolution)
     if nothing is not None:
         return nothing
-    clips = constants.force_is != "measured"  # what is measured acts, whatever was commanded
+    clips = constants.force_is not in MEASURED
     found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])
     if found is None or too_few is not None:
@@ -107,7 +116,9 @@ def entering(
         beside = SimulatedBaseline(" and ".join(columns))
     if "setup" not in table or table["setup"].nunique() < SETUPS:
         table["setup"] = table["trial"]
-    measures = with_lengths(readings, table, measures, constants)
+    inside = measures.limit.within(readings)
+    carried = carried_by(readings, inside, table, varied_columns(axis.runs))
+    measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
     moving = np.unique(readings.trial)
     order = np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")
     chosen = moving[order]
@@ -121,6 +132,7 @@ def entering(
         float(np.median([log.interval_s for log in logs])),
         beside,
         turns,
+        machine,
     )
 
 

@@ -45,6 +45,13 @@ class EvenLog:
         Further columns of the log.
     forces : tuple of WeakForce
         What a simulator says of the force: what it needs, and more by each parameter.
+    known_force : WeakForce or None
+        What is known of the drive force, by a model of the machine.
+    beside : tuple of WeakForce
+        Forces that may be there in unknown amounts, each with a prior N(0, 1): the errors of
+        that model, or the pull of other joints.
+    known_inertia : float
+        What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
     """
 
     time_s: Array
@@ -54,6 +61,9 @@ class EvenLog:
     interval_s: float
     further: dict[str, Array]
     forces: tuple[WeakForce, ...] = ()
+    known_force: WeakForce | None = None
+    beside: tuple[WeakForce, ...] = ()
+    known_inertia: float = 0.0
 
 
 def even_grid(time_s: Array, columns: dict[str, Array]) -> EvenLog | None:

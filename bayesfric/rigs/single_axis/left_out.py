@@ -42,16 +42,11 @@ def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
         return [Fault(SAMPLES, expected, column="command_m")]
     if "joint" in samples and len(samples["joint"].unique()) > 1:
         expected = (
-            "the samples of one joint: those of several are read, and no model takes them yet "
-            "(keep the rows of one)"
+            "the samples of one joint: diagnose and fit take each joint by itself, and this "
+            "does not (keep the rows of one)"
         )
         joints = ", ".join(samples["joint"].unique())
         faults.append(Fault(SAMPLES, expected, column="joint", value=joints))
-    if "known_force_n" in samples and samples["known_force_n"].any():
-        expected = (
-            "nothing, or 0: a known force is read, and no model takes it off the drive force yet"
-        )
-        faults.append(Fault(SAMPLES, expected, column="known_force_n"))
     if "force_time_s" in samples and _apart(samples):
         expected = (
             "the times of time_s: a clock of the force's own is read, and no model has one yet"

@@ -52,6 +52,7 @@ def with_lengths(
             speed,
             readings.force_rate,
             *(way * (place / measures.stroke) ** power for power in range(2)),
+            *readings.beside.T,
         ],
         axis=1,
     )[inside]

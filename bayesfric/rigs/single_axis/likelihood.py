@@ -2,14 +2,15 @@
 
 Given the numbers, row i of run r on assembly j is
 
-    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + Δ F'_i + error_i,
+    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + F_o s_i + Δ F'_i + Σ c_k B_ki + error_i,
 
-with η, ε the scatter of assemblies and runs, ζ friction's wander along the path and Δ the
-time by which the clocks of force and position are off. Errors and wander have a covariance
-whose shape (the ratio of position to force error, the length of the wander, and how much
-friction differs from place to place in a run) is that of the most probable noise; how large
-errors and wander are remains open. Each run is reduced once to quadratic forms, tabulated over
-the ratio of the two.
+with F_o an offset of the force and s the way that the axis runs, η, ε the scatter of assemblies
+and runs, ζ friction's wander along the path and Δ the time by which the clocks of force and
+position are off. B_k are forces of other joints, or of errors of the machine's model, in amounts
+c_k whose priors are N(0, 1). Errors and wander have a covariance whose shape (the ratio of
+position to force error, the length of the wander, and how much friction differs from place to
+place in a run) is that of the most probable noise; how large errors and wander are remains open.
+Each run is reduced once to quadratic forms, tabulated over the ratio of the two.
 """
 
 from collections.abc import Mapping
@@ -38,7 +39,8 @@ NOTHING = 1e-15  # of what is told of the best known number, so that all can be 
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # of the spectrum of a map of friction
 SCATTER = HalfNormal(scale=0.05)
-FORCE, MASS, COULOMB, VISCOUS, LATENCY = range(5)
+FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
+BESIDE = "beside"  # and a number: the amount of a force beside the law
 
 
 class AxisModel:
@@ -52,8 +54,6 @@ class AxisModel:
         Around rough values.
     measures : Measures
         Of the machine, for units and priors.
-    viscous : bool
-        Whether the law has viscous friction.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ class AxisModel:
 
     at_rest = None
 
-    def __init__(
-        self, table: pd.DataFrame, rows: AxisRows, measures: Measures, *, viscous: bool
-    ) -> None:
+    def __init__(self, table: pd.DataFrame, rows: AxisRows, measures: Measures) -> None:
         self.trials, size = table, SizeIndex.of(table["pulley_size"])
-        self._rough, self._viscous = rows.law, viscous
+        self._rough, self._lacks = rows.law, rows.lacks
         self._theta = None if rows.simulated is None else rows.theta
+        count = rows.readings.beside.shape[1]
+        self._beside = tuple(f"{BESIDE}_{place}" for place in range(1, count + 1))
         self._speed = np.bincount(
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
@@ -81,16 +81,24 @@ class AxisModel:
         def coefficient(name: str, of: str, prior: Prior) -> Parameter:
             return Parameter(name, unit(of), prior, "coefficient", power=1.0)
 
-        self.coefficients = (
-            coefficient("mass", "kg", priors.c1),
-            coefficient("coulomb", "N", priors.c2),
-            *([coefficient("viscous", "N s/m", priors.c3)] if viscous else []),
+        of_law = {
+            "c1": coefficient("mass", "kg", priors.c1),
+            "c2": coefficient("coulomb", "N", priors.c2),
+            "c3": coefficient("viscous", "N s/m", priors.c3),
+        }
+        self.coefficients = tuple(
+            number for place, number in of_law.items() if place not in self._lacks
         )
         self.scatter = ScatterLevels(("tau", "omega"), (SCATTER, SCATTER), size)
+        offset = Parameter(
+            "offset", unit("N"), Normal(mean=0.0, sd=rows.offset_n or 1.0), "noise", power=1.0
+        )
         self.further = (
             Parameter("wander", "1", SCATTER, "scatter", power=0.5),
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
+            *([offset] if rows.offset_n else []),
+            *(Parameter(name, "1", Normal(mean=0.0, sd=1.0), "noise") for name in self._beside),
         )
 
     def _tabulate(self, rows: AxisRows) -> None:
@@ -102,10 +110,12 @@ class AxisModel:
                 np.ones(readings.count),
                 rows.mean(readings.speed),
                 readings.force_rate,
+                readings.way,
+                *readings.beside.T,
             ],
             axis=1,
         )
-        pieces = Pieces.of(readings, rows.law.mass, np.ones(readings.count))
+        pieces = Pieces.of(readings, rows.moved_mass, np.ones(readings.count))
         first = np.array([row[0] for row in pieces.rows])
         owner = readings.trial[first]
         position, force, _, length, along = self.noise
@@ -132,8 +142,9 @@ class AxisModel:
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return friction of each trial at its mean speed by the law, (W, N) [N]."""
-        friction = theta["coulomb"][:, None] + np.zeros(len(self.trials))
-        return friction + theta["viscous"][:, None] * self._speed if self._viscous else friction
+        none = np.zeros_like(theta["mass"])
+        coulomb, viscous = (theta.get(name, none)[:, None] for name in ("coulomb", "viscous"))
+        return np.asarray(coulomb + viscous * self._speed)
 
     def _reduced(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
         """Return each run's friction beyond the law, its variance, and what else there is.
@@ -145,13 +156,16 @@ class AxisModel:
             this number and `density`.
         """
         scale = theta["row_error"][:, None]
-        wander = theta["wander"][:, None] * theta["coulomb"][:, None]
+        rough = np.full_like(theta["mass"], self._rough.coulomb)
+        wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
-        found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 26)
-        form = found[..., :-1].reshape(*found.shape[:2], 5, 5)
+        found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
+        width = 6 + len(self._beside)
+        form = found[..., :-1].reshape(*found.shape[:2], width, width)
         determinant = found[..., -1]
         zero = np.zeros_like(theta["mass"])
-        minus = [theta["mass"], theta["coulomb"], theta.get("viscous", zero), theta["latency"]]
+        names = ("mass", "coulomb", "viscous", "latency", "offset", *self._beside)
+        minus = [theta.get(name, zero) for name in names]
         left = np.stack([np.ones_like(zero), *(-one for one in minus)], axis=-1)
         residual = np.einsum("wi,wnij->wnj", left, form)
         square = np.einsum("wnj,wj->wn", residual, left) / scale**2
@@ -192,9 +206,11 @@ class AxisModel:
             "wander": min(max(self.noise[2], 0.002), 0.2),
             "row_error": 1.0,
             "latency": 0.0,
+            "offset": 0.0,
         }
         reference = rough if self._theta is None else self._theta
         places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
+        found |= dict.fromkeys(self._beside, 0.0)
         return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 
@@ -205,8 +221,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     to place in a run.
     """
     readings, friction = rows.readings, rows.law.coulomb
-    pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
-    columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
+    pieces = Pieces.of(readings, rows.moved_mass, np.full(readings.count, friction))
+    columns = np.column_stack([rows.coefficient_columns(), rows.nuisance_columns()])
     rms = np.sqrt((columns**2).mean(axis=0))
     columns = columns / np.where(rms > 0, rms, 1.0)
     uneven = friction * map_columns(rows.mean(readings.position))[:, 1:]

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Flags, Whole
+from bayesfric.rigs.single_axis.beside import rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 
@@ -87,7 +88,13 @@ def drive_limit(readings: Readings) -> Limit:
     size = np.abs(readings.drive)
     toward = np.sign(readings.drive) * readings.way[:, None]
     one = np.ones(readings.count)
-    line = np.stack([readings.force, one, readings.force_rate], axis=1)
+    rest = rough_amounts(
+        np.column_stack([readings.acceleration, one]),
+        readings.beside,
+        readings.force,
+        np.ones(readings.count, dtype=np.bool_),
+    )
+    line = np.stack([readings.force - rest, one, readings.force_rate], axis=1)
     width = np.maximum(np.abs(line).max(axis=0), 1e-300)
 
     def left(limit: float) -> float:

@@ -76,7 +76,7 @@ class AxisPart:
         columns = model.filled(
             rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
         )
-        columns[:, model.layout.nuisance(place)] = readings.force_rate[:, None]
+        columns[:, model.layout.nuisance(place)] = rows.nuisance_columns()
         self.columns = columns * model.scales
         self._response = rows.residual()
         moved: Array = rows.friction_of_row
@@ -89,7 +89,7 @@ class AxisPart:
         self._deviating = deviating_columns(
             rows.mean(readings.position), moved, rows.friction_of_row
         )
-        self._pieces = Pieces.of(readings, rows.law.mass, moved)
+        self._pieces = Pieces.of(readings, rows.moved_mass, moved)
         # Parts of one run share its scatter, as runs of one assembly do.
         apart = min(rows.table[name].nunique() for name in ("run", "setup"))
         again = bool(apart < len(rows.table))

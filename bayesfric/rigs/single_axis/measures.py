@@ -16,6 +16,8 @@ from bayesfric.effects import Effect, EffectParameter
 from bayesfric.effects.base import Load
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
+from bayesfric.rigs.single_axis.carried import Carried
+from bayesfric.rigs.single_axis.declared import mass_sd_kg
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
 from bayesfric.rigs.single_axis.limit import LIMITS, Limit
@@ -25,7 +27,6 @@ from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 __all__ = ["LITTLE", "SPREAD", "Measures", "measures_of"]
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
-KNOWN_MASS = 0.2  # relative error of a moving mass that somebody wrote down
 NEAR = 0.1  # relative error of a limit that was looked for
 SPREAD = 0.1  # of a load's length, by half a step between those that were tried
 PULLING = frozenset({"position", "angle"})  # needs of effects that pull towards a place
@@ -42,8 +43,8 @@ class Measures:
     stroke, speed, friction, force, mass, acceleration : float
         Range of positions, top speed, rough friction, rms drive force, rough mass, rms
         acceleration.
-    known_mass : float or None
-        As written down.
+    known_mass, known_mass_sd : float or None
+        As written down, and its error.
     rotary : bool
         Whether it turns.
     wave : Wave
@@ -56,6 +57,12 @@ class Measures:
         Of how a load is held: lengths at which it is followed [m or rad].
     damping : float
         Of a load's spring, over what is critical.
+    carried : Carried or None
+        What the gear carries.
+    rough_mass : float
+        By least squares, whatever was written down.
+    both_ways : bool
+        Whether the axis runs both ways: else a constant force is friction.
     """
 
     stroke: float
@@ -65,12 +72,16 @@ class Measures:
     mass: float
     acceleration: float
     known_mass: float | None
+    known_mass_sd: float | None
     rotary: bool
     wave: Wave
     limit: Limit
     pull: float = 0.0
     lengths: Mapping[str, Array] = field(default_factory=dict)
     damping: float = DAMPINGS[2]
+    carried: Carried | None = None
+    rough_mass: float = 0.0
+    both_ways: bool = True
 
     def load(self, rows: Readings) -> Load:
         """Return how a load follows in some rows."""
@@ -93,6 +104,7 @@ class Measures:
             "s²/m²": speed**-2,
             "N s/m": force / speed,
             "N s²/m²": force / speed**2,
+            "N s³/m³": force / speed**3,
             "m": length,
             "1/m": 1 / length,
             "N": force,
@@ -134,11 +146,15 @@ class Measures:
     def _parameter(self, one: EffectParameter) -> EffectParameter:
         scale = self.scale(one.unit)
         low, high = one.plausible
+        reference = one.reference
+        if one.on_joints is not None:
+            low, high, reference = one.on_joints
         return replace(
             one,
             unit=self.unit(one.unit),
             prior=one.prior.times(scale),
             plausible=(low * scale, high * scale),
+            reference=reference,
             typical=None if one.typical is None else one.typical * scale,
         )
 
@@ -146,12 +162,12 @@ class Measures:
     def priors(self) -> PriorOverrides:
         """Priors of mass, Coulomb and viscous friction, in the places of c1, c2 and c3.
 
-        A mass that somebody wrote down is good to a fifth. Otherwise the recording itself
+        A mass that somebody wrote down is held within its error. Otherwise the recording itself
         says how large mass and friction can be: no more than takes all of the drive force.
         """
         mass: Prior = HalfNormal(scale=max(self.force / self.acceleration, WIDE * self.mass))
-        if self.known_mass is not None:
-            mass = Normal(mean=self.known_mass, sd=KNOWN_MASS * self.known_mass)
+        if self.known_mass is not None and self.known_mass_sd is not None:
+            mass = Normal(mean=self.known_mass, sd=self.known_mass_sd)
         return PriorOverrides(
             c1=mass,
             c2=HalfNormal(scale=self.force),
@@ -189,8 +205,11 @@ def measures_of(
         mass=constants.moving_mass_kg or max(rough.mass, 1e-3 * force / max(acceleration, least)),
         acceleration=max(acceleration, least),
         known_mass=constants.moving_mass_kg,
+        known_mass_sd=mass_sd_kg(constants),
         rotary=constants.rotary,
         wave=strongest_wave(readings),
         limit=limit,
         pull=rough.pull,
+        rough_mass=rough.mass,
+        both_ways=bool((readings.way > 0).any() and (readings.way < 0).any()),
     )

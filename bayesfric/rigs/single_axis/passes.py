@@ -6,7 +6,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["REMEMBERED", "passes_of"]
+__all__ = ["REMEMBERED", "passes_of", "rests_of"]
 
 REMEMBERED = 4  # passes before the present one
 
@@ -50,6 +50,33 @@ def passes_of(position: Array, way: Array, unseen: float) -> tuple[Array, Array]
         ago = last[seen, None] - 1 - np.arange(REMEMBERED)
         before[seen] = strokes[np.maximum(ago + REMEMBERED, 0)]
     return travel, before
+
+
+def rests_of(position: Array, way: Array, interval_s: float) -> tuple[Array, Array]:
+    """Return how long the axis rested before it moved as it does, and its travel since.
+
+    Parameters
+    ----------
+    position, way : ndarray, shape (N,)
+        Where it is, and 1, −1 or, where it is not known to run, 0.
+    interval_s : float
+        Between samples.
+
+    Returns
+    -------
+    dwell_s, since : ndarray, shape (N,)
+        Nothing before the first rest, and while it rests.
+    """
+    moving = way != 0
+    starts = np.flatnonzero(moving[1:] & ~moving[:-1]) + 1
+    dwell, since = np.zeros((2, position.size))
+    stops = np.flatnonzero(~moving[1:] & moving[:-1]) + 1
+    for place, begin in enumerate(starts):
+        stop = stops[stops < begin]
+        end = starts[place + 1] if place + 1 < starts.size else position.size
+        dwell[begin:end] = (begin - (stop[-1] if stop.size else 0)) * interval_s
+        since[begin:end] = np.abs(position[begin:end] - position[begin])
+    return dwell, since
 
 
 def _extreme(position: Array, before: int, after: int) -> float:

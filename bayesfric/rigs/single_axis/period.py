@@ -51,7 +51,8 @@ def strongest_wave(readings: Readings) -> Wave:
     ones = np.ones(readings.count)
     known = np.stack(
         [readings.acceleration, ones, readings.speed @ readings.weights, readings.force_rate]
-        + [readings.way * (place**power @ readings.weights) for power in range(4)],
+        + [readings.way * (place**power @ readings.weights) for power in range(4)]
+        + [*readings.beside.T],
         axis=1,
     )
     basis = np.linalg.qr(known / np.maximum(np.abs(known).max(axis=0), 1e-300))[0]

@@ -1,7 +1,7 @@
 """All runs reduced, once, to rows that are linear in mass and friction."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import uniform_filter1d
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import (
     EvenLog,
     given,
@@ -19,7 +20,7 @@ from bayesfric.rigs.single_axis.even_log import (
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.late_rates import late_rates
-from bayesfric.rigs.single_axis.passes import passes_of
+from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.rough import RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.weak_form import (
     NODES,
@@ -66,7 +67,7 @@ class Readings:
     way : ndarray, shape (W,)
         1 or −1.
     force, acceleration : ndarray, shape (W,)
-        ∫ φ F dt and ∫ φ'' q dt, times the direction.
+        ∫ φ F dt, without what is known of it, and ∫ φ'' q dt, times the direction.
     force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
         −∫ φ' F dt and ∫ φ'' F dt, times the direction. The first rate is of the force earlier
         by half of what it is late: F(t) − F(t − d) is d F'(t − d/2) up to the third order. The
@@ -77,17 +78,26 @@ class Readings:
         At places inside: speed, travel since the last reversal, position and drive force.
     passes : ndarray, shape (W, E)
         Travel of the passes before the present one, the last first.
+    dwell_s, since_rest, temperature : ndarray, shape (W,)
+        How long it rested before it moved as it does, travel since then, and the temperature;
+        nan where none was logged.
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
     simulated : ndarray, shape (W, K)
         Means of what a simulator says of the force, times the direction; K is 0 without one.
+    beside : ndarray, shape (W, K)
+        Means of forces that may be there in amounts N(0, 1), times the direction.
     place : ndarray of int, shape (W,)
         Of the row among all of `followed`.
     followed : Followed
         Loads behind the drive, along the paths of the runs.
     position_sd, half_s, hop : float
         Standard deviation of a position's error, half a window [s], windows' distance over that.
+    known_inertia : float
+        What the model of a known force moves [kg, or kg·m²].
+    mixing : Mixing
+        Of what the columns of `beside` are made.
     """
 
     trial: Whole
@@ -104,14 +114,20 @@ class Readings:
     position: Array
     drive: Array
     passes: Array
+    dwell_s: Array
+    since_rest: Array
+    temperature: Array
     position_lag: Array
     force_lag: Array
     simulated: Array
+    beside: Array
     place: Whole
     followed: Followed
     position_sd: float
     half_s: float
     hop: float
+    known_inertia: float = 0.0
+    mixing: Mixing = field(default_factory=Mixing)
 
     @property
     def count(self) -> int:
@@ -196,8 +212,17 @@ def readings_of(
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
     whole["place"] = np.arange(joined["way"].size)
-    followed = Followed(paths)
-    return Readings(**whole, **joined, followed=followed, position_sd=noise, half_s=half_s, hop=hop)
+    joined["beside"], mixing = leading(joined["beside"], joined["force"])
+    return Readings(
+        **whole,
+        **joined,
+        followed=Followed(paths),
+        position_sd=noise,
+        half_s=half_s,
+        hop=hop,
+        known_inertia=float(np.mean([log.known_inertia for log in logs])),
+        mixing=mixing,
+    )
 
 
 def _drive_path(
@@ -218,6 +243,8 @@ def _drive_path(
 
 def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
     """Return half the width of a window [s], and windows' distance as a share of that."""
+    logs = [replace(log, beside=()) for log in logs]
+    moved = float(np.mean([log.known_inertia for log in logs]))
     interval = max(one.interval_s for one in logs)
     length = sum(one.time_s.size * one.interval_s for one in logs)
     room_s = pass_s(logs, noise) / (2 * PASSES)
@@ -233,7 +260,7 @@ def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float,
         force, way = _joined(rows, "force"), _joined(rows, "way")
         pull = pull_columns(_joined(rows, "position"), way)
         acceleration, speed = _joined(rows, "acceleration"), _joined(rows, "speed")
-        mass = rough_law(force, acceleration, speed, pull).mass
+        mass = rough_law(force, acceleration, speed, pull).mass + moved
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
         if force.size and mass * error < QUIET * float(np.sqrt(np.mean(force**2))):
             break
@@ -287,12 +314,14 @@ def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> Roug
     """
     speed = viscous * (rows.speed @ rows.weights)
     pull = pull_columns(rows.position @ rows.weights, rows.way)
-    return rough_law(rows.force[inside], rows.acceleration[inside], speed[inside], pull[inside])
+    columns = np.column_stack([rows.acceleration, np.ones(rows.count), speed])
+    force = rows.force - rough_amounts(columns, rows.beside, rows.force, inside)
+    return rough_law(force[inside], rows.acceleration[inside], speed[inside], pull[inside])
 
 
 def _late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:
     """Return by how much the force acts later than the log has it, roughly [s]."""
-    late_s = 0.0
+    late_s, logs = 0.0, [replace(log, beside=()) for log in logs]
     for _ in range(2):
         rows = []
         for one in logs:
@@ -329,6 +358,8 @@ def _of_run(
         there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
     travel, before = passes_of(position, way, FAR * stroke)
+    dwell, since = rests_of(position, way, log.interval_s)
+    warm = log.further.get("temperature", np.full(way.size, np.nan))
     # A log does not say how long ago the axis turned before it, nor by which way it came to where
     # it rests, which friction may remember; where it turns later on, that is better known.
     if (way > 0).any() and (way < 0).any():
@@ -349,6 +380,10 @@ def _of_run(
         return np.asarray(np.interp(at, log.time_s, values))
 
     simulated = [sign * one.over(test, centres) for one in log.forces]
+    beside = [sign * one.over(test, centres) for one in log.beside]
+    force = test.over(log.force, test.value, centres)
+    if log.known_force is not None:
+        force = force - log.known_force.over(test, centres)
     lags = range(0, 2 * half // step + 1)
     acting = given(log, limit)
     curvature = force_curvature(acting, test, centres, runs)
@@ -358,7 +393,7 @@ def _of_run(
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
-        "force": sign * test.over(log.force, test.value, centres),
+        "force": sign * force,
         "acceleration": sign * test.over(log.position, test.curvature, centres),
         "force_rate": sign * delayed,
         "lagging_rate": sign * lagging,
@@ -367,12 +402,16 @@ def _of_run(
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
         "passes": before[centres],
+        "dwell_s": dwell[centres],
+        "since_rest": since[centres],
+        "temperature": warm[centres],
         "position": inside(position),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
+        "beside": np.reshape(beside, (len(beside), centres.size)).T,
     }
 
 

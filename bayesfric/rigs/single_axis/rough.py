@@ -6,7 +6,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["RoughLaw", "pull_columns", "rough_law"]
+__all__ = ["POWERS", "PULLS", "RoughLaw", "places_of", "pull_columns", "rough_law"]
 
 POWERS = 6  # of the place, that what pulls towards one is told by
 PULLS = 0.02  # of the squares of the force, from which on something is taken to pull
@@ -40,7 +40,7 @@ def pull_columns(position: Array, way: Array) -> Array:
     position, way : ndarray, shape (W,)
         Mean position of each row, and 1 or −1.
     """
-    middle, half = _middle(position)
+    middle, half = places_of(position)
     place = (position - middle) / half
     # Where it runs one way alone, what is constant is Coulomb friction.
     first = 0 if (way > 0).any() and (way < 0).any() else 1
@@ -99,7 +99,7 @@ def _positive(columns: Array, force: Array) -> tuple[Array, float]:
         free[2] = 0.0
 
 
-def _middle(position: Array) -> tuple[float, float]:
+def places_of(position: Array) -> tuple[float, float]:
     """Return the middle of positions and half of what they span."""
     low, high = float(position.min(initial=np.inf)), float(position.max(initial=-np.inf))
     return (0.5 * (low + high), 0.5 * (high - low) or 1.0) if high >= low else (0.0, 1.0)

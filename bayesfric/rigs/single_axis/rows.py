@@ -12,10 +12,12 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.axis import AxisLaw
+from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, rank, rms_of
+from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
@@ -59,8 +61,10 @@ class AxisRows:
     latency_s : float
         Prior standard deviation of the time by which the clocks of force and position may be
         off.
-    viscous : bool
-        Whether the law has viscous friction.
+    lacks : tuple of str
+        Of c1, c2 and c3, which are mass, Coulomb and viscous friction, those that the law lacks.
+    offset_n : float
+        Prior standard deviation of a constant force; 0 where there is none.
     simulated : SimulatedBaseline or None
         A simulator in the place of the law, which then is only a scale.
     theta : tuple of float
@@ -78,7 +82,8 @@ class AxisRows:
     state: State
     stroke: float
     latency_s: float
-    viscous: bool = False
+    lacks: tuple[str, ...] = ()
+    offset_n: float = 0.0
     simulated: SimulatedBaseline | None = None
     theta: tuple[float, ...] = ()
     loads: tuple[str, ...] = ()
@@ -116,6 +121,11 @@ class AxisRows:
         """Of no use here: it changes along a run; zeros, (N,)."""
         return np.zeros(len(self.table))
 
+    @property
+    def moved_mass(self) -> float:
+        """What an error of the position accelerates: by the law, and by a known force's model."""
+        return float(self.law.mass + self.readings.known_inertia)
+
     def mean(self, values: Array) -> Array:
         """Return means over the windows of what is known at places inside, (W,)."""
         rows = self.readings
@@ -144,9 +154,8 @@ class AxisRows:
         rows = self.readings
         if self.simulated is not None:
             return self.simulated.columns(rows)
-        return np.stack(
-            [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
-        )
+        columns = np.stack([rows.acceleration, np.ones(rows.count), self.mean(rows.speed)], axis=1)
+        return columns * [name not in self.lacks for name in Coefficients._fields]
 
     def residual(self) -> Array:
         """Return the rows less the reference law, or the simulator at its reference, (W,) [N]."""
@@ -186,9 +195,19 @@ class AxisRows:
         return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return the prior standard deviation of the clocks' difference [s]."""
+        """Return prior standard deviations of the columns of :meth:`nuisance_columns`.
+
+        Of the clocks' difference [s], of an offset [N], and of amounts beside the law.
+        """
         del priors
-        return (self.latency_s,)
+        offset = (self.offset_n,) if self.offset_n else ()
+        return (self.latency_s, *offset, *[1.0] * self.readings.beside.shape[1])
+
+    def nuisance_columns(self) -> Array:
+        """Return what the nuisances of 1 add to each row, (W, m)."""
+        rows = self.readings
+        offset = [rows.way] if self.offset_n else []
+        return np.stack([rows.force_rate, *offset, *rows.beside.T], axis=1)
 
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:
@@ -230,6 +249,11 @@ def state_of(
     State
         Arrays that broadcast to (W, P).
     """
+    order = rank(table)[rows.trial]
+    held, moved = (
+        (np.zeros(1), np.zeros(1)) if measures.carried is None else measures.carried.at(rows, table)
+    )
+    warm = warmth_of(rows, order)
     return State(
         n_pulleys=1.0,
         wrap_angle_deg=85.0,
@@ -241,7 +265,7 @@ def state_of(
         travel_m=rows.travel,
         passes_m=tuple(rows.passes.T[..., None]),
         acceleration_m_s2=rows.acceleration[:, None],
-        order=rank(table)[rows.trial][:, None],
+        order=order[:, None],
         gravity_m_s2=constants.gravity_m_s2,
         position_m=rows.position,
         direction=np.broadcast_to(rows.way[:, None], rows.speed.shape),
@@ -252,6 +276,11 @@ def state_of(
         force_curvature_n_s2=rows.force_curvature[:, None],
         wave_from_m=measures.wave.start,
         load=measures.load(rows),
+        carried_n=held + moved,
+        held_n=held,
+        dwell_s=rows.dwell_s[:, None],
+        since_rest_m=rows.since_rest[:, None],
+        warmth=0.0 if warm is None else warm[:, None],
         tested=tested.astype(np.float64)[rows.trial][:, None],
         covariates={
             name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in further

@@ -154,6 +154,8 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         "force": "force_n",
         "sim_force": "sim_force_n",
         "sim_position": "sim_position_m",
+        "temperature": "temperature_c",
+        "known_force": "known_force_n",
     }
     if constants.moving_mass_kg is None:
         del names["sim_position"]  # it takes the simulated mass to make a force of a path
@@ -163,7 +165,13 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         if column in samples
     }
     log = even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
-    return log and replace(log, forces=_recorded_forces(log, constants.moving_mass_kg))
+    if log is None:
+        return None
+    forces = _recorded_forces(log, constants.moving_mass_kg)
+    value = log.further.get("known_force")
+    # A simulator in the place of the law says the whole force.
+    known_force = None if value is None or forces else WeakForce(value)
+    return replace(log, forces=forces, known_force=known_force)
 
 
 def fitting(table: pd.DataFrame) -> Flags:

@@ -108,6 +108,7 @@ def _state(path: Path, law: AxisLaw, tested: Array) -> State:
         force_curvature_n_s2=way * np.gradient(rate, path.time_s, axis=1),
         tested=tested[:, None],
         load=_following(path, law),
+        carried_n=law.mass * path.acceleration,
     )
 
 
@@ -198,7 +199,20 @@ DESIGN = OwnDesign(
     constants=RigConstants(encoder_resolution=RESOLUTION_M, force_is="commanded"),
     coefficients={SIZE: Coefficients(*LAW)},
     offers=frozenset(
-        {"direction", "position", "drive", "test", "period", "limit", "turns", *LENGTHS}
+        {
+            "direction",
+            "position",
+            "drive",
+            "test",
+            "period",
+            "limit",
+            "turns",
+            "commanded-force",
+            "load-both-ways",
+            "known-load",
+            "law-without-offset",
+            *LENGTHS,
+        }
     ),
     change=change,
     simulate=simulate,

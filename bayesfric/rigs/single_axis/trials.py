@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -17,22 +18,28 @@ from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
+from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
+from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
+from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
+from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
+from bayesfric.schemas import LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -41,9 +48,9 @@ WORDS = Words(
     "driven axis",
     "run",
     "runs",
-    "The law is that of a mass with Coulomb friction: mass times acceleration is the drive force "
-    "less friction, which opposes the motion (and grows with speed where viscous friction is "
-    "asked for). Acceleration is never measured, and no difference of positions is taken: force "
+    "The law is what every simulator of joints has: inertia times acceleration is the drive force "
+    "less a constant offset and less Coulomb and viscous friction, which oppose the motion. "
+    "Acceleration is never measured, and no difference of positions is taken: force "
     "and position are multiplied by a smooth test function over short windows in which the axis "
     "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
     "together by the errors of positions and forces, and by friction that wanders along the path; "
@@ -62,7 +69,22 @@ TURNS = {
 }
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
-OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
+NO_COULOMB, NO_OFFSET = "law-without-coulomb", "law-without-offset"
+HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
+LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
+OFFERED = ALWAYS | {
+    "angle",
+    "test",
+    "limit",
+    "commanded-force",
+    "load-both-ways",
+    "known-load",
+    "dwell",
+    "warmth",
+    NO_COULOMB,
+    NO_OFFSET,
+}  # what no column of the user's own stands for
+PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
 @dataclass(frozen=True)
@@ -87,6 +109,12 @@ class SingleAxis(PlainRig):
         """Return the runs that do not enter, and why; see :mod:`.left_out`."""
         if recording.axis is None:
             return []
+        if parted := parted_by_joint(recording):
+            return [
+                replace(fault, column=f"{joint}, {fault.column}" if fault.column else joint)
+                for joint, one in parted.items()
+                for fault in self.left_out(one)
+            ]
         if faults := not_modelled(recording.axis, recording.rig):
             return faults
         found = entering(recording.axis, recording.rig)
@@ -124,6 +152,8 @@ class AxisRuns(PlainTrials):
         A user's simulator, in the place of the law in a diagnosis.
     turns : int
         How often the axis is seen to turn.
+    machine : Machine or None
+        That the joint is of, with its other joints.
     """
 
     rig: SingleAxis
@@ -132,12 +162,13 @@ class AxisRuns(PlainTrials):
     readings: Readings
     measures: Measures
     still: tuple[str, ...] = ()
-    law: FrictionLaw = BASELINES["paper"]
+    law: FrictionLaw = BASELINES[COULOMB_VISCOUS]
     loads: tuple[str, ...] = ()
     interval_s: float = field(default=0.0)
     source: Axis | None = None
     simulated: SimulatedBaseline | None = None
     turns: int = 0
+    machine: Machine | None = None
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -168,16 +199,68 @@ class AxisRuns(PlainTrials):
         found = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
         for turns, shown in TURNS.items():
             found -= shown if self.turns < turns else set()
-        if self._tested.any():
+        # Of runs that are all alike a mass beside the one that is declared is an error of that.
+        declared = self.constants.moving_mass_kg is not None
+        if self._tested.any() and not (declared and self._tested.all()):
             found.add("test")
         if self.measures.limit.there:
             found.add("limit")
+        if self.constants.force_is not in MEASURED:
+            found.add("commanded-force")
+        loads = self._carried
+        if loads is not None and shows_both_ways(self.readings, len(loads.loads)):
+            found.add("load-both-ways")
+        doubtful = contradicts(self.constants, self.measures.rough_mass)
+        if declared and not doubtful and not self.measures.pull:
+            found.add("known-load")
+        if np.ptp(self.readings.dwell_s) > LONG_S:
+            found.add("dwell")
+        if np.ptp(np.asarray(self._state(self._rough).warmth)) > 0:
+            found.add("warmth")
+        if "c2" in self._lacks:
+            found.add(NO_COULOMB)
+        if not self._offset_sd:
+            found.add(NO_OFFSET)
         return frozenset(found | ({*self._further} - OFFERED))
+
+    @property
+    def _carried(self) -> Carried | None:
+        """What the gear carries, where that is more than a small part of friction."""
+        found = self.measures.carried
+        if found is None:
+            return None
+        held, moved = found.at(self.readings, self.table)
+        size = float(np.sqrt(np.mean((held + moved) ** 2)))
+        return found if size > HEAVY * self.measures.friction else None
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
         """Columns of the recording's own that varied over all runs."""
         return () if self.source is None else varied_columns(self.source.runs)
+
+    @property
+    def taken_up(self) -> frozenset[str]:
+        """Pulls towards a place, where other joints move and no model says what that does."""
+        without_model = self.machine is not None and self.machine.bodies is None
+        return PLACED if without_model and self.readings.beside.shape[1] else frozenset()
+
+    @property
+    def in_simulator(self) -> Mapping[str, float]:
+        """Armature, frictionloss and damping of the machine's model; empty without one."""
+        return {} if self.machine is None else self.machine.settings
+
+    @property
+    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"]:
+        """What the machine's other joints did: as somebody says, else by what is in the log."""
+        return "unknown" if self.machine is None else self.machine.other_joints
+
+    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
+        """Return how wrong the machine's model is; the first nuisance is the clocks'."""
+        if self.machine is None or self.machine.bodies is None:
+            return None
+        before = self.machine.amounts_before()
+        shares = self.readings.mixing.shares
+        return ModelAmounts.told(mean[1:], covariance[1:, 1:], shares, before)
 
     @property
     def unit(self) -> str:
@@ -193,8 +276,38 @@ class AxisRuns(PlainTrials):
         if self._beside is not None:
             return tuple((one.name, one.unit) for one in self._beside.parameters)
         unit = self.measures.unit
-        viscous = (("viscous", unit("N s/m")),) if self.law.name == VISCOUS else ()
-        return (("mass", unit("kg")), ("coulomb", unit("N")), *viscous)
+        numbers = {"c1": ("mass", "kg"), "c2": ("coulomb", "N"), "c3": ("viscous", "N s/m")}
+        return tuple(
+            (name, unit(of)) for place, (name, of) in numbers.items() if place not in self._lacks
+        )
+
+    @property
+    def _lacks(self) -> tuple[str, ...]:
+        """Coefficients that are not in the law; all of them where a simulator has its place."""
+        return Coefficients._fields if self._beside is not None else self.law.without
+
+    @property
+    def usual_law(self) -> str:
+        """Inertia, Coulomb and viscous friction."""
+        return COULOMB_VISCOUS
+
+    @property
+    def _offset_sd(self) -> float:
+        """Prior standard deviation of a constant force; 0 where the law has none.
+
+        Where the axis runs one way only, the force that opposes it is friction.
+        """
+        told = self.measures.both_ways and self._beside is None
+        return self.measures.force if told else 0.0
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """The offset of the drive force, behind the difference of the clocks."""
+        return {"offset": (1, self.unit)} if self._offset_sd else {}
+
+    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+        """Return what is doubtful in what was declared; see :mod:`.declared`."""
+        return tuple(doubts(self.constants, law, self.measures.rough_mass))
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -232,10 +345,11 @@ class AxisRuns(PlainTrials):
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
-        if law.name in ("paper", VISCOUS):
+        if law.name == "paper" or law.name in OF_AXES:
             return None
         return Unsupported(
-            "Without a word it has mass and Coulomb friction; 'viscous' has viscous friction too."
+            "Without a word it has inertia, Coulomb and viscous friction and an offset, as "
+            "'coulomb-viscous' says; 'coulomb' and 'none' say less."
         )
 
     def suited(self, effect: Effect) -> Effect:
@@ -243,7 +357,9 @@ class AxisRuns(PlainTrials):
         found = self.measures.effect(effect)
         if found.acts_on not in ("friction", "drive") or found.components:
             return found
-        values, state = small_values(found), self._state(self._rough)
+        # A share of all friction, or of Coulomb's: what differs by the law's own viscous friction
+        # alone is one law.
+        values, state = small_values(found), self._state(self._rough._replace(viscous=0.0))
         laws: dict[str, Law] = {}
         seen: list[Array] = []
         for name, law in found.laws.items():
@@ -302,7 +418,7 @@ class AxisRuns(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: FrictionLaw = BASELINES["paper"],
+        law: FrictionLaw = BASELINES[COULOMB_VISCOUS],
         effects: Sequence[ActiveEffect] = (),
     ) -> ExactLikelihood:
         """Return the density of the rows."""
@@ -312,8 +428,7 @@ class AxisRuns(PlainTrials):
         rows = own._rows(own._rough)
         if beside is not None:
             rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
-        viscous = law.name == VISCOUS
-        return ExactLikelihood(AxisModel(own.table, rows, own.measures, viscous=viscous))
+        return ExactLikelihood(AxisModel(own.table, rows, own.measures))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction of each run, and predicted for a new run."""
@@ -339,7 +454,7 @@ class AxisRuns(PlainTrials):
     def _rough(self) -> AxisLaw:
         measures = self.measures
         inside = measures.limit.within(self.readings)
-        rough = rough_law_of(self.readings, inside, viscous=self.law.name == VISCOUS)
+        rough = rough_law_of(self.readings, inside, viscous="c3" not in self._lacks)
         return AxisLaw(
             max(rough.mass, 1e-3 * measures.mass),
             max(rough.coulomb, LITTLE * measures.force),
@@ -349,7 +464,10 @@ class AxisRuns(PlainTrials):
     def _around(self, law: Coefficients) -> AxisRows:
         """Return rows around a law, or around a simulator with these parameters."""
         if self._beside is None:
-            return self._rows(AxisLaw.of(law))
+            around = AxisLaw.of(law)
+            if "c2" in self._lacks:  # effects and scatter still go by the friction that is there
+                around = around._replace(coulomb=self._rough.coulomb)
+            return self._rows(around)
         theta = tuple(float(np.asarray(one)) for one in law)
         return replace(self._rows(self._rough), simulated=self._beside, theta=theta)
 
@@ -373,7 +491,8 @@ class AxisRuns(PlainTrials):
             self._state(law),
             self.measures.stroke,
             float(np.hypot(MARGIN_S, WITHIN * self.interval_s)),
-            viscous=self.law.name == VISCOUS,
+            lacks=self._lacks,
+            offset_n=self._offset_sd,
             loads=self.loads,
             further=self._further,
         )

@@ -61,25 +61,28 @@ class TestFunction:
 
 @dataclass(frozen=True)
 class WeakForce:
-    """A force that may be known only under test functions: value + d²(curvature)/dt².
+    """A force that may be known only under test functions: value + dp/dt + d²(curvature)/dt².
 
     Parameters
     ----------
     value : ndarray, shape (N,)
         At every sample.
-    curvature : ndarray, shape (N,), or None
-        None is nothing.
+    curvature, momentum : ndarray, shape (N,), or None
+        What stands under the second and the first derivative; None is nothing.
     """
 
     value: Array
     curvature: Array | None = None
+    momentum: Array | None = None
 
     def over(self, test: TestFunction, centres: Whole) -> Array:
-        """Return ∫ φ value + φ'' curvature dt around each centre, shape (W,)."""
-        found = test.over(self.value, test.value, centres)
-        if self.curvature is None:
-            return found
-        return found + test.over(self.curvature, test.curvature, centres)
+        """Return ∫ φ value − φ' momentum + φ'' curvature dt around each centre, shape (W,)."""
+        force = test.over(self.value, test.value, centres)
+        if self.momentum is not None:
+            force = force - test.over(self.momentum, test.slope, centres)
+        if self.curvature is not None:
+            force = force + test.over(self.curvature, test.curvature, centres)
+        return force
 
 
 def test_function(half: int, interval_s: float) -> TestFunction:

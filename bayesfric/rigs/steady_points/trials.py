@@ -14,7 +14,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
+from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
@@ -132,7 +132,7 @@ class SteadyTrials(PlainTrials):
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
-        if law.name == VISCOUS:
+        if law.name in OF_AXES:
             return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
             return NOT_PULLEY_BY_PULLEY

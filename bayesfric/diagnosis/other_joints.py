@@ -1,0 +1,75 @@
+"""What a joint's neighbours may have done to it: effects that they look like, and their pull."""
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.effects import Effect
+from bayesfric.rigs.model_amounts import ModelAmounts
+from bayesfric.schemas import Gap, ModelError
+
+__all__ = ["amounts_of", "looks_like_others", "model_error_words"]
+
+PLACED = frozenset({"angle", "position", "period", "play", "spring"})
+"""Needs of effects of a position, and of reversals behind a play or a spring."""
+LEFT = 0.1  # of friction, that nothing explains: so much is left where other joints pull
+LISTED = 3  # numbers of a model that a sentence has
+
+
+def looks_like_others(
+    named: Collection[str],
+    examined: Mapping[str, Effect],
+    others: str | None,
+    gap: Gap,
+    amounts: ModelAmounts | None,
+) -> bool:
+    """Return whether causes are of a kind that the pull of a joint looks like that is not logged.
+
+    Where nobody says what other joints did, they are taken to have moved if more is left of the
+    force than a machine's own friction scatters; where they are logged and there is no model,
+    that much says that what they do is not told by the form that it was given.
+
+    Parameters
+    ----------
+    named : collection of str
+        Causes.
+    examined : mapping of str to Effect
+        All effects that were examined.
+    others : str or None
+        What other joints did: ``still``, ``logged``, ``moving`` or ``unknown``.
+    gap : Gap
+        With what causes leave of data held out, and what a perfect law would leave.
+    amounts : ModelAmounts or None
+        Of the errors of the machine's model; None without one.
+    """
+    left = max(gap.floor.q50, gap.after.q50) >= LEFT * gap.friction_rms
+    open_still = others in ("unknown", "logged") and amounts is None
+    moved = others == "moving" or (open_still and left)
+    return moved and any(_is_placed(examined[name]) for name in named if name in examined)
+
+
+def _is_placed(effect: Effect) -> bool:
+    return bool(effect.needs & PLACED) or "travel_m" in effect.edge
+
+
+def amounts_of(model: LinearModel, best: Weighed) -> ModelAmounts | None:
+    """Return how wrong the machine's model is by the likeliest hypothesis; None without one."""
+    count = model.layout.nuisances[0]
+    mean, covariance = best.at.mean[-count:], best.at.covariance[-count:, -count:]
+    return model.data.rigs[0].model_amounts(np.asarray(mean), np.asarray(covariance))
+
+
+def model_error_words(errors: Collection[ModelError]) -> str:
+    """Return that a model is off, a sentence with a blank before it; empty where it is not."""
+    off = [one for one in errors if one.significant]
+    if not off:
+        return ""
+    parts = [
+        f"{one.number} of {one.link} by {one.error.mean:+.3g} ± {one.error.sd:.2g} {one.unit} "
+        f"(your model has {one.in_your_model:.3g})"
+        for one in off[:LISTED]
+    ]
+    more = f", and {len(off) - LISTED} more" if len(off) > LISTED else ""
+    return f" Your model of the machine is off: {'; '.join(parts)}{more}."

@@ -1,0 +1,39 @@
+"""Drag that grows with the cube of speed: the next odd power after viscous friction.
+
+Churned oil and eddy currents bend the line of viscous friction. Over a small range of speeds it
+is confounded with ``air-drag``, and with ``viscous`` where the law lacks that.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+
+def _cubic(p: Mapping[str, Array], state: State) -> Array:
+    moving = np.abs(np.asarray(state.direction))
+    return np.asarray(p["coefficient"] * np.asarray(state.speed_m_s) ** 3 * moving)
+
+
+EFFECT = Effect(
+    name="cubic-drag",
+    acts_on="drive",
+    sentence="a drag changes in proportion to the cube of speed",
+    amplitude=EffectParameter(
+        name="coefficient",
+        unit="N s³/m³",
+        meaning="force against the motion at 1 m/s; below zero where viscous friction sags",
+        prior=Normal(mean=0.0, sd=0.15),
+        plausible=(-0.5, 0.5),
+        reference="argued: at the top speed it changes friction by no more than friction itself; "
+        "polynomial laws of joints are in Simoni et al., Modelling the temperature in "
+        "joint friction of industrial manipulators, Robotica (2017)",
+    ),
+    laws={"cubic": _cubic},
+    along_path=True,
+    needs=frozenset({"direction"}),
+    axes=frozenset({"velocity"}),
+)

@@ -1,0 +1,45 @@
+"""A gear that loses more of its load when driving than when driven back, or the other way.
+
+Duclusaud et al. have |k_m τ_m − k_e τ_e|, τ_m the motor's torque and τ_e that of the load. At
+one pose the two of them differ by friction and inertia alone, so that the formula is k |ℓ| with
+one k where the motor drives and another where the load drives back. The half of it that is odd,
+k ℓ along the motion, is an error of the force's gain, of the mass or of gravity: it shows only
+where these are known. With ``load-friction`` it shares the other half.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.arrays import Array
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+
+
+def _driving(p: Mapping[str, Array], state: State) -> Array:
+    along = np.asarray(state.carried_n) * np.asarray(state.direction)
+    return np.asarray(p["share"] * np.maximum(along, 0.0))
+
+
+def _driven_back(p: Mapping[str, Array], state: State) -> Array:
+    along = np.asarray(state.carried_n) * np.asarray(state.direction)
+    return np.asarray(p["share"] * np.maximum(-along, 0.0))
+
+
+EFFECT = Effect(
+    name="load-asymmetry",
+    acts_on="drive",
+    sentence="the gear loses another share of its load when driving than when driven back",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="friction more for each unit of the load, one way of the power alone",
+        prior=HalfNormal(scale=0.2),
+        plausible=(0.0, 0.5),
+        reference=f"{LADDER}: 0 to 0.38 on the motor's side, 0 to 0.25 on the other",
+    ),
+    laws={"driving": _driving, "driven-back": _driven_back},
+    along_path=True,
+    needs=frozenset({"direction", "load-both-ways", "known-load"}),
+    axes=frozenset({"load", "displacement", "acceleration"}),
+)

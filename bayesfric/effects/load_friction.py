@@ -1,0 +1,48 @@
+"""Friction that grows with the load of a gear: k |ℓ|, ℓ the torque that the gear carries.
+
+Teeth and bearings are pressed together by what they carry. Where an axis runs one way only, or
+always carries the same, this is Coulomb friction, or an error of the force's gain: lifting and
+lowering at one pose, or two loads, tell it apart. It is confounded with ``load-asymmetry`` and, at
+low speeds, with ``load-stribeck``.
+
+References
+----------
+Duclusaud, Passault, Padois and Ly, "Extended friction models for the physics simulation of servo
+actuators", 2024 (arXiv:2410.08650), models M3 to M6.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.arrays import Array
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+
+
+def _with_inertia(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)))
+
+
+def _at_rest(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["share"] * np.abs(np.asarray(state.held_n)))
+
+
+EFFECT = Effect(
+    name="load-friction",
+    acts_on="drive",
+    sentence="friction grows with the load that the gear carries",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="friction more for each unit of the load",
+        prior=HalfNormal(scale=0.15),
+        plausible=(0.0, 0.5),
+        reference=f"{LADDER}: 0.06 to 0.22 of five servos and two harmonic drives; a worm that "
+        "locks itself has more",
+    ),
+    laws={"with-inertia": _with_inertia, "of-what-is-held": _at_rest},
+    along_path=True,
+    needs=frozenset({"direction", "load-both-ways"}),
+    axes=frozenset({"load", "displacement", "acceleration"}),
+)

@@ -1,0 +1,46 @@
+"""Friction by the gear's load that dies out as speed grows: k |ℓ| exp(−v / v_s).
+
+M4 of Duclusaud et al. It is confounded with ``load-friction`` where all is slow, and with
+``stribeck`` where the load is always the same.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array
+from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+
+
+def _exponential(p: Mapping[str, Array], state: State) -> Array:
+    dying = np.exp(-np.asarray(state.speed_m_s) / p["speed"])
+    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * dying)
+
+
+EFFECT = Effect(
+    name="load-stribeck",
+    acts_on="drive",
+    sentence="friction by the gear's load is higher at low speed",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="friction more at standstill for each unit of the load",
+        prior=HalfNormal(scale=0.15),
+        plausible=(0.0, 0.5),
+        reference=f"{LADDER}: 0.05 to 0.25",
+    ),
+    shape=EffectParameter(
+        name="speed",
+        unit="m/s",
+        meaning="Stribeck speed, at which it has fallen to 1/e",
+        prior=LogNormal(median=0.25, sd_log=0.7),
+        plausible=(0.005, 1.3),
+        reference=f"{LADDER}: 0.35 to 4.2 rad/s, of joints that reach some rad/s",
+        typical=0.25,
+    ),
+    laws={"exponential": _exponential},
+    along_path=True,
+    needs=frozenset({"direction", "load-both-ways"}),
+    axes=frozenset({"load", "velocity", "displacement"}),
+)

@@ -1,0 +1,84 @@
+"""Fits of all joints of a machine, as one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from bayesfric.recording.tables import Recording
+from bayesfric.results import identified
+from bayesfric.schemas import JointFit
+
+if TYPE_CHECKING:
+    from bayesfric.fitting.posterior import Fit
+
+__all__ = ["fitted_together"]
+
+
+def fitted_together(
+    parted: Mapping[str, Recording],
+    fitted: Callable[[Recording, Path | None], "Fit"],
+    checkpoint: Path | None,
+) -> "Fit":
+    """Fit each joint by itself; what stands at the top is of the first.
+
+    Parameters
+    ----------
+    parted : mapping of str to Recording
+        By joint.
+    fitted : callable
+        Of one recording, and the folder that keeps its draws on the way.
+    checkpoint : Path or None
+        That of all joints.
+
+    Raises
+    ------
+    InputError
+        A joint cannot be fitted.
+    """
+    each: dict[str, Fit] = {}
+    for place, (joint, recording) in enumerate(parted.items(), start=1):
+        folder = None if checkpoint is None else checkpoint / f"joint-{place}"
+        each[joint] = fitted(recording, folder)
+    first = next(iter(each.values()))
+    summaries = {joint: one.summary for joint, one in each.items()}
+    summary = first.summary.model_copy(
+        update={
+            "joint": next(iter(each)),
+            "joint_why": None,
+            "joints": {
+                joint: JointFit(
+                    converged=one.converged,
+                    parameters=one.parameters,
+                    scatter=one.scatter,
+                    noise=one.noise,
+                )
+                for joint, one in summaries.items()
+            },
+            "converged": all(one.converged for one in summaries.values()),
+            "attention": tuple(
+                f"{joint}: {line}" for joint, one in summaries.items() for line in one.attention
+            ),
+        }
+    )
+    seconds = {
+        f"{joint}: {stage}": time
+        for joint, one in each.items()
+        for stage, time in one.seconds.items()
+    }
+    return replace(
+        first,
+        summary=identified(summary),
+        draws=_with_joints(first.draws, [one.draws for one in each.values()]),
+        predictive=_with_joints(first.predictive, [one.predictive for one in each.values()]),
+        seconds=seconds,
+    )
+
+
+def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:
+    """Return a tree with those of all joints, by their number, in a group beside its own."""
+    numbered = {str(place): tree for place, tree in enumerate(trees, start=1)}
+    joints = xr.DataTree(children={name: tree.copy() for name, tree in numbered.items()})
+    return xr.DataTree(first.to_dataset(), children=dict(first.children) | {"joints": joints})

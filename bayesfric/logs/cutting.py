@@ -1,0 +1,144 @@
+"""Signals of joints, cut to the runs of a recording at the times of the positions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array, Flags
+from bayesfric.errors import Fault, InputError
+from bayesfric.logs.clock import DECIMALS
+from bayesfric.logs.mapping import Run
+from bayesfric.logs.ordering import Series, gaps_of
+
+__all__ = ["Window", "cut", "span_of"]
+
+COLUMNS = {"force": "force_n", "known_force": "known_force_n", "temperature": "temperature_c"}
+"""What is put at the times of the positions by a straight line, and its column."""
+LEADS = ("force", "command")
+
+
+@dataclass(frozen=True)
+class Window:
+    """A run in the time of a log.
+
+    Parameters
+    ----------
+    run : Run
+        Its name, role and covariates.
+    begin_s, end_s : float
+        Since the origin of the times.
+    """
+
+    run: Run
+    begin_s: float
+    end_s: float
+
+
+def span_of(name: str, signals: dict[str, Series]) -> tuple[float, float]:
+    """Return when all the signals are logged [s].
+
+    Raises
+    ------
+    InputError
+        They never are at the same time.
+    """
+    needed = [signals["position"], *(signals[key] for key in LEADS if key in signals)]
+    begin = max(series.time_s[:1].max(initial=-np.inf) for series in needed)
+    end = min(series.time_s[-1:].min(initial=np.inf) for series in needed)
+    if not all(series.time_s.size for series in needed) or not begin < end:
+        lead = next(key for key in LEADS if key in signals)
+        raise InputError([Fault(name, f"position and {lead} that are logged at the same time")])
+    return begin, end
+
+
+def cut(
+    name: str, signals: dict[str, Series], windows: Sequence[Window], origin_s: float
+) -> tuple[list[pd.DataFrame], list[str]]:
+    """Return the samples of each run, and what was done.
+
+    Parameters
+    ----------
+    name : str
+        Of the log, for errors.
+    signals : dict of str to Series
+        Of one joint.
+    windows : sequence of Window
+        The runs.
+    origin_s : float
+        From which times of the recording count.
+
+    Raises
+    ------
+    InputError
+        A run has no samples.
+    """
+    position = signals["position"]
+    begin, end = span_of(name, signals)
+    unsaid = _unsaid(position.time_s, signals["force"]) if "force" in signals else None
+    frames, faults = [], []
+    for window in windows:
+        low, high = max(window.begin_s, begin), min(window.end_s, end)
+        inside = (position.time_s >= low) & (position.time_s <= high)
+        inside &= True if unsaid is None else ~unsaid
+        if inside.sum() < 2:
+            faults.append(Fault(name, "samples in the run", column=f"runs.{window.run.name}"))
+            continue
+        time = position.time_s[inside]
+        columns: dict[str, Any] = {
+            "run": window.run.name,
+            "time_s": (time - origin_s).round(DECIMALS),
+            "position_m": position.value[inside].round(DECIMALS),
+        }
+        for key, column in COLUMNS.items():
+            if key in signals:
+                series = signals[key]
+                columns[column] = np.interp(time, series.time_s, series.value).round(DECIMALS)
+        if "command" in signals:
+            columns |= _held(time, signals["command"], origin_s)
+        frames.append(pd.DataFrame(columns))
+    if faults:
+        raise InputError(faults)
+    return frames, _notes(signals, unsaid)
+
+
+def _held(time: Array, command: Series, origin_s: float) -> dict[str, Array]:
+    """Return the command that held at each time, and since when."""
+    last = np.searchsorted(command.time_s, time, side="right") - 1
+    since = command.time_s[last]
+    columns = {"command_m": command.value[last].round(DECIMALS)}
+    if not np.array_equal(since, time):
+        columns["command_time_s"] = (since - origin_s).round(DECIMALS)
+    return columns
+
+
+def _notes(signals: dict[str, Series], unsaid: Flags | None) -> list[str]:
+    notes, position = [], signals["position"]
+    if unsaid is not None and unsaid.any():
+        notes.append(f"{_counted(int(unsaid.sum()))} in which no force was logged left out.")
+    for key in COLUMNS:
+        if key in signals and not np.array_equal(position.time_s, signals[key].time_s):
+            called = key.replace("_", " ").capitalize()
+            notes.append(
+                f"{called} is a straight line between its samples, at the times of the positions."
+            )
+    command = signals.get("command")
+    if command is not None and not np.array_equal(position.time_s, command.time_s):
+        notes.append("A command holds until the next one.")
+    return notes
+
+
+def _unsaid(time_s: Array, force: Series) -> Flags:
+    """Return where no force was logged for some intervals, (N,): it is not bridged."""
+    begin, end = gaps_of(force)
+    if not begin.size:
+        return np.zeros(time_s.size, dtype=np.bool_)
+    gap = np.searchsorted(begin, time_s, side="left") - 1
+    inside: Flags = (gap >= 0) & (time_s < end[gap])
+    return inside
+
+
+def _counted(samples: int) -> str:
+    return "1 sample" if samples == 1 else f"{samples:,} samples"

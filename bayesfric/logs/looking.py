@@ -1,0 +1,258 @@
+"""What the columns of a log look like: how its CSV is written, and what each column may be."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.logs.clock import CLOCK, ISO
+from bayesfric.logs.mapping import CsvForm
+from bayesfric.logs.readers.csv import lines_of, split
+from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
+from bayesfric.logs.units import SECONDS
+
+__all__ = ["ROWS", "Belief", "believed", "csv_form", "name_of_joint"]
+
+ROWS = 5000  # that are looked at
+LINES = 200
+SEPARATORS = (",", ";", "\t", "|", "space")
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+SINCE_1970 = (1e9, 4.2e9)  # seconds, from 2001 to 2103
+USUAL_S = (2e-4, 0.2)  # between samples of a joint: 5 Hz to 5 kHz
+WHOLE_TURNS_RAD = 40.0  # beyond which a position is hardly in rad
+
+WORDS = {
+    "time": r"time|timestamp|stamp|t|clock|sec|secs|seconds|micros|millis|us|ms|ns|epoch",
+    "command": r"cmd|command|commanded|target|desired|des|ref|reference|setpoint|goal|action|sp",
+    "position": r"position|pos|q|angle|theta|qpos|encoder|enc|state|x|travel|ticks|deg|rad",
+    "velocity": r"velocity|vel|qd|dq|qdot|speed|omega|qvel|rpm",
+    "force": r"torque|tau|effort|force|current|trq|f|m|i|iq|amps|amp|volt|voltage|pwm|duty|load|nm",
+    "temperature": r"temperature|temp",
+}
+"""Words in names, by what a column that has them may be."""
+UNIT_WORDS = {
+    "position": {"deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "rad": "rad",
+                 "mm": "mm", "m": "m", "ticks": "tick", "tick": "tick", "counts": "tick",
+                 "enc": "tick", "turn": "turn", "turns": "turn", "rev": "turn"},
+    "velocity": {"rpm": "rpm", "deg/s": "deg/s", "rad/s": "rad/s", "m/s": "m/s", "mm/s": "mm/s"},
+    "force": {"nm": "N·m", "n·m": "N·m", "n*m": "N·m", "mnm": "mN·m", "nmm": "N·mm", "n·mm": "N·mm",
+              "a": "A", "amp": "A", "amps": "A", "ma": "mA", "current": "A", "iq": "A", "v": "V",
+              "volt": "V", "voltage": "V", "pwm": "share", "duty": "share", "n": "N"},
+    "time": {"us": "us", "micros": "us", "ms": "ms", "millis": "ms", "ns": "ns", "s": "s",
+             "sec": "s", "secs": "s", "seconds": "s", "µs": "us"},
+}  # fmt: skip
+"""Words for units, by what a column is."""
+
+OF_UNITS = tuple(word for words in UNIT_WORDS.values() for word in words)
+OF_ANY = r"joint|joints|motor|sensor|actual|act|measured|meas|feedback|fb|log|data|observation"
+"""Words that are of no joint."""
+
+
+@dataclass(frozen=True)
+class Belief:
+    """What a column is believed to be, and why.
+
+    Parameters
+    ----------
+    column : str
+        Its name.
+    kind : str or None
+        A key of :data:`WORDS`; None where nothing speaks for any.
+    unit : str or None
+        None where nothing says it.
+    why : str
+        A clause.
+    shown : str
+        What its cells hold.
+    rows : int
+        How many there are.
+    """
+
+    column: str
+    kind: str | None
+    unit: str | None
+    why: str
+    shown: str
+    rows: int
+
+
+def csv_form(text: str) -> tuple[CsvForm, list[str]]:
+    """Return how a CSV seems to be written, and why."""
+    lines = lines_of(text)[:LINES]
+    separator = max(SEPARATORS, key=lambda sign: _evenness(lines, sign))
+    cells = list(split(lines, separator))
+    width = _usual_width(cells)
+    numeric = [row for row, line in enumerate(cells) if len(line) == width and _is_data(line)]
+    first = numeric[0] if numeric else min(1, max(len(cells) - 1, 0))
+    names = [row for row in range(first) if len(cells[row]) == width and any(cells[row])]
+    decimal = "," if separator != "," and _has_commas(cells[first:]) else "."
+    shown = {"\t": "tab"}.get(separator, separator)
+    why = [f"{width} cells in most lines, between which stands {shown!r}"]
+    header = bool(names)
+    preamble = names[0] if names else first
+    unit_rows = first - preamble - 1 if header else 0
+    if header:
+        why.append(f"line {preamble + 1} has names: {', '.join(cells[preamble])[:60]}")
+    else:
+        why.append(f"line {first + 1} is the first, and has numbers: there is no header")
+    if unit_rows:
+        why.append(f"line {preamble + 2} below it has no numbers: {', '.join(cells[preamble + 1])}")
+    form = CsvForm(
+        separator=shown, header=header, preamble=preamble, unit_rows=unit_rows, decimal=decimal
+    )
+    return form, why
+
+
+def _evenness(lines: Sequence[str], separator: str) -> tuple[int, int]:
+    """Return how many lines have the commonest number of cells, of those above one."""
+    widths = [len(cells) for cells in split([line for line in lines if line.strip()], separator)]
+    several = [width for width in widths if width > 1]
+    if not several:
+        return (0, 0)
+    width = max(set(several), key=several.count)
+    return several.count(width), width if separator != "space" else 1
+
+
+def _usual_width(cells: list[list[str]]) -> int:
+    widths = [len(line) for line in cells if line]
+    return max(set(widths), key=widths.count) if widths else 1
+
+
+def _is_data(cells: list[str]) -> bool:
+    """Return whether a line holds numbers, stamps and blanks alone, or nearly."""
+    numbers = sum(bool(NUMBER.fullmatch(cell.strip())) for cell in cells)
+    stamps = sum(
+        bool(CLOCK.fullmatch(cell.strip()) or ISO.fullmatch(cell.strip())) for cell in cells
+    )
+    return numbers + stamps > len(cells) / 2
+
+
+def _has_commas(lines: list[list[str]]) -> bool:
+    cells = [cell for line in lines for cell in line]
+    commas = sum(bool(re.fullmatch(r"[+-]?\d+,\d+", cell.strip())) for cell in cells)
+    points = sum(bool(re.fullmatch(r"[+-]?\d+\.\d+", cell.strip())) for cell in cells)
+    return commas > points
+
+
+def believed(log: Log) -> list[Belief]:
+    """Return what each column of a log is believed to be."""
+    return [_belief(log, column, cells) for column, cells in log.columns.items()]
+
+
+def _belief(log: Log, column: str, cells: Cells) -> Belief:
+    rows, few = len(cells), cells[:ROWS]
+    texts = [text for text in texts_of(few) if text]
+    if not texts:
+        return Belief(column, None, None, "it is blank", "nothing", rows)
+    if CLOCK.fullmatch(texts[0]) or ISO.fullmatch(texts[0]):
+        shown = f"{texts[0]} to {texts[-1]}"
+        return Belief(
+            column, "time", "s", "its cells are stamps, which say their unit", shown, rows
+        )
+    numbers = _numbers(log, column, few)
+    if numbers is None:
+        return Belief(column, None, None, "its cells are no numbers", texts[0][:40], rows)
+    shown = f"{numbers.min():.6g} to {numbers.max():.6g}"
+    if np.ptp(numbers) == 0:
+        shown = f"{numbers[0]:.6g} throughout"
+    words = _words(column)
+    said = (log.units or {}).get(column, "").strip(" []()").lower()
+    clock = _clock_unit(numbers, words, said)
+    kind = _kind(words, clock is not None)
+    if kind == "time":
+        tick, why = clock or ("s", "")
+        return Belief(column, "time", tick, f"its name, and it increases; {why}", shown, rows)
+    if kind is None:
+        return Belief(column, None, None, "its name says nothing", shown, rows)
+    unit, why = _unit(kind, words, said, numbers)
+    return Belief(column, kind, unit, f"its name; {why}", shown, rows)
+
+
+def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
+    faults: list[object] = []
+    part = Log(log.name, {column: cells}, log.first_row)
+    numbers = numbers_of(part, column, faults)  # type: ignore[arg-type]
+    numbers = numbers[np.isfinite(numbers)]
+    return None if faults or not numbers.size else numbers
+
+
+def _words(column: str) -> list[str]:
+    """Return the words of a name, also of ``jointPos2`` and ``tau1``."""
+    apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", column)
+    return [word.lower() for word in re.findall(r"[^\W\d_]+|°|µs", apart)]
+
+
+def name_of_joint(column: str) -> str:
+    """Return what may be the joint in a name: in brackets, a number, or a word of no other use."""
+    bracket = re.search(r"\[([^\]]+)\]", column)
+    if bracket:
+        return bracket.group(1)
+    number = re.search(r"(\d+)(?!.*\d)", column)
+    if number:
+        return number.group(1)
+    used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
+    words = re.split(r"[\W_]+", column)
+    left = [word for word in words if word and not re.fullmatch(used, word.lower())]
+    return left[0] if len(left) == 1 else ""
+
+
+def _kind(words: list[str], is_clock: bool) -> str | None:
+    """Return what the words of a name say: a command first, then what is behind in the name."""
+    if is_clock:
+        return "time"
+    matches = {
+        kind: place
+        for kind, pattern in WORDS.items()
+        for place, word in enumerate(words)
+        if re.fullmatch(pattern, word) and kind != "time"
+    }
+    if "force" in matches and "position" not in matches:
+        return "force"
+    if "velocity" in matches:
+        return "velocity"
+    order = ("command", "temperature", "position", "force")
+    return next((kind for kind in order if kind in matches), None)
+
+
+def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] | None:
+    """Return the unit of a clock, and why; None where a column is none."""
+    is_named = any(re.fullmatch(WORDS["time"], word) for word in words)
+    steps = np.diff(numbers)
+    if not steps.size or not is_named or (steps > 0).mean() < 0.9:
+        return None
+    interval = float(np.median(steps[steps > 0]))
+    for unit, second in SECONDS.items():
+        if SINCE_1970[0] < numbers[0] * second < SINCE_1970[1]:
+            return unit, f"{numbers[0]:.0f} is {unit} since 1970"
+    written = said if said in SECONDS else None
+    named = [UNIT_WORDS["time"][word] for word in words if word in UNIT_WORDS["time"]]
+    says = [written] if written is not None else named
+    if says:
+        return says[0], f"it says {says[0]}, which is {1 / (interval * SECONDS[says[0]]):.4g} Hz"
+    usual = [
+        unit for unit, second in SECONDS.items() if USUAL_S[0] <= interval * second <= USUAL_S[1]
+    ]
+    if usual:
+        rate = 1 / (interval * SECONDS[usual[0]])
+        return usual[0], f"in {usual[0]} it is {rate:.4g} Hz, and not in other units"
+    return None
+
+
+def _unit(kind: str, words: list[str], said: str, numbers: Array) -> tuple[str | None, str]:
+    """Return a unit and why: what the file says, a word of the name, or the size of a position."""
+    units = UNIT_WORDS.get("position" if kind == "command" else kind, {})
+    if said in units:
+        return units[said], f"the file says {said}"
+    unit = next((units[word] for word in reversed(words) if word in units), None)
+    if unit is not None:
+        return unit, f"its name says {unit}"
+    if kind not in ("position", "command"):
+        return None, "nothing says its unit"
+    largest = float(np.abs(numbers).max())
+    if largest > WHOLE_TURNS_RAD and np.all(numbers == np.round(numbers)):
+        return "tick", "whole numbers beyond 40 are counts rather than rad"
+    if largest > WHOLE_TURNS_RAD:
+        return "deg", f"{largest:.4g} is too large for rad"
+    return "rad", f"{largest:.4g} is of the size of rad, or of a slide in m"

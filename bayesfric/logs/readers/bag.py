@@ -1,0 +1,125 @@
+"""Messages of ROS 2: joint states, joint trajectories and arrays of commands, by their stamps."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.logs.table import LARGEST_FILE, MOST_CELLS, Cells, Log, check_cells, damaged_is_told
+
+__all__ = ["read_bag"]
+
+NANO = 10**9
+FIELDS = ("position", "velocity", "effort")
+Row = tuple[int, dict[str, float]]
+
+
+def read_bag(path: Path) -> Log:
+    """Return the columns of a bag that rosbags reads: a folder, or a file of MCAP.
+
+    A topic ``/joint_states`` has ``/joint_states.stamp`` (ns) and, of each joint,
+    ``/joint_states.position[elbow]``, ``.velocity[…]`` and ``.effort[…]``.
+
+    Raises
+    ------
+    InputError
+        rosbags is not installed; the bag is damaged or has none of these messages.
+    """
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        expected = "an installation that reads bags: pip install 'bayesfric[logs]'"
+        raise InputError([Fault(str(path), expected)]) from error
+    tables: dict[str, list[Row]] = {}
+    unstamped: set[str] = set()
+    rows = 0
+    with damaged_is_told(path, "a bag"):
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        with AnyReader([path], default_typestore=store) as reader:
+            chosen = [link for link in reader.connections if link.msgtype in MESSAGES]
+            types = sorted({link.msgtype for link in reader.connections})
+            for link, received, raw in reader.messages(connections=chosen):
+                if len(raw) > LARGEST_FILE:
+                    raise InputError([Fault(path.name, "messages of a few kilobytes")])
+                message = reader.deserialize(raw, link.msgtype)
+                for row in MESSAGES[link.msgtype](message):
+                    stamp, values = row
+                    if stamp <= 0:
+                        unstamped.add(link.topic)
+                        stamp = received
+                    tables.setdefault(link.topic, []).append((stamp, values))
+                    rows += len(values) + 1
+                    if rows > MOST_CELLS // 8:
+                        check_cells(path.name, MOST_CELLS + 1)
+    if not tables:
+        kinds = ", ".join(sorted(MESSAGES))
+        raise InputError(
+            [Fault(path.name, f"messages of {kinds} (it has: {', '.join(types) or 'none'})")]
+        )
+    notes = tuple(
+        f"{topic}: its messages have no stamps; the times of reception are taken."
+        for topic in sorted(unstamped)
+    )
+    columns: dict[str, Cells] = {}
+    for topic, table in tables.items():
+        columns |= _columns(topic, table)
+    return Log(path.name, columns, 1, notes)
+
+
+def _columns(topic: str, table: list[Row]) -> dict[str, Cells]:
+    names = list(dict.fromkeys(name for _, values in table for name in values))
+    columns: dict[str, Cells] = {
+        f"{topic}.stamp": np.array([stamp for stamp, _ in table], dtype=np.int64)
+    }
+    nothing = float("nan")
+    for name in names:
+        cells = np.array([values.get(name, nothing) for _, values in table], dtype=np.float64)
+        columns[f"{topic}.{name}"] = cells
+    return columns
+
+
+def _stamp(message: Any) -> int:
+    return int(NANO * message.header.stamp.sec + message.header.stamp.nanosec)
+
+
+def _joint_state(message: Any) -> Iterator[Row]:
+    yield (
+        _stamp(message),
+        {
+            f"{field}[{joint}]": float(value)
+            for field in FIELDS
+            for joint, value in zip(message.name, getattr(message, field), strict=False)
+        },
+    )
+
+
+def _trajectory(message: Any) -> Iterator[Row]:
+    """Yield the points of a trajectory, at the times at which they are to be reached."""
+    began = _stamp(message)
+    for point in message.points:
+        after = int(NANO * point.time_from_start.sec + point.time_from_start.nanosec)
+        values = {
+            f"{field}[{joint}]": float(value)
+            for field, numbers in (
+                ("position", point.positions),
+                ("velocity", point.velocities),
+                ("effort", point.effort),
+            )
+            for joint, value in zip(message.joint_names, numbers, strict=False)
+        }
+        yield (began + after if began > 0 else 0), values
+
+
+def _array(message: Any) -> Iterator[Row]:
+    yield 0, {f"data[{place}]": float(value) for place, value in enumerate(message.data)}
+
+
+MESSAGES: dict[str, Callable[[Any], Iterator[Row]]] = {
+    "sensor_msgs/msg/JointState": _joint_state,
+    "trajectory_msgs/msg/JointTrajectory": _trajectory,
+    "std_msgs/msg/Float64MultiArray": _array,
+}
+"""Messages that are read, and how."""

@@ -1,0 +1,134 @@
+"""MATLAB's files: version 5 by SciPy, version 7.3 (HDF5) by h5py; numbers and structs of them."""
+
+import zlib
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.logs.table import (
+    LARGEST_FILE,
+    Cells,
+    Log,
+    check_cells,
+    columns_of_array,
+    damaged_is_told,
+)
+
+__all__ = ["read"]
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+HDF5_PLACES = (0, 512)  # MATLAB puts a block of text before it
+DEEPEST = 4  # structs in structs
+NUMERIC = {"double", "single", "logical", "struct"} | {
+    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+COMPRESSED = 15
+PIECE = 1 << 20  # bytes that are unpacked at a time
+
+
+def read(path: Path) -> Log:
+    """Return the columns of a MAT file; what is nested in structs gets dotted names.
+
+    Objects, functions, cells and texts of MATLAB are left out.
+
+    Raises
+    ------
+    InputError
+        It is damaged, too large when it is unpacked, or has no numbers along time.
+    """
+    with damaged_is_told(path, "a MAT file"):
+        with path.open("rb") as stream:
+            head = stream.read(HDF5_PLACES[-1] + len(HDF5))
+        is_hdf5 = any(head[place : place + len(HDF5)] == HDF5 for place in HDF5_PLACES)
+        arrays = _of_version_7(path) if is_hdf5 else _of_version_5(path)
+        columns: dict[str, Cells] = {}
+        notes = []
+        for name, array in arrays.items():
+            parts, note = columns_of_array(name, array)
+            columns |= parts
+            notes += [] if note is None else [note]
+        if not columns:
+            raise InputError([Fault(path.name, "arrays of numbers along time")])
+        check_cells(path.name, sum(map(len, columns.values())), len(columns))
+    return Log(path.name, columns, 1, tuple(notes))
+
+
+def _of_version_5(path: Path) -> dict[str, Any]:
+    from scipy.io import loadmat, whosmat
+
+    _check_unpacked(path)
+    names = []
+    for name, shape, kind in whosmat(str(path)):
+        check_cells(path.name, int(np.prod([float(length) for length in shape])))
+        if kind in NUMERIC and (kind != "struct" or np.prod(shape) == 1):
+            names.append(name)
+    variables = loadmat(str(path), variable_names=names, squeeze_me=False)
+    arrays: dict[str, Any] = {}
+    for name in names:
+        arrays |= _of_struct(name, variables[name], 0)
+    return arrays
+
+
+def _of_struct(name: str, array: Any, depth: int) -> dict[str, Any]:
+    """Return the arrays of numbers in a struct, or the array itself."""
+    if not isinstance(array, np.ndarray):
+        return {}
+    fields = array.dtype.names
+    if fields is None:
+        return {name: array} if array.dtype.kind in "fiub" else {}
+    arrays: dict[str, Any] = {}
+    if array.size == 1 and depth < DEEPEST:
+        record = array.ravel()[0]
+        for field in fields:
+            arrays |= _of_struct(f"{name}.{field}", record[field], depth + 1)
+    return arrays
+
+
+def _check_unpacked(path: Path) -> None:
+    """Refuse a file that is too large when it is unpacked, a piece of it at a time."""
+    content = path.read_bytes()
+    order: Literal["big", "little"] = "big" if content[126:128] == b"MI" else "little"
+    at, total = 128, 0
+    while at + 8 <= len(content):
+        kind = int.from_bytes(content[at : at + 4], order)
+        size = int.from_bytes(content[at + 4 : at + 8], order)
+        if kind == COMPRESSED:
+            unpacker, rest = zlib.decompressobj(), content[at + 8 : at + 8 + size]
+            while rest and not unpacker.eof:
+                total += len(unpacker.decompress(rest, PIECE))
+                rest = unpacker.unconsumed_tail
+                if total > LARGEST_FILE:
+                    expected = f"at most {LARGEST_FILE:,} bytes when it is unpacked: cut the log"
+                    raise InputError([Fault(path.name, expected)])
+        at += 8 + size
+
+
+def _of_version_7(path: Path) -> dict[str, Any]:
+    import h5py
+
+    arrays: dict[str, Any] = {}
+    with h5py.File(path, "r") as file:
+        _walk(path.name, h5py, file, "", 0, arrays)
+    return arrays
+
+
+def _walk(
+    name: str, h5py: Any, group: Any, before: str, depth: int, arrays: dict[str, Any]
+) -> None:
+    """Put the arrays of numbers of an HDF5 group into `arrays`, as MATLAB has them."""
+    for key in group:
+        if key.startswith("#") or not isinstance(group.get(key, getlink=True), h5py.HardLink):
+            continue  # what MATLAB keeps for itself, and links that lead out of the file
+        member = group[key]
+        if isinstance(member, h5py.Group) and depth < DEEPEST:
+            _walk(name, h5py, member, f"{before}{key}.", depth + 1, arrays)
+        elif isinstance(member, h5py.Dataset) and member.dtype.kind in "fiub":
+            if member.is_virtual or member.external:
+                raise InputError([Fault(name, "numbers that are in the file", column=key)])
+            sizes = [int(array.size) for array in arrays.values()]
+            check_cells(name, int(member.size or 0) + sum(sizes), len(arrays))
+            # Characters of MATLAB are integers of two bytes.
+            if member.ndim in (1, 2) and member.attrs.get("MATLAB_int_decode") != 2:
+                arrays[before + key] = np.asarray(member[()]).T  # HDF5 has columns first

@@ -1,0 +1,218 @@
+"""What a log has of its joints by a mapping, on one clock, in the units of a recording."""
+
+import re
+from collections.abc import Mapping as Of
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.errors import Fault, InputError, near
+from bayesfric.logs.clock import DECIMALS, Stamps, seconds_since, stamps_of
+from bayesfric.logs.mapping import JOINT, Mapping, Signal, scale_of
+from bayesfric.logs.ordering import Ordered, Series, in_order, unwrapped
+from bayesfric.logs.table import Log, numbers_of, texts_of
+
+__all__ = ["Signals", "joints_of", "signals_of", "wanted_columns"]
+
+ALL = "all"
+LISTED = 12
+
+
+@dataclass(frozen=True)
+class Signals:
+    """What a log has of a joint, on one clock.
+
+    Parameters
+    ----------
+    series : dict of str to Series
+        ``position``, ``force`` or ``command``, and what else the mapping has.
+    notes : tuple of str
+        Sentences: what was done to clocks and rows, with counts.
+    """
+
+    series: dict[str, Series]
+    notes: tuple[str, ...]
+
+
+def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None, ...]:
+    """Return the joints that are asked for.
+
+    Parameters
+    ----------
+    log : Log
+        Says which there are.
+    mapping : Mapping
+        Whose columns have a place for the name, or not.
+    joint : str or None
+        A name, or ``all``.
+
+    Raises
+    ------
+    InputError
+        There is no such joint, or it is not said which.
+    """
+    if not mapping.is_of_any_joint:
+        if joint == ALL:
+            expected = f"columns with {JOINT} in their names, where --joint is all"
+            raise InputError([Fault("the mapping", expected, column="position.column")])
+        return (joint,)
+    names = _joints(log, mapping)
+    listed = ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
+    if joint == ALL:
+        if not names:
+            column = str(mapping.position.column)
+            raise InputError([Fault(log.name, f"columns like {column}", column="position.column")])
+        return tuple(names)
+    if joint is None:
+        expected = f"all, or one of the joints {listed or '(there is none)'}"
+        raise InputError([Fault("--joint", expected)])
+    if joint not in names and JOINT in str(mapping.position.column):
+        expected = f"all, or one of its joints ({listed or 'there is none'}){near(joint, names)}"
+        raise InputError([Fault(log.name, expected, column="--joint", value=joint)])
+    return (joint,)
+
+
+def _joints(log: Log, mapping: Mapping) -> list[str]:
+    """Return the names for which the columns of position and force are there."""
+    patterns = [
+        str(signal.column)
+        for key in ("position", "force", "command")
+        if (signal := mapping.signals.get(key)) and JOINT in str(signal.column)
+    ]
+    names: list[str] | None = None
+    for pattern in patterns:
+        before, after = (re.escape(part) for part in pattern.split(JOINT, 1))
+        form = re.compile(f"{before}(.+){after.replace(re.escape(JOINT), '.+')}")
+        matches = [match.group(1) for column in log.columns if (match := form.fullmatch(column))]
+        names = [name for name in names if name in matches] if names is not None else matches
+    return names or []
+
+
+def wanted_columns(mapping: Mapping) -> set[str | int] | None:
+    """Return the columns that a mapping names; None where it has a place for joints."""
+    if mapping.is_of_any_joint or mapping.joints:
+        return None
+    signals = mapping.signals.values()
+    columns = {signal.column for signal in signals}
+    clocks = {mapping.clock_of(signal) for signal in signals}
+    return {column for column in columns | clocks | {mapping.run} if column is not None}
+
+
+def signals_of(
+    log: Log, mapping: Mapping, joints: tuple[str | None, ...]
+) -> dict[str | None, Signals]:
+    """Return the signals of each joint; time is since the first stamp of all.
+
+    Raises
+    ------
+    InputError
+        A column is not there, a cell is no number or no time, or a clock starts anew.
+    """
+    wanted = {joint: mapping.of_joint(joint) for joint in joints}
+    faults: list[Fault] = []
+    stamps = _stamps(log, mapping, wanted, faults)
+    values = {
+        (joint, name): _values(log, mapping, name, signal, faults)
+        for joint, signals in wanted.items()
+        for name, signal in signals.items()
+    }
+    if faults:
+        raise InputError(list(dict.fromkeys(faults)))
+    times, said = _times(log, mapping, stamps)
+    of_joints = {}
+    for joint, signals in wanted.items():
+        ordered = {}
+        for name, signal in signals.items():
+            value = values[joint, name]
+            clock = mapping.clock_of(signal)
+            time = _of_rate(mapping, value.size) if clock is None else times[_name(log, clock)]
+            ordered[name] = in_order(time, value, log.name, _called(log, clock), log.first_row)
+        of_joints[joint] = _signals(ordered, said)
+    return of_joints
+
+
+def _name(log: Log, column: str | int) -> str:
+    name = log.name_of(column)
+    if name is None:
+        raise InputError([log.no_column(column)])
+    return name
+
+
+def _called(log: Log, clock: str | int | None) -> str:
+    return "time.rate_hz" if clock is None else _name(log, clock)
+
+
+def _stamps(
+    log: Log,
+    mapping: Mapping,
+    wanted: Of[str | None, Of[str, Signal]],
+    faults: list[Fault],
+) -> dict[str, Stamps]:
+    """Return the stamps of every clock that a signal has, by its column."""
+    clocks = [
+        mapping.clock_of(signal) for signals in wanted.values() for signal in signals.values()
+    ]
+    stamps: dict[str, Stamps] = {}
+    for clock in dict.fromkeys(clocks):
+        if clock is None:
+            continue
+        column = log.name_of(clock)
+        if column is None:
+            faults.append(log.no_column(clock))
+            continue
+        cells = texts_of(log.columns[column])
+        try:
+            stamps[column] = stamps_of(cells, mapping.time.unit, log.name, column, log.first_row)
+        except InputError as error:
+            faults += error.faults
+    return stamps
+
+
+def _values(log: Log, mapping: Mapping, name: str, signal: Signal, faults: list[Fault]) -> Array:
+    column = log.name_of(signal.column)
+    if column is None:
+        faults.append(log.no_column(signal.column))
+        return np.zeros(0)
+    clock = mapping.clock_of(signal)
+    of_clock = None if clock is None else log.name_of(clock)
+    if of_clock is not None and len(log.columns[of_clock]) != len(log.columns[column]):
+        expected = f"{len(log.columns[of_clock]):,} rows, as its clock {of_clock} has"
+        rows = f"{len(log.columns[column]):,} rows"
+        faults.append(Fault(log.name, expected, column=column, value=rows))
+    return numbers_of(log, column, faults) * scale_of(name, signal)
+
+
+def _of_rate(mapping: Mapping, rows: int) -> Array:
+    """Return the times of rows that come at a rate, (N,), rounded as stamps are."""
+    step = 1 / Fraction(repr(mapping.time.rate_hz))
+    since = np.array([float(row * step) for row in range(rows)], dtype=np.float64)
+    return np.asarray(since.round(DECIMALS))
+
+
+def _times(
+    log: Log, mapping: Mapping, stamps: dict[str, Stamps]
+) -> tuple[dict[str, Array], list[str]]:
+    firsts = [of_clock.first for of_clock in stamps.values() if of_clock.first is not None]
+    origin = min(firsts, default=Decimal(0))
+    times, notes = {}, list(log.notes)
+    if mapping.time.column is None and mapping.time.rate_hz is not None:
+        notes.append(f"The log has no clock: {mapping.time.rate_hz:g} samples a second are taken.")
+    for column, of_column in stamps.items():
+        since = seconds_since(of_column, origin)
+        times[column], done = unwrapped(since, float(origin), of_column.periods_s, log.first_row)
+        notes += [f"{column}: {note}." for note in done]
+    return times, notes
+
+
+def _signals(ordered: dict[str, Ordered], before: list[str]) -> Signals:
+    """Return the series, and each clause once, with the signals that it is of."""
+    of_clause: dict[str, list[str]] = {}
+    for name, signal in ordered.items():
+        for clause in signal.notes:
+            of_clause.setdefault(clause, []).append(name.replace("_", " "))
+    notes = [*before]
+    notes += [f"{' and '.join(names)}: {clause}." for clause, names in of_clause.items()]
+    return Signals({name: signal.series for name, signal in ordered.items()}, tuple(notes))

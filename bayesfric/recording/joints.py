@@ -1,0 +1,43 @@
+"""A recording of several joints, as one recording a joint with the other joints beside it."""
+
+from dataclasses import replace
+
+from bayesfric.recording.tables import Axis, Recording
+
+__all__ = ["joints_of", "parted_by_joint"]
+
+
+def joints_of(axis: Axis | None) -> tuple[str, ...]:
+    """Return the joints of a log in the order in which they come; empty where none is named."""
+    if axis is None or "joint" not in axis.samples:
+        return ()
+    return tuple(str(name) for name in axis.samples["joint"].unique())
+
+
+def parted_by_joint(recording: Recording) -> dict[str, Recording]:
+    """Return one recording for each joint, with the motion of all others beside it.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+
+    Returns
+    -------
+    dict of str to Recording
+        By joint, in the order of the log; empty where not several joints are logged.
+    """
+    axis, names = recording.axis, joints_of(recording.axis)
+    if axis is None or len(names) < 2:
+        return {}
+    by_name = {
+        str(name): samples.reset_index(drop=True)
+        for name, samples in axis.samples.groupby("joint", sort=False)
+    }
+    parted = {}
+    for place, name in enumerate(names):
+        runs = axis.runs[axis.runs["run"].isin(by_name[name]["run"])].reset_index(drop=True)
+        others = {other: by_name[other] for other in names if other != name}
+        own = Axis(runs, by_name[name], joint=name, others=others, place=place)
+        parted[name] = replace(recording, axis=own)
+    return parted

@@ -1,0 +1,117 @@
+"""How wrong a machine's model is: amounts of its links' errors, by one joint or by several."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+
+import numpy as np
+from scipy.stats import norm
+
+from bayesfric.arrays import Array
+from bayesfric.schemas import Interval, ModelError
+
+__all__ = ["ModelAmounts", "model_errors"]
+
+SURE = 3.3  # standard deviations, from which on a number is off
+FELT = 0.1  # of what was believed of its error, below which none cares
+TOLD = 0.5  # of the variance that was believed, that data take at least of a number that is listed
+
+
+@dataclass(frozen=True)
+class ModelAmounts:
+    """A normal density of C amounts that were N(0, 1) before the data.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (C,)
+        Of the amounts.
+    precision : ndarray, shape (C, C)
+        Inverse covariance.
+    root : ndarray, shape (P, C)
+        By how much an amount of 1 moves each number of the model, in its unit.
+    numbers : ndarray, shape (P,)
+        Of the model as it stands.
+    names : tuple of (str, str, str)
+        Link, number and unit of each.
+    """
+
+    mean: Array
+    precision: Array
+    root: Array
+    numbers: Array
+    names: tuple[tuple[str, str, str], ...]
+
+    @classmethod
+    def told(
+        cls, mean: Array, covariance: Array, shares: Array, like: "ModelAmounts"
+    ) -> "ModelAmounts":
+        """Return the amounts where K directions of them are known, and the rest is as before.
+
+        Parameters
+        ----------
+        mean, covariance : ndarray, shape (K,) and (K, K)
+            Of the directions.
+        shares : ndarray, shape (K, C)
+            Orthonormal directions.
+        like : ModelAmounts
+            Before the data.
+        """
+        inverse = np.linalg.inv(covariance)
+        precision = like.precision + shares.T @ (inverse - np.eye(len(mean))) @ shares
+        centre = np.linalg.solve(precision, shares.T @ (inverse @ mean))
+        return replace(like, mean=np.asarray(centre, dtype=np.float64), precision=precision)
+
+    def and_of(self, other: "ModelAmounts") -> "ModelAmounts":
+        """Return the amounts by two joints together, whose data are independent."""
+        precision = self.precision + other.precision - np.eye(self.mean.size)
+        pulled = self.precision @ self.mean + other.precision @ other.mean
+        mean = np.asarray(np.linalg.solve(precision, pulled), dtype=np.float64)
+        return replace(self, mean=mean, precision=precision)
+
+
+def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
+    """Return the errors of a model's numbers of which data tell something, the surest first.
+
+    Parameters
+    ----------
+    by_joint : sequence of ModelAmounts
+        Of the same model, a joint each; empty without one.
+    """
+    if not by_joint:
+        return ()
+    amounts = reduce(ModelAmounts.and_of, by_joint)
+    mean = amounts.root @ amounts.mean
+    sd = np.sqrt(np.einsum("pc,pc->p", amounts.root, _solved(amounts)))
+    before = np.sqrt(np.sum(amounts.root**2, axis=1))
+    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - TOLD) * before**2))
+    ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
+    reach = float(norm.ppf(0.95))
+    found = []
+    for place in ordered:
+        link, number, unit = amounts.names[place]
+        centre, spread = float(mean[place]), float(sd[place])
+        error = Interval(
+            mean=centre,
+            sd=spread,
+            q05=centre - reach * spread,
+            q50=centre,
+            q95=centre + reach * spread,
+        )
+        off = abs(centre) > SURE * spread and abs(centre) > FELT * before[place]
+        found.append(
+            ModelError(
+                link=link,
+                number=number,
+                unit=unit,
+                in_your_model=float(amounts.numbers[place]),
+                error=error,
+                believed_sd=float(before[place]),
+                significant=bool(off),
+            )
+        )
+    return tuple(found)
+
+
+def _solved(amounts: ModelAmounts) -> Array:
+    """Return the covariance of the amounts times each number's root, (P, C)."""
+    return np.asarray(np.linalg.solve(amounts.precision, amounts.root.T).T)

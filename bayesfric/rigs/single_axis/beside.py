@@ -1,0 +1,92 @@
+"""Forces beside the law whose amounts nobody knows: errors of a model, pulls of other joints.
+
+Each has an amount with a prior N(0, 1). Many of them are alike on a recording, and many do
+nothing: what counts are the leading directions of all together, whose amounts are N(0, 1) too.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bayesfric.arrays import Array, Flags
+
+__all__ = ["Mixing", "leading", "rough_amounts"]
+
+LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
+MOST = 60  # directions
+ROWS_AN_AMOUNT = 4  # at the least
+NO_LESS = 0.02  # of the rms force, that is left at the least, in a rough estimate
+ROUNDS = 3  # of the size of what is left
+
+
+@dataclass(frozen=True)
+class Mixing:
+    """Of which forces the leading directions are made.
+
+    Parameters
+    ----------
+    shares : ndarray, shape (K, C)
+        Of each of C forces in each of K directions; rows are orthonormal.
+    left_out : float
+        Rms that directions which were left out may add, over the rms force.
+    """
+
+    shares: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    left_out: float = 0.0
+
+
+def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
+    """Return the leading directions of forces whose amounts are N(0, 1).
+
+    Parameters
+    ----------
+    columns : ndarray, shape (W, C)
+        What an amount of 1 of each adds to each row.
+    force : ndarray, shape (W,)
+        Of the rows.
+
+    Returns
+    -------
+    directions : ndarray, shape (W, K)
+        What an amount of 1 of each direction adds.
+    mixing : Mixing
+        Of what they are made.
+    """
+    if not columns.size:
+        return columns[:, :0], Mixing(np.zeros((0, columns.shape[1])))
+    left, size, right = np.linalg.svd(columns, full_matrices=False)
+    rms = size / np.sqrt(len(columns))
+    whole = float(np.sqrt(np.mean(force**2))) or 1.0
+    count = min(MOST, len(columns) // ROWS_AN_AMOUNT, int(np.sum(rms > LEAST * whole)))
+    rest = float(np.sqrt(np.sum(rms[count:] ** 2))) / whole
+    return left[:, :count] * size[:count], Mixing(right[:count], rest)
+
+
+def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
+    """Return roughly what forces of unknown amounts add to each row, (W,).
+
+    Parameters
+    ----------
+    law : ndarray, shape (W, n)
+        Columns of the law, whose numbers may be anything.
+    beside : ndarray, shape (W, K)
+        What an amount of 1 of each adds; amounts are N(0, 1).
+    force : ndarray, shape (W,)
+        Of the rows.
+    inside : ndarray of bool, shape (W,)
+        Rows that tell it.
+    """
+    if not beside.shape[1]:
+        return np.zeros(len(force))
+    columns = np.hstack([law, beside])[inside]
+    width = np.maximum(np.abs(columns).max(axis=0, initial=0.0), 1e-300)
+    prior = np.diag(np.concatenate([np.zeros(law.shape[1]), np.ones(beside.shape[1])]) / width)
+    goal = np.concatenate([force[inside], np.zeros(len(prior))])
+    whole = float(np.sqrt(np.mean(force[inside] ** 2)))
+    error = 0.1 * whole
+    for _ in range(ROUNDS):
+        design = np.vstack([columns / width, error * prior])
+        amounts = np.linalg.lstsq(design, goal, rcond=1e-9)[0] / width
+        rest = force[inside] - columns @ amounts
+        error = max(float(np.sqrt(np.mean(rest**2))), NO_LESS * whole)
+    return np.asarray(beside @ amounts[law.shape[1] :])

@@ -1,0 +1,105 @@
+"""What somebody wrote down of an axis: how well it holds, and whether the data contradict it."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from bayesfric.recording.tables import RigConstants
+from bayesfric.schemas import Interval, LawNumber
+
+__all__ = ["MEASURED", "contradicts", "doubts", "gain_sd", "mass_sd_kg"]
+
+MEASURED = frozenset({"motor", "link", "measured"})
+"""Kinds of force that act as they were logged, whatever was commanded."""
+OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
+OF_GAIN = {"link": 0.02, "measured": 0.02}  # of a force sensor's scale
+OF_CONSTANT = 0.1  # of a torque constant, by which currents and commands are a force
+FAR = 4.0  # standard errors, beyond which what is declared is contradicted
+OWN = 0.95  # of what is declared: a number that is known no better is not told by the data
+
+
+def gain_sd(constants: RigConstants) -> float:
+    """Return the relative standard error of the drive force's scale, stated or usual."""
+    if constants.force_gain_sd is not None:
+        return constants.force_gain_sd
+    return OF_GAIN.get(constants.force_is or "", OF_CONSTANT)
+
+
+def mass_sd_kg(constants: RigConstants) -> float | None:
+    """Return the standard error of the mass as the force shows it; None where none is declared.
+
+    One axis cannot tell an error of its mass from one of its force's scale: both are in it.
+
+    Parameters
+    ----------
+    constants : RigConstants
+        What was written down.
+    """
+    mass = constants.moving_mass_kg
+    if mass is None:
+        return None
+    own = OF_MASS * mass if constants.mass_sd_kg is None else constants.mass_sd_kg
+    return float(np.hypot(own, gain_sd(constants) * mass))
+
+
+def contradicts(constants: RigConstants, mass: float) -> bool:
+    """Return whether a mass is out of reach of what was declared."""
+    sd = mass_sd_kg(constants)
+    if constants.moving_mass_kg is None or sd is None:
+        return False
+    return abs(mass - constants.moving_mass_kg) > FAR * sd
+
+
+def doubts(
+    constants: RigConstants, law: Mapping[str, LawNumber], rough_mass: float
+) -> Iterator[str]:
+    """Yield what a reader must know of what was declared, a sentence each; the worst first.
+
+    Parameters
+    ----------
+    constants : RigConstants
+        What was written down.
+    law : mapping of str to LawNumber
+        As a diagnosis found it.
+    rough_mass : float
+        By least squares, beside friction and whatever goes with the place.
+    """
+    mass, sd = constants.moving_mass_kg, mass_sd_kg(constants)
+    if mass is not None and sd is not None and "inertia" in law:
+        number = law["inertia"]
+        # An effect that goes with the acceleration may take the place of a mass: the law alone
+        # counts too, where what it leaves out has not bent it.
+        alone = [number.before] if contradicts(constants, rough_mass) else []
+        yield from _contradicted(mass, sd, [number.after, *alone], number.unit)
+    if constants.force_is == "link":
+        yield (
+            "The force is one behind the gear (rig.force_is = link): friction before the sensor, "
+            "most of a gear's, does not show in it"
+        )
+
+
+def _contradicted(
+    declared: float, sd: float, numbers: Sequence[Interval], unit: str
+) -> Iterator[str]:
+    for number in numbers:
+        told = _by_the_data(number, declared, sd)
+        if told is None:
+            continue
+        value, error = told
+        apart = abs(value - declared) / float(np.hypot(error, sd))
+        if apart > FAR:
+            yield (
+                f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
+                f"{sd:.2g} {unit}, and they say {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
+                "standard errors apart. The mass, or the scale of the force, is another"
+            )
+            return
+
+
+def _by_the_data(posterior: Interval, declared: float, sd: float) -> tuple[float, float] | None:
+    """Return what the data alone say, the declared value taken off; None where that is nothing."""
+    if posterior.sd > OWN * sd:
+        return None
+    precision = posterior.sd**-2 - sd**-2
+    value = (posterior.mean * posterior.sd**-2 - declared * sd**-2) / precision
+    return value, float(precision**-0.5)

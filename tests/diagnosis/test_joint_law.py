@@ -1,0 +1,168 @@
+"""A joint's law is what every simulator has, and what its friction does beside it is named.
+
+Joints whose truth is known; their simulation shares nothing with the package.
+"""
+
+import numpy as np
+import pandas as pd
+import pytest
+from rigs.joints import Joint, recording_of
+from rigs.loaded_joints import LoadedJoint
+
+import bayesfric as bf
+from bayesfric.effects import all_effects
+from bayesfric.errors import InputError
+from bayesfric.rigs import all_rigs
+
+AXIS = all_rigs()["single-axis"]
+SMALL = {"runs": 2, "seconds": 12.0, "sampled_hz": 100.0}
+
+
+def causes_of(found):
+    return {one.effect: one for one in found.causes}
+
+
+def test_inertia_friction_and_offset_are_the_law_and_no_cause():
+    joint = LoadedJoint(**SMALL, gravity=0.0, offset=0.07, viscous=0.12)
+    found = bf.diagnose(joint.recording()).summary
+    assert (found.baseline, found.verdict, found.causes) == ("coulomb-viscous", "no-gap", ())
+    truth = {"inertia": 0.06, "coulomb": 0.18, "viscous": 0.12, "offset": 0.07}
+    units = {"inertia": "kg·m²", "coulomb": "N·m", "viscous": "N·m s/rad", "offset": "N·m"}
+    assert {name: number.unit for name, number in found.law.items()} == units
+    for name, number in found.law.items():
+        for value in (number.before, number.after):
+            assert value.mean == pytest.approx(truth[name], rel=0.02)
+            assert abs(value.mean - truth[name]) < 4 * value.sd + 2e-3 * truth[name]
+    left_out = {one.effect: one.needs for one in found.effects if one.needs}
+    assert "law-without-offset" in left_out["axis-bias"]
+    assert "law-without-coulomb" in left_out["coulomb-missing"]
+    assert [(one.effect, one.by) for one in found.absorbed if one.effect == "viscous"] == [
+        ("viscous", "viscous")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("baseline", "called", "lacks"),
+    [
+        ("paper", "coulomb-viscous", set()),
+        ("viscous", "coulomb-viscous", set()),
+        ("coulomb", "coulomb", {"viscous"}),
+        ("none", "none", {"viscous", "coulomb-missing"}),
+    ],
+)
+def test_a_law_that_says_less_leaves_an_effect_to_be_examined(baseline, called, lacks):
+    from bayesfric.diagnosis.baseline import data_of
+
+    data, law = data_of(LoadedJoint(**SMALL, gravity=0.0).recording(), baseline, None)
+    assert law.name == called
+    (rig,) = data.rigs
+    names = [name for name, _ in rig.law_numbers("axis")]
+    assert names == ["mass", "coulomb", "viscous"][: 3 - len(lacks)]
+    missing = all_effects(None)["coulomb-missing"]
+    assert (missing.needs <= rig.offers) == ("coulomb-missing" in lacks)
+
+
+def test_a_law_of_cables_is_none_of_a_joint():
+    with pytest.raises(InputError, match="inertia, Coulomb and viscous friction and an offset"):
+        bf.diagnose(LoadedJoint(**SMALL).recording(), baseline="recursive")
+
+
+def test_friction_that_grows_with_the_load_is_named_for_a_force_that_was_measured():
+    """A measured force cannot saturate: of old it was lost beyond a limit below friction."""
+    joint = LoadedJoint(**SMALL, load=0.15)
+    found = bf.diagnose(joint.recording()).summary
+    named = causes_of(found)
+    assert set(named) == {"gravity-torque", "load-friction"}
+    assert named["load-friction"].parameters["share"].mean == pytest.approx(0.15, rel=0.05)
+    assert named["load-friction"].plausible
+    assert found.law["coulomb"].after.mean == pytest.approx(0.18, rel=0.03)
+    assert "torque-saturation" in {one.effect for one in found.effects if one.needs}
+
+
+def test_gravity_of_forty_times_friction_on_a_small_swing_is_itself():
+    """On ± 20° a sine is nearly a line: no spring, and no tenth of the weight."""
+    joint = LoadedJoint(**SMALL, gravity=8.0, stroke_rad=0.35, viscous=0.047)
+    found = bf.diagnose(joint.recording()).summary
+    named = causes_of(found)
+    assert set(named) == {"gravity-torque"}
+    assert named["gravity-torque"].parameters["torque"].mean == pytest.approx(8.0, rel=0.02)
+    assert named["gravity-torque"].plausible
+    assert found.law["inertia"].after.mean == pytest.approx(0.06, rel=0.05)
+
+
+def test_a_simulator_without_friction_lacks_coulomb_and_viscous_friction():
+    joint = LoadedJoint(**SMALL)
+    recording = joint.recording()
+    samples = recording.axis.samples
+    rigid = []
+    for number in range(joint.runs):
+        _, position, _, acceleration, _ = joint.run(number)
+        rigid.append(joint.inertia * acceleration + joint.gravity * np.sin(position))
+    samples = samples.assign(sim_force_n=np.concatenate(rigid))
+    recording = recording_of(samples, recording.axis.runs, force_is="motor")
+    found = bf.diagnose(recording).summary
+    named = causes_of(found)
+    assert set(named) == {"coulomb-missing", "viscous"}
+    force = named["coulomb-missing"].parameters["force"]
+    assert (force.mean, force.unit) == (pytest.approx(0.18, rel=0.05), "N·m")
+    # Damping that is right for a geared joint is no fault: 0.28 of Coulomb friction at 1 rad/s.
+    assert named["viscous"].plausible
+    assert not any("plausible" in line for line in found.attention)
+
+
+def test_what_is_declared_is_held_and_what_contradicts_it_comes_first():
+    declared = {"force_is": "link", "moving_mass_kg": 0.06, "mass_sd_kg": 0.0006}
+    short = {"runs": 1, "seconds": 1.2, "sampled_hz": 250.0, "gravity": 0.0}
+    runs = AXIS.trials(LoadedJoint(**short, constants=declared).recording())
+    prior = runs.own_priors["axis"].c1
+    # A force sensor is good to 2 %, and one axis cannot tell its scale from the mass.
+    assert (prior.mean, prior.sd) == (0.06, pytest.approx(np.hypot(0.0006, 0.0012)))
+    heavy = LoadedJoint(**SMALL, gravity=0.0, constants=declared | {"moving_mass_kg": 0.02})
+    found = bf.diagnose(heavy.recording()).summary
+    assert found.attention[0].startswith("The data contradict what is declared: rig.moving_mass")
+    assert "0.02 ±" in found.attention[0]
+    assert "friction before the sensor" in found.attention[1]
+
+
+def test_a_measured_force_neither_saturates_nor_lags():
+    offers = {
+        kind: AXIS.trials(LoadedJoint(**SMALL, constants={"force_is": kind}).recording()).offers
+        for kind in ("commanded", "motor", "link", "measured", "unknown")
+    }
+    lags = {kind for kind, offered in offers.items() if "commanded-force" in offered}
+    assert lags == {"commanded", "unknown"}
+
+
+@pytest.mark.parametrize(
+    ("seen", "offered"),
+    [("one way", False), ("both ways", True)],
+)
+def test_load_friction_wants_lifting_and_lowering_at_one_pose(seen, offered):
+    samples = Joint(seconds=10.0, sampled_hz=100.0).samples()
+    if seen == "one way":
+        time = samples["time_s"].to_numpy()
+        turned = 0.4 * time + 0.05 * np.sin(2 * np.pi * 0.8 * time)
+        samples = pd.DataFrame(
+            {"run": "a", "time_s": time, "position_m": turned, "force_n": 1 + np.sin(turned)}
+        )
+    runs = AXIS.trials(recording_of(samples, force_is="motor"))
+    assert ("load-both-ways" in runs.offers) == offered
+
+
+LADDER = {
+    "M2": ({"stribeck": (0.4, 0.5)}, {"stribeck"}),
+    "M4": ({"load_at_rest": (0.2, 0.5)}, {"load-stribeck"}),
+    "M6": ({"load_square": 0.08}, {"load-quadratic"}),
+    "other directions": ({"viscous_more": 0.02}, {"viscous-asymmetry"}),
+    "cubic": ({"cubic": 0.01}, {"cubic-drag"}),
+    "warm": ({"warm": 0.4}, {"thermal"}),
+    # Driving alone: half of it is friction by the load, half a gain of the force.
+    "M5": ({"driving": 0.3}, {"load-friction"}),
+}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("machine", "expected"), LADDER.values(), ids=LADDER)
+def test_the_rung_that_made_it_is_named(machine, expected):
+    found = bf.diagnose(LoadedJoint(**machine).recording()).summary
+    assert set(causes_of(found)) == {"gravity-torque"} | expected

@@ -1,0 +1,75 @@
+"""What other joints may have done is not named as an effect of one joint."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bayesfric.diagnosis.other_joints import looks_like_others, model_error_words
+from bayesfric.effects import all_effects
+from bayesfric.rigs.model_amounts import ModelAmounts, model_errors
+
+EFFECTS = all_effects(None)
+PLACED = ("backlash", "spring", "cogging", "transmission-compliance", "hysteresis")
+
+
+def gap(left):
+    level = SimpleNamespace(q50=left)
+    return SimpleNamespace(floor=level, after=level, friction_rms=1.0)
+
+
+def doubted(name, others, left, amounts=None):
+    return looks_like_others([name], EFFECTS, others, gap(left), amounts)
+
+
+@pytest.mark.parametrize("name", PLACED)
+def test_effects_of_a_place_and_of_reversals_are_doubted_where_joints_move_unlogged(name):
+    assert doubted(name, "moving", 0.01)
+    assert doubted(name, "unknown", 0.5)
+    assert not doubted(name, "unknown", 0.02)
+    assert not doubted(name, "still", 0.5)
+    assert not doubted(name, None, 0.5)
+
+
+@pytest.mark.parametrize("name", ["viscous", "stribeck", "direction-asymmetry", "wear-drift"])
+def test_effects_of_speed_and_time_are_not(name):
+    assert not doubted(name, "moving", 0.5)
+
+
+def test_logged_joints_are_doubted_where_no_model_tells_what_they_do():
+    assert doubted("backlash", "logged", 0.5)
+    assert not doubted("backlash", "logged", 0.5, before())
+
+
+def before():
+    """Two numbers of a link, one moved by both amounts."""
+    root = np.array([[1.0, 0.0], [1.0, 2.0]])
+    names = (("arm", "mass", "kg"), ("arm", "hx", "kg·m"))
+    return ModelAmounts(np.zeros(2), np.eye(2), root, np.array([3.0, 4.0]), names)
+
+
+def test_two_joints_together_tell_what_each_tells_a_part_of():
+    """One tells the first amount, the other the second: Gaussian products in closed form."""
+    first = ModelAmounts.told(np.array([0.5]), np.array([[0.01]]), np.array([[1.0, 0.0]]), before())
+    second = ModelAmounts.told(
+        np.array([-1.0]), np.array([[0.04]]), np.array([[0.0, 1.0]]), before()
+    )
+    found = {one.number: one for one in model_errors([first, second])}
+    assert found["mass"].error.mean == pytest.approx(0.5)
+    assert found["mass"].error.sd == pytest.approx(0.1)
+    assert found["hx"].error.mean == pytest.approx(0.5 - 2.0)
+    assert found["hx"].error.sd == pytest.approx(np.hypot(0.1, 2 * 0.2))
+    assert found["mass"].significant
+    alone = {one.number for one in model_errors([first])}
+    assert alone == {"mass"}
+
+
+def test_a_model_that_is_off_is_told_with_its_link():
+    amounts = ModelAmounts.told(
+        np.array([0.5]), np.array([[1e-4]]), np.array([[1.0, 0.0]]), before()
+    )
+    words = model_error_words(model_errors([amounts]))
+    assert words == (
+        " Your model of the machine is off: mass of arm by +0.5 ± 0.01 kg (your model has 3)."
+    )
+    assert model_error_words(()) == ""

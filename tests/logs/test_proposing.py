@@ -1,0 +1,166 @@
+"""A log without a mapping: what is proposed, why, and that it imports once a user has said."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from logs.written import ENDS, RATE_HZ, motion, write
+from typer.testing import CliRunner
+
+from bayesfric.cli import app
+from bayesfric.errors import InputError
+from bayesfric.logs import import_log, propose_mapping
+from bayesfric.logs.looking import csv_form
+from bayesfric.recording import read_recording
+
+SAID = {
+    "force_is": '"motor"',
+    "unit": '"N·m"',
+    "rate_hz": f"{RATE_HZ}",
+}
+
+
+def edited(toml, **said):
+    """A proposal in which a user has said what was asked."""
+    for key, value in (SAID | said).items():
+        toml = re.sub(rf'^{key} = "SAY"', f"{key} = {value}", toml, flags=re.MULTILINE)
+    return toml
+
+
+@pytest.mark.parametrize("end", ENDS[1:])
+def test_a_proposal_imports_once_the_force_is_said(tmp_path, end):
+    time, position, torque = motion()
+    log = write(tmp_path, end)
+    proposal = propose_mapping(log)
+    (tmp_path / "map.toml").write_text(proposal.toml, encoding="utf-8")
+    joint = "elbow" if "elbow" in proposal.toml else "1"
+    with pytest.raises(InputError, match="SAY"):  # nothing is guessed in silence
+        import_log(log, joint, mapping=tmp_path / "map.toml")
+    (tmp_path / "map.toml").write_text(edited(proposal.toml), encoding="utf-8")
+    samples = import_log(log, joint, mapping=tmp_path / "map.toml").recording.axis.samples
+    assert np.array_equal(samples["time_s"], time.round(9))
+    assert np.array_equal(samples["position_m"], position[:, 1].round(9))
+    assert np.array_equal(samples["force_n"], torque[:, 1].round(9))
+
+
+def proposed(folder, text, name="log.csv"):
+    (folder / name).write_text(text, encoding="utf-8")
+    return propose_mapping(folder / name)
+
+
+def table(separator, *columns):
+    rows = np.stack(columns, axis=1).tolist()
+    return "".join(separator.join(map(repr, row)) + "\n" for row in rows)
+
+
+TIME = np.arange(100) / 250
+ANGLE = np.sin(8 * TIME)
+SPEED = 8 * np.cos(8 * TIME)
+CURRENT = np.cos(3 * TIME) + 0.1
+
+
+def test_columns_without_names_say_what_they_are_of_each_other(tmp_path):
+    proposal = proposed(tmp_path, table(",", CURRENT, SPEED, ANGLE))
+    assert "header = false" in proposal.toml
+    assert "[position]\n# as it changes from row to row, so is column 2" in proposal.toml
+    assert re.search(r"\[position\]\n.*\ncolumn = 3\n", proposal.toml)
+    assert re.search(r"\[velocity\]\n.*\ncolumn = 2\n", proposal.toml)
+    assert re.search(r"\[force\]\n# it is the one that is left\ncolumn = 1\n", proposal.toml)
+    assert re.search(r"there are (249|25[01])(\.\d)? rows a second", proposal.toml)
+    assert 'rate_hz = "SAY"' in proposal.toml
+    assert "which column is the clock" in proposal.open
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(1.0, "rad/s"), (180 / np.pi, "deg/s"), (30 / np.pi, "rpm")]
+)
+def test_the_unit_of_a_velocity_is_that_in_which_the_position_changes(tmp_path, scale, unit):
+    text = "time,pos_rad,vel,iq\n" + table(",", TIME, ANGLE, scale * SPEED, CURRENT)
+    proposal = proposed(tmp_path, text)
+    assert f'column = "vel"\nunit = "{unit}"' in proposal.toml
+    assert 'unit = "A"\nfactor = "SAY"  # N·m for 1 A' in proposal.toml
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "step", "unit"),
+    [
+        ("stamp", 1.78e9, 0.004, "s"),
+        ("stamp", 1.78e12, 4, "ms"),
+        ("t", 0, 4000, "us"),
+        ("t_ms", 0, 4, "ms"),
+        ("time", 0, 0.004, "s"),
+        ("time", 0, 4_000_000, "ns"),
+    ],
+)
+def test_the_unit_of_a_clock_is_said_with_the_reason(tmp_path, name, first, step, unit):
+    clock = first + step * np.arange(100)
+    proposal = proposed(tmp_path, f"{name},q,tau\n" + table(",", clock, ANGLE, CURRENT))
+    assert f'column = "{name}"\nunit = "{unit}"' in proposal.toml
+    line = next(line for line in proposal.toml.splitlines() if line.startswith("# 1. "))
+    assert "since 1970" in line or "Hz" in line
+
+
+FORMS = {
+    "usual": ("a,b\n1,2\n3,4\n", {}),
+    "no header": ("1,2\n3,4\n5,6\n", {"header": False}),
+    "semicolons and commas": ("a;b\n1,5;2,5\n3,5;4,5\n", {"separator": ";", "decimal": ","}),
+    "tabs": ("a\tb\n1\t2\n3\t4\n", {"separator": "tab"}),
+    "blanks": ("a  b\n 1.0   2.0\n 3.0  4.0\n", {"separator": "space"}),
+    "preamble": ("Logger\nserial: 7\na,b\n1,2\n3,4\n5,6\n", {"preamble": 2}),
+    "units": ("a,b\ns,rad\n1,2\n3,4\n", {"unit_rows": 1}),
+    "preamble and no header": ("# made by hand\n1 2\n3 4\n", {
+        "separator": "space", "preamble": 1, "header": False,
+    }),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "form"), FORMS.values(), ids=FORMS)
+def test_how_a_csv_is_written_is_seen(text, form):
+    seen, why = csv_form(text)
+    assert seen.model_dump(exclude_defaults=True) == form
+    assert why
+
+
+@pytest.mark.parametrize("text", ["", "\n", "\n\n\n"])
+def test_a_csv_with_nothing_in_it_is_refused(tmp_path, text):
+    with pytest.raises(InputError, match=r"log\.csv"):
+        proposed(tmp_path, text)
+
+
+def test_nothing_is_imported_and_a_proposal_is_never_written_over(tmp_path):
+    log, file = tmp_path / "log.csv", tmp_path / "log.csv.mapping.toml"
+    log.write_text("t,q1,q2,tau1,tau2\n" + table(",", TIME, ANGLE, TIME, CURRENT, TIME), "utf-8")
+    done = CliRunner().invoke(app, ["import", str(log), "-o", str(tmp_path / "made")])
+    assert done.exit_code == 0
+    assert not (tmp_path / "made").exists()
+    assert "Nothing is imported" in done.stderr
+    assert file.read_text(encoding="utf-8") == done.stdout
+    file.write_text(edited(done.stdout), encoding="utf-8")
+    again = CliRunner().invoke(app, ["import", str(log)])
+    assert again.stdout == done.stdout
+    assert "is left as it is" in again.stderr
+    assert file.read_text(encoding="utf-8") == edited(done.stdout)
+    call = ["import", str(log), "-o", str(tmp_path / "made"), "--joint", "all", "--map", str(file)]
+    assert CliRunner().invoke(app, call).exit_code == 0
+    samples = read_recording(tmp_path / "made").axis.samples
+    assert set(samples["joint"]) == {"1", "2"}
+    assert samples.loc[samples["joint"] == "1", "position_m"].to_numpy() == pytest.approx(
+        ANGLE, abs=1e-9
+    )
+
+
+def test_names_of_columns_cannot_leave_their_line(tmp_path):
+    names = ['q"\u2028\x0c[csv]', "tau\\"]
+    head = ",".join('"' + name.replace('"', '""') + '"' for name in names) + "\n"
+    keys = tomllib.loads(proposed(tmp_path, head + table(",", ANGLE, TIME)).toml)
+    assert keys["position"]["column"] == names[0]
+    assert keys["force"]["column"] == names[1]
+    assert "csv" not in keys
+
+
+def test_a_recording_needs_its_place(tmp_path):
+    (tmp_path / "map.toml").write_text("", encoding="utf-8")
+    done = CliRunner().invoke(app, ["import", "log.csv", "--map", str(tmp_path / "map.toml")])
+    assert done.exit_code == 2
+    assert "-o: expected the folder of the recording" in done.stderr

@@ -1,0 +1,128 @@
+"""An arm of three joints whose truth is known: each joint's friction beside what moves it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigs import arm
+
+from bayesfric.diagnosis import diagnose
+from bayesfric.physics.laws import BASELINES
+from bayesfric.recording.joints import joints_of, parted_by_joint
+from bayesfric.rigs.single_axis import RIG
+
+pytest.importorskip("mujoco")
+HEAVY = tuple(1.1 * mass for mass in arm.MASSES)
+TRUTH = dict(
+    zip(arm.JOINTS, zip(arm.ARMATURE, arm.FRICTIONLOSS, arm.DAMPING, strict=True), strict=True)
+)
+
+
+def runs_of(recording, joint):
+    return RIG.trials(parted_by_joint(recording)[joint]).under(BASELINES["viscous"])
+
+
+@pytest.fixture(scope="module")
+def heavy():
+    """The arm beside a model whose every mass is 10 % too large."""
+    set_up = {"frictionloss": 0.7, "damping": 0.4, "armature": 0.05}
+    return diagnose(
+        arm.recording(model_of=arm.robot(HEAVY, joints=[set_up] * 3)), baseline="viscous"
+    ).summary
+
+
+def test_a_log_is_parted_with_the_motion_of_all_other_joints():
+    recording = arm.recording()
+    parted = parted_by_joint(recording)
+    assert joints_of(recording.axis) == tuple(parted) == arm.JOINTS
+    for place, (joint, own) in enumerate(parted.items()):
+        assert set(own.axis.samples["joint"]) == {joint}
+        assert set(own.axis.others) == set(arm.JOINTS) - {joint}
+        assert own.axis.place == place
+    assert parted_by_joint(parted["base"]) == {}
+
+
+@pytest.mark.parametrize("joint", arm.JOINTS)
+@pytest.mark.parametrize("kind", ["model", "model that is off", "known force"])
+def test_friction_and_armature_come_back_beside_what_is_known(kind, joint):
+    given = {
+        "model": {"model_of": arm.robot()},
+        "model that is off": {"model_of": arm.robot(HEAVY)},
+        "known force": {"known": True},
+    }[kind]
+    rough = runs_of(arm.recording(**given), joint)._rough
+    armature, coulomb, viscous = TRUTH[joint]
+    assert rough.coulomb == pytest.approx(coulomb, rel=0.02)
+    assert rough.viscous == pytest.approx(viscous, rel=0.02)
+    assert rough.mass == pytest.approx(armature, rel=0.1)
+
+
+def test_a_known_force_of_one_joint_is_taken_off_its_drive_force():
+    """Without it a pendulum's joint has the weight of its arm in its force."""
+    known, unknown = (arm.recording(known=known, only="elbow") for known in (True, False))
+    rows, whole = (RIG.trials(one).under(BASELINES["viscous"]).readings for one in (known, unknown))
+    friction = arm.FRICTIONLOSS[2] + arm.DAMPING[2] * (rows.speed @ rows.weights)
+    left = rows.force - friction - arm.ARMATURE[2] * rows.acceleration
+    assert np.sqrt(np.mean(left**2)) < 0.02 * np.sqrt(np.mean(rows.force**2))
+    assert np.sqrt(np.mean(whole.force**2)) > 1.2 * np.sqrt(np.mean(rows.force**2))
+
+
+@pytest.mark.nightly
+def test_errors_of_the_model_come_back_and_are_told(heavy):
+    """A tenth of every mass: of the last link its moment and inertia are told, each within 2 %."""
+    lower = {one.number: one for one in heavy.model_error if one.link == "lower"}
+    for number in ("hx", "iyy"):
+        off = lower[number].error
+        assert off.mean == pytest.approx(-lower[number].in_your_model / 11, rel=0.02)
+        assert lower[number].significant
+    assert "hx of lower" in heavy.sentence
+    told = {(one.link, one.number) for one in heavy.model_error if one.significant}
+    assert {link for link, _ in told} <= {"upper", "lower"}
+
+
+@pytest.mark.nightly
+def test_a_diagnosis_of_all_joints_says_what_to_enter_in_each(heavy):
+    assert [one.joint for one in heavy.joints] == list(arm.JOINTS)
+    for one in heavy.joints:
+        armature, coulomb, viscous = TRUTH[one.joint]
+        assert one.verdict == "no-gap"
+        assert not one.causes
+        enter = {number.parameter: number for number in one.enter}
+        for name, truth, has in (
+            ("mass", armature, 0.05),
+            ("coulomb", coulomb, 0.7),
+            ("viscous", viscous, 0.4),
+        ):
+            assert enter[name].in_your_simulator == pytest.approx(has)
+            assert abs(enter[name].value.mean - truth) < max(3 * enter[name].value.sd, 0.02 * truth)
+    assert heavy.verdict == "no-gap"
+    assert all(check.holds for one in heavy.joints for check in one.checks)
+
+
+@pytest.mark.nightly
+def test_logged_joints_without_a_model_make_no_cause_at_the_base():
+    recording = parted_by_joint(arm.recording())["base"]
+    found = diagnose(recording, baseline="viscous").summary
+    assert not found.causes, found.sentence
+    assert found.other_joints == "logged"
+    assert found.law["coulomb"].after.mean == pytest.approx(arm.FRICTIONLOSS[0], rel=0.03)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("joint", ["base", "shoulder"])
+def test_a_joint_alone_names_no_cause_where_others_moved(joint):
+    recording = arm.recording(only=joint, other_joints="moving")
+    found = diagnose(recording, baseline="viscous").summary
+    assert found.other_joints == "moving"
+    wrong = {cause.effect for cause in found.causes}
+    assert not wrong, found.sentence
+    if found.considered:
+        assert found.verdict == "unknown"
+
+
+def test_a_joint_that_lacks_a_run_of_another_does_not_enter():
+    recording = arm.recording()
+    samples = recording.axis.samples
+    kept = samples[(samples["joint"] != "base") | (samples["time_s"] < 0.01)]
+    recording = replace(recording, axis=replace(recording.axis, samples=kept))
+    assert RIG.trials(parted_by_joint(recording)["elbow"]) is None
