@@ -207,5 +207,6 @@ def _doubled(
     weights = make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
     across = direction[np.ix_(inner, other)] @ weights.T
     length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
-    cosine = np.abs(across) / np.sqrt(length).clip(1e-150)  # some shape may do nothing here
+    # Some shape may do nothing here, or less than that by rounding.
+    cosine = np.abs(across) / np.sqrt(np.where(length > 0, length, np.inf)).clip(1e-150)
     return bool((cosine.max(axis=1) > ALIKE).all())

@@ -158,6 +158,8 @@ def _damping(model: LinearModel, posterior: Posterior) -> Array | None:
 
 
 def _coulomb(model: LinearModel) -> float | None:
+    if len(model.layout.sizes) > 1:
+        return None  # a bench beside an axis: the share is of the friction of both
     (size,) = model.layout.sizes
     names = [name for name, _ in model.data.law_numbers(size)]
     if "coulomb" not in names:

@@ -350,7 +350,7 @@ def _power_weights(log_component: Array, power: float) -> Array:
     plain = (power - 1) * log_component
     plain = plain - logsumexp(plain)
     try:
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             found = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
     except ValueError as error:
         if "tail values are the same" not in str(error):

@@ -205,7 +205,8 @@ class GroupedNormal(Grouped):
         Returns
         -------
         mean, covariance : ndarray, shape (W, G, R) and (W, G, R, R)
-            Of numbers that are N(0, 1) beforehand.
+            Of numbers that are N(0, 1) beforehand; nan where the measurements are so precise
+            that rounding leaves no inverse.
         """
         return self._numbers(self.groups.total(self._shown()))
 
@@ -221,7 +222,13 @@ class GroupedNormal(Grouped):
     def _numbers(self, form: Array) -> tuple[Array, Array]:
         rank = len(self.moved)
         whole = matrices(form)
-        covariance = np.linalg.inv(np.eye(rank) + whole[..., :rank, :rank])
+        precision = np.eye(rank) + whole[..., :rank, :rank]
+        finite = np.isfinite(precision).all(axis=(-2, -1))
+        precision = np.where(finite[..., None, None], precision, np.eye(rank))
+        values = np.linalg.eigvalsh(precision)
+        known = finite & (values[..., -1] < LARGEST_CONDITION * values[..., 0])
+        precision = np.where(known[..., None, None], precision, np.eye(rank))
+        covariance = np.where(known[..., None, None], np.linalg.inv(precision), np.nan)
         mean = (covariance @ whole[..., :rank, rank:])[..., 0]
         return np.asarray(mean), np.asarray(covariance)
 

@@ -187,7 +187,9 @@ class Model:
             normal = -0.5 * (LOG_2PI + z[:, places] ** 2)
             slope += (normal - log_density(prior, value)).sum(axis=1)
             bent = power != 1
-            raised = np.log(value[:, bent]) * (power[bent] - 1) + np.log(power[bent])
+            # Far out in its prior a positive number underflows to 0, which has no logarithm.
+            positive = np.maximum(value[:, bent], np.finfo(np.float64).tiny)
+            raised = np.log(positive) * (power[bent] - 1) + np.log(power[bent])
             slope += raised.sum(axis=1)
         return slope
 

@@ -44,6 +44,7 @@ LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied o
 LEAST_EFFECTIVE = 0.25  # of the points
 LEAST_A_COORDINATE = 2  # points that count, for a covariance
 SLOPE_STEP = 1e-4  # of a chart's derivative, in standard deviations
+LEAST_SPREAD = 1e-10  # of a coordinate's value: differences of less are rounding errors
 
 
 class StudentT:
@@ -146,18 +147,30 @@ class Proposal:
 
     @classmethod
     def around(cls, points: Array, chart: Chart) -> "Proposal":
-        """Fit it to points of the sampling space, shape (N, D)."""
-        return cls(StudentT.around(chart.forward(points)), chart)
+        """Fit it to points of the sampling space, shape (N, D).
+
+        It is fitted in the sampling space where the coordinates of the chart have no spread.
+        """
+        coordinates = chart.forward(points)
+        if not _has_spread(coordinates.mean(axis=0), coordinates.std(axis=0)):
+            return cls(StudentT.around(points))
+        return cls(StudentT.around(coordinates), chart)
 
     @classmethod
     def at_mode(cls, laplace: Laplace, chart: Chart) -> "Proposal":
-        """Carry a normal approximation over to the coordinates, with heavier tails."""
+        """Carry a normal approximation over to the coordinates, with heavier tails.
+
+        It stays in the sampling space where the coordinates of the chart have no spread.
+        """
         mode, sd = laplace.mode, np.sqrt(np.diag(laplace.covariance))
         shifts = SLOPE_STEP * np.diag(sd)
         rise = chart.forward(mode + shifts) - chart.forward(mode - shifts)
         slope = rise.T / (2 * SLOPE_STEP * sd)
         scale = slope @ laplace.covariance @ slope.T
-        return cls(StudentT(chart.forward(mode[None])[0], scale), chart)
+        centre = chart.forward(mode[None])[0]
+        if not _has_spread(centre, np.sqrt(np.diag(scale))):
+            return cls(StudentT(mode, laplace.covariance))
+        return cls(StudentT(centre, scale), chart)
 
     def draw(
         self, size: int, rng: Random, inflation: float = 1.0
@@ -176,6 +189,14 @@ class Proposal:
         z = np.where(possible[:, None], z, here)
         factor = self.log_density(here) - self.log_density(z)
         return z, np.where(possible, factor, -np.inf)
+
+
+def _has_spread(centre: Array, sd: Array) -> bool:
+    """Return whether each coordinate varies by more than rounding.
+
+    Far out in its prior a positive number underflows: it is 0 wherever it is drawn.
+    """
+    return bool((sd > LEAST_SPREAD * np.abs(centre)).all())
 
 
 def importance_points(

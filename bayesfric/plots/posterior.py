@@ -90,7 +90,7 @@ def coefficients_relative_to_paper(
 
 
 def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | None) -> Figure:
-    """Draw the joint posterior of c1, c2, c3 of one size.
+    """Draw the joint posterior of c1, c2, c3 of one size, or of those of them that it has.
 
     Parameters
     ----------
@@ -109,15 +109,16 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
         and two-sigma regions of a two-dimensional normal.
     """
     posterior = draws["posterior"].to_dataset()
+    printed = {name: how for name, how in PRINTED.items() if name in posterior}
     points = np.stack(
         [
             scale * posterior[name].sel(pulley=size).to_numpy().ravel()
-            for name, (scale, _) in PRINTED.items()
+            for name, (scale, _) in printed.items()
         ],
         axis=1,
     )
     points = points[:: max(1, len(points) // SHOWN_DRAWS)]
-    marks = [None if paper is None else scale * paper[name] for name, (scale, _) in PRINTED.items()]
+    marks = [None if paper is None else scale * paper[name] for name, (scale, _) in printed.items()]
     ranges = [_range(column, mark) for column, mark in zip(points.T, marks, strict=True)]
     shown = [
         mark if mark is not None and low < mark < high else None
@@ -137,7 +138,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             fig=fig,
             bins=30,
             range=ranges,
-            labels=[label for _, label in PRINTED.values()],
+            labels=[label for _, label in printed.values()],
             color=look.color,
             levels=(1 - np.exp(-0.5), 1 - np.exp(-2.0)),
             plot_datapoints=False,

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from bayesfric.families import HalfNormal, LogNormal, Normal
+from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import Parameter
+from bayesfric.inference.proposals import Chart, Proposal
 
 MODEL = Model(
     [],
@@ -43,3 +45,18 @@ def test_no_point_lies_where_a_parameter_cannot_be():
     x[0, 0] = x[1, 1] = -0.01
     possible = np.isfinite(MODEL.from_coordinates(x)).all(axis=1)
     assert possible.tolist() == [False, False, True]
+
+
+def test_a_number_far_out_in_its_prior_is_proposed_in_the_sampling_space():
+    """At z = −45 a half-normal number underflows to 0 in the coordinates, wherever it is drawn."""
+    chart = Chart(MODEL.coordinates, MODEL.from_coordinates, MODEL.coordinates_log_slope)
+    mode = np.array([0.3, -45.0, 0.1, 0.2])
+    laplace = Laplace(mode, np.diag([0.1, 1.0, 0.2, 0.3]) ** 2, 0.0)
+    rng = np.random.default_rng(2)
+    proposal = Proposal.at_mode(laplace, chart)
+    points, _ = proposal.draw(4000, rng)
+    assert points.mean(axis=0) == pytest.approx(mode, abs=0.1)
+    again, possible = Proposal.around(points, chart).draw(4000, rng)
+    assert possible.all()
+    assert again.mean(axis=0) == pytest.approx(mode, abs=0.1)
+    assert np.isfinite(MODEL.coordinates_log_slope(points)).all()

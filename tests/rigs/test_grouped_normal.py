@@ -309,3 +309,15 @@ def test_a_student_measurement_that_tells_most():
     # The others say next to nothing: it is as if it were alone.
     expected = whole.group_log_density()[0, 0]
     assert one.single_log_density()[0, 2] == pytest.approx(expected, abs=2e-3)
+
+
+def test_numbers_that_rounding_leaves_unknown_are_nan():
+    """Two numbers that move a group alike are told apart by their priors alone, whose 1 is lost."""
+    moved = np.ones((2, 1, 6))
+    extreme = GroupedNormal(GROUPS, RESIDUAL[None], VARIANCE[None] * 1e-30, moved)
+    for mean, spread in (extreme.numbers(), extreme.numbers_without_each()):
+        assert np.isnan(mean[0, 0]).all()
+        assert np.isnan(spread[0, 0]).all()
+    beside = replace(extreme, variance=np.stack([1e-30 * VARIANCE, VARIANCE]),
+                     residual=np.tile(RESIDUAL, (2, 1)), moved=np.ones((2, 2, 6)))  # fmt: skip
+    assert np.isfinite(beside.numbers()[0][1]).all()

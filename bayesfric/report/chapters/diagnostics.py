@@ -33,7 +33,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         f"{name}[{size}]": entry
         for name in ("c1", "c2", "c3")
         for size, coefficients in fit.pulleys.items()
-        for entry in [coefficients[name]]
+        if (entry := coefficients.get(name)) is not None
     }
     entries |= {**fit.scatter, **fit.noise, **fit.parameters}
     yield Table(

@@ -19,10 +19,13 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
     """Yield prior beside posterior, and a corner figure a size."""
     yield Heading(1, "Posteriors")
     yield from prior_friction(stored)
-    if stored.fit.pulleys:
+    posterior = stored.draws["posterior"].to_dataset()
+    # A bench without tensions has c2 alone, which hangs together with nothing.
+    names = [name for name in ("c1", "c2", "c3") if name in posterior]
+    sizes = stored.fit.pulleys if len(names) > 1 else {}
+    if sizes:
         # Of all draws these alone: another process may draw the figures.
-        own = stored.draws["posterior"].to_dataset()[["c1", "c2", "c3"]]
-        drawn = xr.DataTree.from_dict({"posterior": own})
+        drawn = xr.DataTree.from_dict({"posterior": posterior[names]})
         yield Heading(2, "Joint posteriors")
         yield Paragraph(
             [
@@ -32,7 +35,7 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
                 ".",
             ]
         )
-    for size in stored.fit.pulleys:
+    for size in sizes:
         paper = None
         mark = "The paper has no such size."
         if size in table1():

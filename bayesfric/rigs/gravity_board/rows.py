@@ -213,7 +213,9 @@ class GravityRows(ReferenceMotion):
             sensors = self.events.regressors[:2] != 0
             return np.stack([-part * seen for part in beyond for seen in sensors], axis=1)
         force = np.asarray(law(values, self.state)) / small
-        return self.forces(force if effect.components else force[None])
+        if not effect.components:  # one that knows no direction here is a number, and nothing
+            force = np.broadcast_to(force, self._travel.shape)[None]
+        return self.forces(force)
 
     def elsewhere(self, candidate: Candidate) -> Array | None:
         """Return how an effect's column changes as trials have come further by one sd.
