@@ -22,7 +22,8 @@ def unexplained(value: Any, place: str = "") -> list[str]:
         return []
     wrong = []
     for key, one in value.items():
-        if REASON.search(key) or key == "analysis":
+        # Of a simulator's fields null is the answer: it has none.
+        if REASON.search(key) or key in ("analysis", "fields"):
             continue
         why = value.get(f"{key}_why")
         if why or (one == [] and f"{key}_why" in value):
