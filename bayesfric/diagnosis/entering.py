@@ -27,7 +27,7 @@ DAMPING = {
 }
 FIELDS: dict[str, dict[str, str]] = {
     # What is accelerated at the joint besides the links: no element of URDF or SDF holds it.
-    "inertia, turning": {
+    "armature": {
         MUJOCO: "joint/@armature",
         ISAACLAB: "ActuatorBaseCfg.armature",
         DRAKE: "actuator/drake:rotor_inertia/@value, with a gear ratio of 1",
@@ -84,7 +84,7 @@ def numbers_to_enter(
     """
     if model.data.rigs[0].has_pulleys:
         return (), OF_PULLEYS
-    if not {"inertia", "coulomb"} & set(law):
+    if not {"inertia", "armature", "coulomb"} & set(law):
         return (), NO_JOINT
     turns, has = model.data.unit == rotary_unit("N"), model.data.rigs[0].in_simulator
     found = [
@@ -93,7 +93,7 @@ def numbers_to_enter(
             unit=number.unit,
             in_your_simulator=has.get(name),
             value=number.after,
-            fields=_fields("inertia, turning" if turns and name == "inertia" else name),
+            fields=_fields("armature" if turns and name == "inertia" else name),
             lost_without_why=HAS_FIELD,
         )
         for name, number in law.items()

@@ -9,7 +9,7 @@ import xarray as xr
 
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
-from bayesfric.schemas import JointFit
+from bayesfric.schemas import JointFit, ParameterSummary
 
 if TYPE_CHECKING:
     from bayesfric.fitting.posterior import Fit
@@ -51,7 +51,7 @@ def fitted_together(
             "joints": {
                 joint: JointFit(
                     converged=one.converged,
-                    parameters=one.parameters,
+                    parameters=_called(one.parameters, parted[joint]),
                     scatter=one.scatter,
                     noise=one.noise,
                 )
@@ -75,6 +75,16 @@ def fitted_together(
         predictive=_with_joints(first.predictive, [one.predictive for one in each.values()]),
         seconds=seconds,
     )
+
+
+def _called(
+    numbers: Mapping[str, ParameterSummary], recording: Recording
+) -> dict[str, ParameterSummary]:
+    """Return the numbers of a joint as a diagnosis has them: no joint has a mass."""
+    robot, joint = recording.rig.robot, None if recording.axis is None else recording.axis.joint
+    has_model = robot is not None and joint is not None and joint in robot.joints
+    called = {"mass": "armature" if has_model else "inertia"}
+    return {called.get(name, name): number for name, number in numbers.items()}
 
 
 def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:

@@ -14,8 +14,12 @@ def test_an_axis_tells_what_to_enter(tmp_path):
     found = bf.diagnose(bf.read_recording(write(tmp_path / "axis", machine, runs, samples))).summary
     entered = {number.parameter: number for number in found.enter}
     assert found.enter_why is None
-    assert set(entered) == {"mass", "coulomb", "viscous"}
-    for name, true, unit in (("mass", 2.0, "kg"), ("coulomb", 1.5, "N"), ("viscous", 2.0, "N s/m")):
+    assert set(entered) == {"inertia", "coulomb", "viscous", "offset"}
+    for name, true, unit in (
+        ("inertia", 2.0, "kg"),
+        ("coulomb", 1.5, "N"),
+        ("viscous", 2.0, "N s/m"),
+    ):
         number = entered[name]
         assert number.unit == unit
         assert number.value.mean == pytest.approx(true, rel=0.06), name
