@@ -203,7 +203,8 @@ class AxisRuns(PlainTrials):
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
             found.add("test")
-        if self.measures.limit.there:
+        # A drive that could not overcome friction would move nothing.
+        if self.measures.limit.there and self.measures.limit.force > self._rough.coulomb:
             found.add("limit")
         if self.constants.force_is not in MEASURED:
             found.add("commanded-force")
