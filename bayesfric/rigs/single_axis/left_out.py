@@ -16,7 +16,7 @@ from bayesfric.rigs.single_axis.even_log import (
     position_noise,
     smooth_motion,
 )
-from bayesfric.rigs.single_axis.readings import NARROWEST, SMOOTHED
+from bayesfric.rigs.single_axis.run_rows import NARROWEST, SMOOTHED
 
 __all__ = ["left_out", "not_modelled"]
 
