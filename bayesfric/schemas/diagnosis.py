@@ -342,9 +342,13 @@ class Enter(Record):
         description="Simulator to its field; null where it has none."
     )
     lost_without: Number | None = Field(
-        None, description="Rms force that stays wrong where no simulator has a field."
+        None, description="Rms force that stays wrong in a simulator without a field for it."
     )
-    lost_without_why: Annotated[Why, Because("a simulator has a field for it")] = None
+    lost_without_why: Annotated[Why, Because("every simulator has a field for it")] = None
+    snippet: str | None = Field(
+        None, description="Name of the callback that `export` writes in the place of a field."
+    )
+    snippet_why: Annotated[Why, Because("no callback is usual for it")] = None
 
 
 class SimulatorUsed(Record):
