@@ -309,9 +309,7 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
-    to_enter, not_entered = numbers_to_enter(
-        model, law_found, posterior, causes, gap, residuals
-    )
+    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)

@@ -11,7 +11,7 @@ from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
-from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber
+from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
 
 __all__ = ["numbers_to_enter"]
 
@@ -93,12 +93,19 @@ class _Motion(NamedTuple):
         return abs(value) * by.get(name, 1.0)
 
 
+def _fields(parameter: str, turns: bool) -> dict[str, SimulatorField | None]:
+    return {
+        simulator: None if entry is None else SimulatorField(**entry._asdict())
+        for simulator, entry in fields_of(parameter, turns=turns).items()
+    }
+
+
 def _of_law(
     name: str, value: Interval, unit: str, has: Mapping[str, float], motion: _Motion
 ) -> Enter:
     """Return a number of the law; what is lost without is the rms force that it makes."""
     called = next((one for one in NAMES.get(name, (name,)) if one in has), None)
-    fields = fields_of(name, turns=motion.turns)
+    fields = _fields(name, motion.turns)
     everywhere = all(fields.values())
     return Enter(
         parameter=name,
@@ -118,14 +125,16 @@ def _of_effect(cause: Cause, gap: Gap, turns: bool) -> list[Enter]:
     entered = []
     for name, number in cause.parameters.items():
         parameter = f"{cause.effect}.{name}"
-        fields = fields_of(parameter, turns=turns)
+        fields = _fields(parameter, turns)
         everywhere = all(fields.values())
         entered.append(
             Enter(
                 parameter=parameter,
                 unit=number.unit,
                 in_your_simulator_why=NOT_IN_MODEL,
-                value=Interval.model_validate(number.model_dump(include=set(Interval.model_fields))),
+                value=Interval.model_validate(
+                    number.model_dump(include=set(Interval.model_fields))
+                ),
                 fields=fields,
                 lost_without=None if everywhere else lost,
                 lost_without_why=EVERY_FIELD if everywhere else NO_FORCE if lost is None else None,

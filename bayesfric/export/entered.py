@@ -72,7 +72,8 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
         who = "No simulator has a field" if nobody else f"No field in {', '.join(lacking)}"
         instead = ""
         if number.snippet is not None:
-            instead = f" `bayesfric export --to mjcf` writes a callback for it, {number.snippet}.py."
+            file = f"{number.snippet}.py"
+            instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
         yield f"{who} for {number.parameter}: {force} stay wrong without it.{instead}"
 
 

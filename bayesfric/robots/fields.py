@@ -12,10 +12,9 @@ axis; URDF, joint.
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
-from bayesfric.schemas import SimulatorField
-
-__all__ = ["LOAD_FRICTION", "SIMULATORS", "fields_of"]
+__all__ = ["LOAD_FRICTION", "SIMULATORS", "JointField", "fields_of"]
 
 MUJOCO, ISAACLAB, USD, NEWTON, GENESIS, DRAKE, SDF, URDF = SIMULATORS = (
     "mujoco",
@@ -103,7 +102,14 @@ _IN_DEGREES = {USD: {"viscous"}, NEWTON: {"viscous"}}
 """What these simulators count by the degree where an axis turns."""
 
 
-def fields_of(parameter: str, *, turns: bool) -> dict[str, SimulatorField | None]:
+class JointField(NamedTuple):
+    """A field of a simulator, and by what a number in SI units is multiplied before it goes in."""
+
+    field: str
+    factor: float
+
+
+def fields_of(parameter: str, *, turns: bool) -> dict[str, JointField | None]:
     """Return the field of a number in each simulator; None where it has none.
 
     Parameters
@@ -123,9 +129,7 @@ def fields_of(parameter: str, *, turns: bool) -> dict[str, SimulatorField | None
         return PER_DEGREE if by_degree else 1.0
 
     return {
-        simulator: SimulatorField(
-            field=own[simulator].replace("{axis}", axis), factor=factor(simulator)
-        )
+        simulator: JointField(own[simulator].replace("{axis}", axis), factor(simulator))
         if simulator in own
         else None
         for simulator in SIMULATORS

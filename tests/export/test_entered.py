@@ -4,12 +4,15 @@ from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, en
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.content import BulletList, Table
 from bayesfric.robots.fields import fields_of
-from bayesfric.schemas import DiagnosisFile, Enter, Interval
+from bayesfric.schemas import DiagnosisFile, Enter, Interval, SimulatorField
 
 
 def number(parameter, mean, sd, unit="N·m", **more):
     value = Interval(mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd)
-    fields = fields_of(parameter, turns=True)
+    fields = {
+        name: None if field is None else SimulatorField(**field._asdict())
+        for name, field in fields_of(parameter, turns=True).items()
+    }
     return Enter(parameter=parameter, unit=unit, value=value, fields=fields, **more)
 
 
