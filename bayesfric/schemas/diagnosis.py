@@ -429,6 +429,10 @@ class DiagnosisFile(Provenance):
         "`sentence`: of several, the first whose verdict is the verdict of all.",
     )
     joint_why: Annotated[Why, Because("no joint is named")] = None
+    joint_in_model: str | None = Field(
+        None, description="Its name in the model that the recording has of the machine."
+    )
+    joint_in_model_why: Annotated[Why, Because("no model of the machine names it")] = None
     joints: "tuple[DiagnosisFile, ...]" = Field((), description="A diagnosis a joint, of several.")
     joints_why: Annotated[Why, Because("it is of one joint, or of none")] = None
     other_joints: Literal["still", "logged", "moving", "unknown"] | None = Field(
