@@ -23,7 +23,6 @@ def unexplained(value: Any, place: str = "") -> list[str]:
         return []
     wrong = []
     for key, one in value.items():
-        # Of a simulator's fields null is the answer: it has none.
         if REASON.search(key) or key in ("analysis", "fields"):
             continue
         why = value.get(f"{key}_why")

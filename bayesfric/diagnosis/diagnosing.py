@@ -318,7 +318,7 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
-    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap)
+    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
@@ -388,12 +388,22 @@ def _diagnose(
         next_experiment_why=no_proposal,
         target=asked_for,
         joint=joint,
+        joint_in_model=_in_model(recording),
         other_joints=others,
         model_error=errors,
         model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law), amounts
+
+
+def _in_model(recording: Recording) -> str | None:
+    """Return what the machine's model calls the joint; None without one, or of no joint."""
+    robot = recording.rig.robot
+    if robot is None or recording.axis is None:
+        return None
+    named = recording.axis.joint or next(iter(robot.joints), None)
+    return None if named is None else robot.joints.get(named)
 
 
 def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
+from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
@@ -62,6 +63,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     yield from faults(stored)
     if stored.diagnosis is not None:
         yield verdict_line(stored.diagnosis.found)
+        yield from numbers_to_enter(stored.diagnosis.found)
         if fitted is not None:
             yield from law_alone(stored.diagnosis.found)
     if stored.claims is not None:
