@@ -177,8 +177,12 @@ def measure_rooms(package: Path) -> dict[str, RoomMeasures]:
 def table(measures: dict[str, RoomMeasures]) -> str:
     """Return the measures of every room and of all as a table."""
     rows = {
-        room: (room_measures.files, room_measures.code)
-        + (len(room_measures.empty_names), len(room_measures.long_functions))
+        room: (
+            room_measures.files,
+            room_measures.code,
+            len(room_measures.empty_names),
+            len(room_measures.long_functions),
+        )
         for room, room_measures in measures.items()
     }
     rows["all"] = tuple(map(sum, zip(*rows.values(), strict=True)))
