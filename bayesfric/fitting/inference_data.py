@@ -147,10 +147,11 @@ def draws_of_fit(
     posterior, sizes = _variables(model, stored.theta), sizes_of(model.names)
     prefixes = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]  # ids may be the same
     table = pd.concat(
-        one.trials.assign(
-            trial=prefix + one.trials["trial"], setup_of_trial=prefix + one.trials["setup"]
+        likelihood.trials.assign(
+            trial=prefix + likelihood.trials["trial"],
+            setup_of_trial=prefix + likelihood.trials["setup"],
         )
-        for prefix, one in zip(prefixes, model.likelihoods, strict=True)
+        for prefix, likelihood in zip(prefixes, model.likelihoods, strict=True)
     )
     return draws_tree(
         {
@@ -178,8 +179,8 @@ def draws_of_fit(
             "trial": table["trial"].to_numpy(),
             "setup": [
                 prefix + setup
-                for prefix, one in zip(prefixes, model.likelihoods, strict=True)
-                for setup in one.setups
+                for prefix, likelihood in zip(prefixes, model.likelihoods, strict=True)
+                for setup in likelihood.setups
             ],
         },
         ensemble=stored.ensemble,
@@ -227,9 +228,9 @@ def write_csv(tree: xr.DataTree, path: Path) -> None:
     for name, variable in posterior.data_vars.items():
         further = [str(dim) for dim in variable.dims if dim != "sample"]
         labels = [posterior[dim].to_numpy() for dim in further]
-        for one in product(*labels):
-            called = f"{name}[{','.join(map(str, one))}]" if further else name_of(str(name))
-            columns[called] = variable.sel(dict(zip(further, one, strict=True))).to_numpy()
+        for label in product(*labels):
+            called = f"{name}[{','.join(map(str, label))}]" if further else name_of(str(name))
+            columns[called] = variable.sel(dict(zip(further, label, strict=True))).to_numpy()
     index = pd.MultiIndex.from_arrays(
         [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
     )

@@ -38,41 +38,43 @@ def fitted_together(
     InputError
         A joint cannot be fitted.
     """
-    each: dict[str, Fit] = {}
+    fits: dict[str, Fit] = {}
     for place, (joint, recording) in enumerate(parted.items(), start=1):
         folder = None if checkpoint is None else checkpoint / f"joint-{place}"
-        each[joint] = fitted(recording, folder)
-    first = next(iter(each.values()))
-    summaries = {joint: one.summary for joint, one in each.items()}
+        fits[joint] = fitted(recording, folder)
+    first = next(iter(fits.values()))
+    summaries = {joint: fit.summary for joint, fit in fits.items()}
     summary = first.summary.model_copy(
         update={
-            "joint": next(iter(each)),
+            "joint": next(iter(fits)),
             "joint_why": None,
             "joints": {
                 joint: JointFit(
-                    converged=one.converged,
-                    parameters=one.parameters,
-                    scatter=one.scatter,
-                    noise=one.noise,
+                    converged=summary_of_joint.converged,
+                    parameters=summary_of_joint.parameters,
+                    scatter=summary_of_joint.scatter,
+                    noise=summary_of_joint.noise,
                 )
-                for joint, one in summaries.items()
+                for joint, summary_of_joint in summaries.items()
             },
-            "converged": all(one.converged for one in summaries.values()),
+            "converged": all(fit_of_joint.converged for fit_of_joint in summaries.values()),
             "attention": tuple(
-                f"{joint}: {line}" for joint, one in summaries.items() for line in one.attention
+                f"{joint}: {line}"
+                for joint, summary_of_joint in summaries.items()
+                for line in summary_of_joint.attention
             ),
         }
     )
     seconds = {
         f"{joint}: {stage}": time
-        for joint, one in each.items()
-        for stage, time in one.seconds.items()
+        for joint, fit in fits.items()
+        for stage, time in fit.seconds.items()
     }
     return replace(
         first,
         summary=identified(summary),
-        draws=_with_joints(first.draws, [one.draws for one in each.values()]),
-        predictive=_with_joints(first.predictive, [one.predictive for one in each.values()]),
+        draws=_with_joints(first.draws, [fit.draws for fit in fits.values()]),
+        predictive=_with_joints(first.predictive, [fit.predictive for fit in fits.values()]),
         seconds=seconds,
     )
 

@@ -227,8 +227,8 @@ def fit(
             )
         with _timed(seconds, "inference_data"):
             observed = {
-                one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()
-                for one in data.rigs
+                trials.rig.name: predictive[trials.rig.words.trials]["friction_n"].to_numpy()
+                for trials in data.rigs
             }
             origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
             origin |= tested_conditions(data, summary.pulleys)
@@ -259,7 +259,7 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
         return None, "no rule keeps a trial of these rigs from entering"
     if not any(trials.excluded for trials in ruled):
         return None, "no trial was left out"
-    whole = Data(open_rigs(recording, [one.rig.name for one in data.rigs], exclude=False))
+    whole = Data(open_rigs(recording, [trials.rig.name for trials in data.rigs], exclude=False))
     if _under_rules(whole) == _under_rules(data):
         return None, "no trial that was left out has a motion that can be computed"
     return whole, None
@@ -271,7 +271,7 @@ def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
     if not any(moved):
         return None, "all trials that enter moved all the way, or none did"
     kept = zip(moved, data.rigs, strict=True)
-    return Data(tuple(one if one is not None else whole for one, whole in kept)), None
+    return Data(tuple(moving if moving is not None else whole for moving, whole in kept)), None
 
 
 def _under_rules(data: Data) -> int:

@@ -100,7 +100,9 @@ def summarise(
         }
         | _of_kind(model, entries, "other"),
         paper_estimator={
-            size: found for one in data.rigs for size, found in one.paper_estimates().items()
+            size: estimate
+            for trials in data.rigs
+            for size, estimate in trials.paper_estimates().items()
         },
         sampler=SamplerSummary(
             ensembles=ensembles,
@@ -207,9 +209,9 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
         moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
     return {
         name: {
-            f"{key}_sensitivity{told}": value
-            for key, found in moved.items()
-            for told, value in (("", float(found[place])), ("_why", None))
+            f"{key}_sensitivity{suffix}": value
+            for key, sensitivities in moved.items()
+            for suffix, value in (("", float(sensitivities[place])), ("_why", None))
         }
         for place, name in enumerate(places)
     }

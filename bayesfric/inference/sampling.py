@@ -235,16 +235,16 @@ class _Runs:
     def _fresh(self, proposal: Proposal, seed: np.random.SeedSequence) -> emcee.State:
         """Return starts of finite density, wider than the posterior."""
         rng = np.random.RandomState(np.random.MT19937(seed))
-        found: list[Array] = []
+        starts: list[Array] = []
         for _ in range(START_TRIES):
             z, possible = proposal.draw(2 * self._walkers, rng, START_INFLATION)
             z = z[possible]
-            found.extend(z[np.isfinite(self._log_density(z))])
-            if len(found) >= self._walkers:
-                start = np.array(found[: self._walkers])
+            starts.extend(z[np.isfinite(self._log_density(z))])
+            if len(starts) >= self._walkers:
+                start = np.array(starts[: self._walkers])
                 return emcee.State(start, random_state=rng.get_state())
         raise SamplingError(
-            f"only {len(found)} of {2 * self._walkers * START_TRIES} points around "
+            f"only {len(starts)} of {2 * self._walkers * START_TRIES} points around "
             f"{np.array2string(proposal.student.location, precision=4)} have a finite density"
         )
 

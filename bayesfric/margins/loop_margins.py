@@ -127,14 +127,14 @@ def loop_margins(
     other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
 
     def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
-        one = reflected(loop, assembly, estimate=estimate)
-        return closed_forms(one, linear_of(one))
+        shaft_tried = reflected(loop, assembly, estimate=estimate)
+        return closed_forms(shaft_tried, linear_of(shaft_tried))
 
     beyond = beyond_the_draws(shaft, given, posterior)
     shares = variance_shares(evaluate, given.taken(some), other.taken(some))
     together = meets_all_now(shaft, hunting)
     certificate, no_certificate = certify(shaft, hunting)
-    told = LoopMargins(
+    summary = LoopMargins(
         name=loop.name,
         title=loop.title,
         loop_sha256=loop_sha256(loop),
@@ -185,20 +185,20 @@ def loop_margins(
         warnings=loop_warnings(shaft, given, judged.linear, discrepancy, posterior),
         beyond=beyond,
     )
-    return shaft, told
+    return shaft, summary
 
 
 def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
     chart = hunting.map
     if chart is None:
         return None
-    speeds = [one.speed_of(shaft) for one in chart.speeds]
+    speeds = [condition.speed_of(shaft) for condition in chart.speeds]
     tip = float(np.median(shaft.tip_per_rad))
     return HuntingMap(
         draws=chart.hunts.shape[2],
         gamma=chart.gammas,
-        speed_rad_s=tuple(float(np.median(one)) for one in speeds),
-        speed_tip_m_s=tuple(float(np.median(one * shaft.tip_per_rad)) for one in speeds),
+        speed_rad_s=tuple(float(np.median(speed)) for speed in speeds),
+        speed_tip_m_s=tuple(float(np.median(speed * shaft.tip_per_rad)) for speed in speeds),
         probability=_rows(chart.hunts.mean(axis=2)),
         rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
     )
@@ -231,7 +231,7 @@ def _with_effects(
     after = reflected(loop, given)
     judged = Judged.of(after, loop.spec, simulated, diagnosed.posterior.effective_draws)
     return WithEffects(
-        effects=tuple(one.effect.name for one in diagnosed.acting),
+        effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
         left_out=diagnosed.left_out,
         answer=" ".join(
             [

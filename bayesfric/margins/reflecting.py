@@ -50,8 +50,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         turns = given["second_stage.driven_radius_m"] / rho  # of the motor, one of the shaft
         shaft_inertia = given["second_stage.shaft_inertia_kg_m2"] / turns**2
         shaft_friction = given["second_stage.shaft_friction_n_m"] / turns
-    friction = sum(one.friction for one in stages) + drive + own + shaft_friction
-    stiffness = in_series([one.stiffness for one in stages])
+    friction = sum(stage.friction for stage in stages) + drive + own + shaft_friction
+    stiffness = in_series([stage.stiffness for stage in stages])
     to_shaft = _to_shaft(loop, gear, ratio)
     signal = loop.compensation.signal
     joint = {
@@ -82,7 +82,7 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
     constant = given["drive.torque_constant_n_m_per_a"]
     continuous = given.numbers.get("drive.continuous_current_a")
     corners = (given.numbers.get(f"controller.{of}_cutoff_hz") for of in ("velocity", "position"))
-    cutoff, position_cutoff = (None if one is None else 2 * np.pi * one for one in corners)
+    cutoff, position_cutoff = (None if corner is None else 2 * np.pi * corner for corner in corners)
     guess = given.numbers.get("compensation.estimate_n_m")
     if guess is None:
         guess = np.full(given.draws, float(friction.mean()) if estimate is None else estimate)
@@ -92,7 +92,9 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         load_inertia=load_inertia,
         motor_viscous=given["drive.viscous_n_m_s"],
         stiffness=stiffness,
-        damping=np.asarray(sum(one.damping * (stiffness / one.stiffness) ** 2 for one in stages)),
+        damping=np.asarray(
+            sum(stage.damping * (stiffness / stage.stiffness) ** 2 for stage in stages)
+        ),
         friction=friction,
         drive_friction=drive,
         shaft_friction=shaft_friction,
