@@ -117,11 +117,11 @@ def run_blind(
     work, results = partial(run_case, folder=kept, analysis=analysis), kept / "scored"
     if scheduler is not None:
         with cluster(scheduler) as executor:
-            found = run_campaign(work, cases, results, executor, progress)
+            scored = run_campaign(work, cases, results, executor, progress)
     else:
-        found = run_on_processes(work, cases, results, workers, progress)
+        scored = run_on_processes(work, cases, results, workers, progress)
     scorecard = scorecard_of(
-        [ScoredCase.model_validate_json(json.dumps(one)) for one in found.values()],
+        [ScoredCase.model_validate_json(json.dumps(case)) for case in scored.values()],
         analysis=analysis,
         engine=engine,
         design=design,
@@ -172,15 +172,15 @@ def score_recording(
     except OSError as error:
         expected = f"a folder that can be written ({error.strerror or error})"
         raise InputError([Fault(str(folder), expected)]) from error
-    found = diagnose_sealed(recording, analysis, place)
+    diagnosis = diagnose_sealed(recording, analysis, place)
     scored = score(
         public | {"envelope_sha256": digest},
         open_envelope(place),
-        found,
+        diagnosis,
         gap=None,
         true_shrink=None,
         oracle_power=None,
-        known=all_effects(),
+        effect_names=all_effects(),
     )
     identity = RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256)
     scorecard = scorecard_of(

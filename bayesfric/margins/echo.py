@@ -34,9 +34,9 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
     sentence = (
         f"At the motor's shaft: ω_n {numbers['natural_frequency_hz']:.3g} Hz, ζ "
         f"{numbers['damping_ratio']:.2g}, both ends ring on the cable at "
-        f"{numbers['resonance_hz']:.3g} Hz; inertia of motor {numbers['motor_inertia_kg_m2']:.2g} and joint "
-        f"{numbers['load_inertia_kg_m2']:.2g} kg·m². A turn of the motor is "
-        f"1/{central(shaft.loop.drive.gearbox_ratio):.4g} of the capstan, "
+        f"{numbers['resonance_hz']:.3g} Hz; inertia of motor "
+        f"{numbers['motor_inertia_kg_m2']:.2g} and joint {numbers['load_inertia_kg_m2']:.2g} kg·m². A turn "
+        f"of the motor is 1/{central(shaft.loop.drive.gearbox_ratio):.4g} of the capstan, "
         f"{2e3 * np.pi * numbers['cable_m_per_rad']:.3g} mm of cable and "
         f"{2e3 * np.pi * numbers['tip_m_per_rad']:.3g} mm at the tip; the joint has "
         f"{central(whole):.4g} rad of it per {way}."

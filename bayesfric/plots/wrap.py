@@ -37,8 +37,8 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
         for row, n in enumerate(counts):
             for column, size in enumerate(sizes):
                 axes, look = panels[row, column], styles[size]
-                here = (table["pulley_size"] == size) & (table["n_pulleys"] == n)
-                for line in np.flatnonzero(here):
+                of_condition = (table["pulley_size"] == size) & (table["n_pulleys"] == n)
+                for line in np.flatnonzero(of_condition):
                     some = table.isel(line=line)
                     place = int(np.flatnonzero(levels == some["tension_n"].item())[0])
                     low, middle, high = some["law_n"].to_numpy().T

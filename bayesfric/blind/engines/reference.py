@@ -239,10 +239,10 @@ def _check(withheld: Withheld, design: str) -> None:
         raise ValueError(f"form is one of {', '.join(FORMS)}, not {withheld.form!r}")
     if len({name for name, _ in withheld.effects}) != KINDS[withheld.kind]:
         raise ValueError(f"{withheld.kind} takes {KINDS[withheld.kind]} different effects")
-    known = OUTSIDERS_BY_NAME if withheld.kind == "outsider" else EFFECTS
+    choices = OUTSIDERS_BY_NAME if withheld.kind == "outsider" else EFFECTS
     for name, strength in withheld.effects:
-        if name not in known:
-            raise ValueError(f"{name!r} is none of {', '.join(known)}")
+        if name not in choices:
+            raise ValueError(f"{name!r} is none of {', '.join(choices)}")
         if not 0 < strength < np.inf:
             raise ValueError(f"the strength of {name} is above 0, not {strength}")
     if withheld.kind != "none" and withheld.kind != "outsider":
@@ -263,7 +263,7 @@ def _scatter(
 ) -> tuple[Array, Array]:
     """Draw the factors of friction, of the trials and, (runs, 1), of the motor board."""
 
-    def each(size: int, stream: int) -> Array:
+    def normals(size: int, stream: int) -> Array:
         rng = _stream(seed, SCATTER, stream)
         if not heavy:
             return rng.standard_normal(size)
@@ -273,11 +273,13 @@ def _scatter(
         setups = _stream(seed, SCATTER, stream).standard_normal(int(setup.max()) + 1)
         return np.asarray(setups[setup])
 
-    factor = 1 + nature.tau * each(len(trials), 0) + nature.omega * by_trial(trials.setup, 1)
+    factor = 1 + nature.tau * normals(len(trials), 0) + nature.omega * by_trial(trials.setup, 1)
     if bench is None:
         return factor, np.ones((0, 1))
     runs = (
-        1 + nature.tau_motor * each(len(bench), 2) + nature.omega_motor * by_trial(bench.setup, 3)
+        1
+        + nature.tau_motor * normals(len(bench), 2)
+        + nature.omega_motor * by_trial(bench.setup, 3)
     )
     return factor, runs[:, None]
 
@@ -306,13 +308,13 @@ def _truth(
             "idle_current": [float(value) for value in nature.idle],
         },
         "kind": withheld.kind,
-        "withheld": [_told(effect) for effect in effects],
-        "background": [_told(effect) for effect in background],
+        "withheld": [_effect_truth(effect) for effect in effects],
+        "background": [_effect_truth(effect) for effect in background],
         "awkward": dict(vars(awkward)),
     }
 
 
-def _told(effect: ImposedEffect) -> dict[str, Any]:
+def _effect_truth(effect: ImposedEffect) -> dict[str, Any]:
     # Phases that differ from trial to trial are no parameters.
     shape = {
         name: value

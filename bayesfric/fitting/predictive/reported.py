@@ -55,7 +55,7 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
 
     Parameters
     ----------
-    found : mapping of str to Assemblies or None
+    assemblies : mapping of str to Assemblies or None
         By rig.
     """
     entries = []
