@@ -3,25 +3,22 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from bayesfric.fitting.result import Fit
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
 from bayesfric.schemas import JointFit
-
-if TYPE_CHECKING:
-    from bayesfric.fitting.posterior import Fit
 
 __all__ = ["fitted_together"]
 
 
 def fitted_together(
     parted: Mapping[str, Recording],
-    fitted: Callable[[Recording, Path | None], "Fit"],
+    fitted: Callable[[Recording, Path | None], Fit],
     checkpoint: Path | None,
-) -> "Fit":
+) -> Fit:
     """Fit each joint by itself; what stands at the top is of the first.
 
     Parameters

@@ -15,8 +15,9 @@ from bayesfric.arrays import Array
 from bayesfric.attention import of_pooled, unsettled
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes, write_csv
-from bayesfric.fitting.pooling import BETWEEN, PooledDraws, draw_pooled
-from bayesfric.fitting.posterior import Fit, model_of_law, opened
+from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
+from bayesfric.fitting.posterior import model_of_law, opened
+from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import interval_of, parameter_summary
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.informed import informed_by_data
@@ -80,7 +81,7 @@ class PooledFit:
     ) -> None:
         """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
 
-        Parameters and errors are those of :meth:`bayesfric.fitting.posterior.Fit.write`.
+        Parameters and errors are those of :meth:`bayesfric.fitting.result.Fit.write`.
         """
         run_id = self.summary.run_id
         timings = json_bytes(TimingsFile(seconds={}, run_id=run_id, inputs=dict(inputs or {})))
@@ -232,31 +233,8 @@ def _summary(
         )
         for k, parameter in enumerate(population.parameters)
     }
-    sizes = sizes_of(population.names)
-    stems = list(dict.fromkeys(name.partition("[")[0] for name in population.names))
-    stems = [stem for stem in stems if not stem.startswith(BETWEEN)]
-    new = _new_boards(drawn, analysis.seed)
-
-    def of_board(stem: str, size: str) -> PooledCoefficient:
-        name = coefficient_name(stem, size)
-        k = population.names.index(name)
-        spread = population.split(theta)[1][..., k]
-        boards = {}
-        for board, names in own_names.items():
-            place = names.index(name)
-            before = alone[board][:, place]
-            boards[board] = BoardCoefficient(
-                alone=interval_of(before),
-                pooled=interval_of(drawn.boards[board][..., place]),
-                shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
-            )
-        return PooledCoefficient(
-            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
-        )
-
     chains, draws, _ = theta.shape
     least = min(figures.ess_bulk for figures in convergence.values())
-    infinite = not np.isfinite(drawn.pareto_k)
     reliable = drawn.pareto_k <= LIMIT_K
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
@@ -270,7 +248,7 @@ def _summary(
             LIMIT_K,
             list(unsettled(convergence, entries)),
         ),
-        pulleys=_by_size(entries, stems, sizes),
+        pulleys=_by_size(entries, *_stems_and_sizes(population)),
         scatter={},
         noise={},
         parameters={},
@@ -286,21 +264,60 @@ def _summary(
             autocorrelation_time=chains * draws / least,
         ),
         data_quality=_quality(fits),
-        pooled=Pooled(
-            shared=SHARED,
-            own=OWN,
-            boards={
-                name: PooledBoard(
-                    recording=fit.summary.recording,
-                    folder=board_folder(name),
-                    converged=fit.summary.converged,
-                )
-                for name, fit in fits.items()
-            },
-            pulleys={size: {stem: of_board(stem, size) for stem in stems} for size in sizes},
-            pareto_k=None if infinite else drawn.pareto_k,
-            pareto_k_why="hardly any weight is not zero" if infinite else None,
-        ),
+        pooled=_pooled(fits, drawn, alone, own_names, entries, _new_boards(drawn, analysis.seed)),
+    )
+
+
+def _stems_and_sizes(population: Population) -> tuple[list[str], tuple[str, ...]]:
+    """Return the names of the coefficients without a size, and the pulley sizes."""
+    stems = list(dict.fromkeys(name.partition("[")[0] for name in population.names))
+    return [stem for stem in stems if not stem.startswith(BETWEEN)], sizes_of(population.names)
+
+
+def _pooled(
+    fits: Mapping[str, Fit],
+    drawn: PooledDraws,
+    alone: Mapping[str, Array],
+    own_names: Mapping[str, Sequence[str]],
+    entries: Mapping[str, ParameterSummary],
+    new: Array,
+) -> Pooled:
+    """Return what boards share, what each keeps for itself, and how far it is drawn in."""
+    population = drawn.population
+
+    def of_board(stem: str, size: str) -> PooledCoefficient:
+        name = coefficient_name(stem, size)
+        k = population.names.index(name)
+        spread = population.split(drawn.theta)[1][..., k]
+        boards = {}
+        for board, names in own_names.items():
+            place = names.index(name)
+            before = alone[board][:, place]
+            boards[board] = BoardCoefficient(
+                alone=interval_of(before),
+                pooled=interval_of(drawn.boards[board][..., place]),
+                shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
+            )
+        return PooledCoefficient(
+            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
+        )
+
+    stems, sizes = _stems_and_sizes(population)
+    infinite = not np.isfinite(drawn.pareto_k)
+    return Pooled(
+        shared=SHARED,
+        own=OWN,
+        boards={
+            name: PooledBoard(
+                recording=fit.summary.recording,
+                folder=board_folder(name),
+                converged=fit.summary.converged,
+            )
+            for name, fit in fits.items()
+        },
+        pulleys={size: {stem: of_board(stem, size) for stem in stems} for size in sizes},
+        pareto_k=None if infinite else drawn.pareto_k,
+        pareto_k_why="hardly any weight is not zero" if infinite else None,
     )
 
 
