@@ -14,6 +14,7 @@ NO_CLAIM = ("no-gap", "undecided")
 HALF = 0.5  # probability of a practical gap from which on `undecided` bets on there being one
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
 NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
+NO_NOISE_FREE = "nobody made this recording without noise"
 NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
 NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
 OTHERS = "other-combination"
@@ -87,18 +88,10 @@ def score(
     if as_none:
         correct = correct or (diagnosis.verdict in NO_CLAIM and _all_act(names, diagnosis))
     own = [bool(effect.get("own", False)) for effect in withheld]
-    strengths = {
-        str(effect["name"]): float(effect["strength"])
-        for effect in withheld
-        if "strength" in effect
-    }
     shrink = diagnosis.gap.shrink_of_model
     covered = None
     if named and shrink is not None and true_shrink is not None:
         covered = shrink.q05 <= true_shrink <= shrink.q95
-    why = None
-    if gap is None:
-        why = "nobody made this recording without noise"
     return ScoredCase(
         **{key: public[key] for key in ("name", "seed", "engine", "design", "envelope_sha256")},
         kind=kind,
@@ -106,9 +99,9 @@ def score(
         form=tuple(str(effect.get("form", "")) for effect in withheld),
         own=all(own) if names else None,
         own_why=None if names else "nothing is withheld",
-        strength=strengths,
+        strength={str(e["name"]): float(e["strength"]) for e in withheld if "strength" in e},
         noise_free_gap=gap,
-        noise_free_gap_why=why,
+        noise_free_gap_why=None if gap is not None else NO_NOISE_FREE,
         oracle_power=oracle_power,
         oracle_power_why=None if oracle_power is not None else NO_ORACLE,
         counts_as_none=as_none,

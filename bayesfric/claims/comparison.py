@@ -11,7 +11,7 @@ from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import Hypothesis
-from bayesfric.inference.evidence import difference
+from bayesfric.inference.evidence import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
@@ -44,7 +44,6 @@ def compare(claim: Claim, case: Case) -> Finding:
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
     name = claim.subject(case.entered)
-    rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.claimed)]
     rivals = {rival: case.studied[Task(name, rival)] for rival in claim.against(case.entered)}
     lacking = [
@@ -54,42 +53,35 @@ def compare(claim: Claim, case: Case) -> Finding:
     if own.evidence is None or not weighed:
         why = own.why or "; ".join(lacking)
         return Finding("undecided", f"No evidence can be had: {why}.", why=why)
+    return _against_rivals(claim, case, name, weighed, lacking)
+
+
+def _against_rivals(
+    claim: Claim,
+    case: Case,
+    name: str,
+    weighed: Mapping[Hypothesis, Studied],
+    lacking: Sequence[str],
+) -> Finding:
+    """Judge a claim by rivals that have an evidence; `lacking` says why others have none."""
+    rules = case.analysis.claims
+    own = case.studied[Task(name, case.entered.claimed)]
     against_each = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
-    log10, error = bayes_factor(own, list(weighed.values()))
-    curve = np.array(
-        [bayes_factor(own, list(weighed.values()), place)[0] for place in range(len(WIDTHS))]
-    )
+    studies = list(weighed.values())
+    log10, error = bayes_factor(own, studies)
+    curve = np.array([bayes_factor(own, studies, place)[0] for place in range(len(WIDTHS))])
     best = max(weighed, key=lambda rival: log_evidence(weighed[rival]))
-    bounds = {
-        rival.label: float(np.quantile(studied.size, 0.95))
-        for rival, studied in weighed.items()
-        if studied.size.size
-    }
+    bounds = _upper_bounds(weighed)
     bound = max(bounds.values(), default=0.0)
     best_size = weighed[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
-    of_best = weighed[best].prediction
-    assert own.prediction is not None
-    assert of_best is not None  # of all sizes together there is one with each evidence
-    predicted = difference(own.prediction, of_best)
+    predicted = _difference_of_prediction(own, weighed[best])
     elpd_errors = predicted.elpd / predicted.se if predicted.se > 0 else 0.0
-    widths = np.array(WIDTHS)
-    stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
-    verdict, reason = decide(
-        rules,
-        log10,
-        (float(stable.min()), float(stable.max())),
-        bound,
-        beyond,
-        elpd_errors,
-        best.label,
-    )
+    stable = _over_width(curve)
+    verdict, reason = decide(rules, log10, stable, bound, beyond, elpd_errors, best.label)
     verdicts = verdicts_over_widths(case, weighed, curve, elpd_errors)
     if lacking:
-        verdicts = [
-            "undecided" if verdict_at_width == "supported" else verdict_at_width
-            for verdict_at_width in verdicts
-        ]
+        verdicts = ["undecided" if of_width == "supported" else of_width for of_width in verdicts]
         if verdict == "supported":
             verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
     narrowest, widest = same_around(verdicts, verdict)
@@ -102,28 +94,57 @@ def compare(claim: Claim, case: Case) -> Finding:
         "effect_upper_bound_95": bound,
         "effect_upper_bound_95_of": bounds,
         "probability_effect_matters": beyond,
-        "lowest_over_prior_width": float(stable.min()),
-        "highest_over_prior_width": float(stable.max()),
+        "lowest_over_prior_width": stable[0],
+        "highest_over_prior_width": stable[1],
         "same_verdict_from_prior_width": narrowest,
         "same_verdict_to_prior_width": widest,
         "elpd_reliable": predicted.reliable,
         "elpd_unreliable_for": "; ".join(predicted.unreliable),
     }
-    figures |= could_be_found(case, weighed)
     return Finding(
         verdict,
         reason,
-        figures,
+        figures | could_be_found(case, weighed),
         log10,
         error,
         predicted.elpd,
         predicted.se,
-        by_pulley={
-            size: _by_pulley(claim, case, f"{name}/{size}")
-            for size in case.entered.data[name].sizes
+        by_pulley=_by_pulleys(claim, case, name),
+        curve={
+            "width": np.array(WIDTHS),
+            "log10_bayes_factor": curve,
+            "verdict": np.array(verdicts),
         },
-        curve={"width": widths, "log10_bayes_factor": curve, "verdict": np.array(verdicts)},
     )
+
+
+def _difference_of_prediction(own: Studied, best: Studied) -> Difference:
+    """Return by how much the claim predicts new assemblies better than its best rival."""
+    assert own.prediction is not None
+    assert best.prediction is not None  # of all sizes together there is one with each evidence
+    return difference(own.prediction, best.prediction)
+
+
+def _upper_bounds(rivals: Mapping[Hypothesis, Studied]) -> dict[str, float]:
+    """Return the 95 % upper bound of each rival's effect, as a share of friction."""
+    return {
+        rival.label: float(np.quantile(studied.size, 0.95))
+        for rival, studied in rivals.items()
+        if studied.size.size
+    }
+
+
+def _over_width(curve: Array) -> tuple[float, float]:
+    """Return the least and largest log10 Bayes factor over :data:`STABLE_OVER`.
+
+    Parameters
+    ----------
+    curve : ndarray, shape (len(WIDTHS),)
+        Log10 Bayes factor at each width.
+    """
+    widths = np.array(WIDTHS)
+    stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
+    return float(stable.min()), float(stable.max())
 
 
 def verdicts_over_widths(
@@ -351,6 +372,14 @@ def bayes_factor(
     assert rival is not None
     error = float(np.hypot(own.evidence.error, rival.error))
     return float(own.evidence.log_evidence - values[best]) / LN10, error / LN10
+
+
+def _by_pulleys(
+    claim: Claim, case: Case, name: str
+) -> dict[str, tuple[float | None, float | None, str]]:
+    """Return the log10 Bayes factor of each pulley size alone, its error, and why there is none."""
+    sizes = case.entered.data[name].sizes
+    return {size: _by_pulley(claim, case, f"{name}/{size}") for size in sizes}
 
 
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:

@@ -14,7 +14,7 @@ moves so slowly that most samples read no motion, shafts slip and stick at γ be
 Only the simulation knows these.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -249,11 +249,34 @@ def hunting_threshold(
         threshold[rows] = np.minimum(grid[first], most[rows])
         below[rows] = grid[np.maximum(first - 1, 0)]
         condition[rows] = table[:, at[newly], np.flatnonzero(newly)].argmax(axis=0)
+    return _bisect(Thresholds(threshold, condition), below, hunts, tolerance)
+
+
+def _bisect(
+    thresholds: Thresholds,
+    below: Array,
+    hunts: Callable[[Whole, Array], Flags],
+    tolerance: float,
+) -> Thresholds:
+    """Bring thresholds as near to where hunting begins as is asked, and share :data:`WITHIN`.
+
+    Parameters
+    ----------
+    thresholds : Thresholds
+        At which draws hunt; changed in place.
+    below : ndarray, shape (draws,)
+        Gains below at which they do not; changed in place.
+    hunts : callable
+        Places of draws and a gain for each to whether each condition hunts.
+    tolerance : float
+        Width to which the bisection goes.
+    """
+    threshold, condition = thresholds.gamma, thresholds.condition
     while True:
         near = np.minimum(tolerance, np.maximum(WITHIN * threshold, FINEST))
         wide = np.isfinite(threshold) & (threshold - below > near)
         if not wide.any():
-            return Thresholds(threshold, condition)
+            return thresholds
         index = np.flatnonzero(wide)
         middle = (threshold[index] + below[index]) / 2.0
         table = hunts(index, middle)

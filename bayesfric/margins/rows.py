@@ -118,11 +118,7 @@ def _row(
             monte_carlo_se_why=missing,
         )
     draws = min(effective_draws, float(value.size))
-    probability = None
-    if spec is not None:
-        below = hunting.now if rule.name == "gamma_hunting" else value < spec
-        violated = below if rule.sense == "at least" else value > spec
-        probability = float((violated.sum() + slack) / (violated.size + slack))
+    probability = _probability_of_violation(rule, spec, value, hunting, slack)
     finite = value[np.isfinite(value)]
     # a swing exists in some draws only; of all others a missing value leaves no distribution
     conditional = rule.name in ("amplitude_margin", *HUNTING)
@@ -144,6 +140,17 @@ def _row(
         monte_carlo_se_why=None if error is not None else missing,
         note=_note(rule, direction, interval, value, finite, shaft, linear, hunting),
     )
+
+
+def _probability_of_violation(
+    rule: Rule, spec: float | None, value: Array, hunting: Hunting, slack: int
+) -> float | None:
+    """Return how probably a spec is missed; draws in which a side goes slack miss it."""
+    if spec is None:
+        return None
+    below = hunting.now if rule.name == "gamma_hunting" else value < spec
+    violated = below if rule.sense == "at least" else value > spec
+    return float((violated.sum() + slack) / (violated.size + slack))
 
 
 def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:

@@ -54,10 +54,6 @@ NOT_YET_NAMED = {
     "testing": 2,
 }
 NOT_YET_SHORT = {
-    "blind/engines/reference.py make",
-    "blind/running.py run_blind",
-    "blind/scoring.py score",
-    "claims/comparison.py compare",
     "cli/blind.py blind",
     "cli/diagnose.py diagnose",
     "cli/margins.py margins",
@@ -70,18 +66,6 @@ NOT_YET_SHORT = {
     "diagnosis/stored.py gap_of",
     "diagnosis/systematic.py posterior_of",
     "diagnosis/unknown.py unknown_force",
-    "fitting/inference_data.py draws_of_fit",
-    "fitting/pooled.py _summary",
-    "fitting/posterior.py fit",
-    "fitting/summary.py summarise",
-    "inference/sampling.py sample",
-    "margins/hunting.py hunting_threshold",
-    "margins/loop_margins.py loop_margins",
-    "margins/reflecting.py at_shaft",
-    "margins/rows.py _row",
-    "plots/posterior.py coefficient_pairs",
-    "plots/trajectories.py measured_and_predicted",
-    "plots/wrap.py friction_against_wrap",
     "report/chapters/blind.py _tables",
     "report/chapters/diagnostics.py diagnostics",
     "report/chapters/posteriors.py posteriors",
@@ -95,7 +79,6 @@ NOT_YET_SHORT = {
 }
 NOT_YET_STRAIGHT = [
     {"diagnosis/diagnosing.py", "diagnosis/joints.py"},
-    {"fitting/joints.py", "fitting/posterior.py"},
     {"rigs/base.py", "rigs/layout.py", "rigs/linear.py", "rigs/own_design.py"},
     {
         "rigs/gravity_board/linear.py",
