@@ -211,7 +211,7 @@ def _refuse_separated(draws: Array) -> None:
     pooled, single = _spread_of_places(draws)
     if pooled > LIMIT_ENSEMBLES or single > LIMIT_WALKERS:
         raise SeparatedModes(
-            f"the chains have not converged to one distribution: multivariate R-hat {pooled:.3g} between "
-            f"ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between walkers "
-            f"(at most {LIMIT_WALKERS})"
+            "the chains have not converged to one distribution: multivariate R-hat "
+            f"{pooled:.3g} between ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between "
+            f"walkers (at most {LIMIT_WALKERS})"
         )

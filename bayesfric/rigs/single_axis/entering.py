@@ -93,7 +93,8 @@ def entering(
     if nothing is not None:
         return nothing
     interval = float(np.median([log.interval_s for log in logs]))
-    logs, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])
