@@ -9,6 +9,7 @@ from scipy.ndimage import uniform_filter1d
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
+from bayesfric.rigs.single_axis.instruments import instruments_of
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, node_weights
@@ -94,6 +95,7 @@ def rows_of_run(
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
+        "instruments": sign[:, None] * instruments_of(log, test, centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
         "beside": np.reshape(beside, (len(beside), centres.size)).T,
     }

@@ -29,6 +29,7 @@ from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
+from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
@@ -40,7 +41,7 @@ from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
-from bayesfric.schemas import LawNumber
+from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -322,6 +323,31 @@ class AxisRuns(PlainTrials):
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
             )
         return tuple(found)
+
+    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+        """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
+        if self._beside is not None:
+            return "a simulator has the place of the law"
+        rows, readings = self._rows(self._rough), self.readings
+        speed = rows.mean(readings.speed)
+        others = [rows.candidate_column(one) for one, _ in acting]
+        columns = np.column_stack(
+            [
+                readings.acceleration,
+                speed,
+                np.ones(readings.count),
+                *rows.nuisance_columns().T,
+                *(one for one in others if not isinstance(one, Unsupported)),
+            ]
+        )
+        inside = self.measures.limit.within(readings)
+        found = compared(
+            readings.force[inside],
+            columns[inside],
+            readings.instruments[inside],
+            readings.piece[inside],
+        )
+        return found if isinstance(found, str) else found.told(self.measures.unit)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
