@@ -28,6 +28,7 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
+from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
@@ -156,6 +157,8 @@ class AxisRuns(PlainTrials):
         That the joint is of, with its other joints.
     late_s : float
         By how much the force was moved in time, because it acts later than it was logged [s].
+    dither : Dither
+        Windows in which the joint turns back between two counts.
     """
 
     rig: SingleAxis
@@ -172,6 +175,7 @@ class AxisRuns(PlainTrials):
     turns: int = 0
     machine: Machine | None = None
     late_s: float = 0.0
+    dither: Dither = field(default_factory=Dither)
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -313,7 +317,7 @@ class AxisRuns(PlainTrials):
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared, and in the log itself.
 
-        See :mod:`.declared` and :mod:`.on_time`.
+        See :mod:`.declared`, :mod:`.on_time` and :mod:`.dither`.
         """
         found = [*doubts(self.constants, law, self.measures.rough_mass)]
         if self.late_s:
@@ -321,6 +325,17 @@ class AxisRuns(PlainTrials):
             found.append(
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+            )
+        if self.dither.windows:
+            done = (
+                "They do not enter"
+                if self.dither.left_out
+                else "They enter, for too few would be left: friction is told too low at low speed"
+            )
+            found.append(
+                f"In {self.dither.windows} of {self.dither.of} windows the joint dithers: counts "
+                "of its encoder in the controller's damping turn it back again and again, so that "
+                f"friction has not one sign there. {done}"
             )
         return tuple(found)
 
