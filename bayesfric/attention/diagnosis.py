@@ -21,12 +21,29 @@ def of_diagnosis(found: DiagnosisFile) -> tuple[str, ...]:
     """
     lines = [
         *found.attention,
+        *_bent_by_the_loop(found),
         *_biased(found),
         *_held_out(found),
         *(line for cause in found.causes for line in _of_cause(cause)),
         *_rest(found),
     ]
     return tuple(dict.fromkeys(lines))
+
+
+def _bent_by_the_loop(found: DiagnosisFile) -> Iterator[str]:
+    """Yield that least squares and an instrument are apart, with the numbers of both."""
+    if found.instrument is None or not found.instrument.alarms:
+        return
+    numbers = "; ".join(
+        f"{name} {one.instrumental:.3g} ± {one.instrumental_se:.1g} {one.unit}, not "
+        f"{one.ordinary:.3g}"
+        for name, one in found.instrument.numbers.items()
+    )
+    yield (
+        "Errors of the encoder, or what disturbs the joint inside of its loop, bend the law: "
+        f"an instrument (the {found.instrument.kind}) tells {numbers} (Durbin, Wu and Hausman: "
+        f"p = {found.instrument.p_value:.1g})"
+    )
 
 
 def biased_numbers(found: DiagnosisFile) -> Mapping[str, LawNumber]:

@@ -343,6 +343,7 @@ def _diagnose(
         why,
     )
     errors = () if amounts is None else model_errors([amounts])
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -391,6 +392,8 @@ def _diagnose(
         joint_in_model=_in_model(recording),
         other_joints=others,
         model_error=errors,
+        instrument=None if isinstance(instrument, str) else instrument,
+        instrument_why=instrument if isinstance(instrument, str) else None,
         model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
