@@ -39,10 +39,11 @@ from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
-from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
+from bayesfric.diagnosis.showing import loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
@@ -250,8 +251,8 @@ def _diagnose(
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
     model, found = _finals(first, first_found, steps)
-    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(6)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
     )
     judged = judge(model, found, law_shipped, practical, draw_rng)
     found, best = judged.search, judged.search.best()
@@ -285,14 +286,17 @@ def _diagnose(
         present, possible = apart.present, apart.possible
         chances = found.probabilities()
     together = () if elsewhere else sets_of_one(chances, known, named)
-    not_shown = why_not_shown(found, residuals)
+    not_shown = why_not_shown(found, residuals) or loosely_known(model, residuals, posterior)
+    unexplained_by_scatter = unlike_scatter(
+        gap, residuals, held_out.inside[1], posterior, practical, order_rng
+    )
     verdict, chance = decide(
         chances,
         [] if contradicted else [effect for effect in known if effect.effect in named],
         above,
         together,
         none_before=analysis.diagnosis.hypotheses.none,
-        shown=not_shown is None,
+        shown=not_shown is None and unexplained_by_scatter is None,
     )
     where, unexplained, why_all = where_it_lies(
         plain, held_out.before, residuals, posterior, examined, where_rng
@@ -341,6 +345,7 @@ def _diagnose(
         not_shown if above < MOSTLY else None,
         elsewhere,
         why,
+        unexplained_by_scatter if above < MOSTLY else None,
     )
     errors = () if amounts is None else model_errors([amounts])
     instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
