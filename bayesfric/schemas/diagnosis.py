@@ -210,7 +210,10 @@ class HeldOutDensity(Record):
     difference: Number = Field(
         description="Log predictive density with the causes less that of the law alone [nat]."
     )
-    error: Number = Field(description="Standard error of it.")
+    error: Number = Field(description="Standard error of it, from how far blocks differ.")
+    blocks: int = Field(
+        0, description="Assemblies, or runs, that were held out, one or some at a time."
+    )
 
 
 class Gap(Record):
@@ -259,6 +262,11 @@ class Gap(Record):
         None, description="Of data held out, with the causes against the law alone."
     )
     held_out_log_density_why: Annotated[Why, Because("no cause is compared on it yet")] = None
+    held_out_excess: Number = Field(
+        0.0,
+        description="Rms force that data held out leave beyond what friction's scatter and the "
+        "gap that is left make; 0 where chance makes as much.",
+    )
     in_sample: GapRow = Field(description="On the data of the fit [N].")
     trajectory: GapRow | None = Field(
         description="From the first five events to the end of travel, held out [m]."
@@ -419,6 +427,10 @@ class DiagnosisFile(Provenance):
         (), description="Effects that fit what was recorded, and that held-out data contradict."
     )
     considered_why: Annotated[Why, Because("held-out data contradict no cause")] = None
+    overruled_by: str | None = Field(
+        None, description="By which rule held-out data contradict them, with its figures."
+    )
+    overruled_by_why: Annotated[Why, Because("held-out data contradict no cause")] = None
     enter: tuple[Enter, ...] = Field(
         (), description="Numbers to enter in a simulator, of a driven joint."
     )
