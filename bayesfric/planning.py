@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Flags
+from bayesfric.claims.comparison import FOUND_WITH
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import condition_of
 from bayesfric.effects import all_effects, with_priors
@@ -37,7 +38,6 @@ __all__ = ["Power", "power"]
 
 Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
-FOUND_WITH = 0.9  # probability of finding an effect that is so large
 TO_ITS_PRIOR = "these conditions leave it to its prior"
 NEEDED = "conditions at which something moves by the friction of Table I or of the priors"
 AS_TEXT: dict[str, Any] = {"float_format": "{:.3g}".format, "na_rep": ""}

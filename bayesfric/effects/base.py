@@ -37,6 +37,8 @@ LADDER = (
 )
 """Source of what friction by the load of a gear may be."""
 REFERENCE_TENSION_N = 15.0
+WRAP_SPAN_DEG = 50.0
+"""Turn of the wrap angle from the paper's 85° that strength 1 of an effect of it refers to."""
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]
 STANDARD_GRAVITY_M_S2 = 9.80665

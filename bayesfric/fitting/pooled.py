@@ -19,7 +19,7 @@ from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_poo
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import interval_of, parameter_summary
-from bayesfric.inference.diagnostics import diagnose_all
+from bayesfric.inference.diagnostics import LARGEST_PARETO_K, diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
 from bayesfric.observation.coefficients import coefficient_name, sizes_of
@@ -49,7 +49,6 @@ from bayesfric.schemas import (
 
 __all__ = ["PooledFit", "board_folder", "check_boards", "pool"]
 
-LIMIT_K = 0.7
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "
     "deviation between them"
@@ -235,7 +234,7 @@ def _summary(
     }
     chains, draws, _ = theta.shape
     least = min(figures.ess_bulk for figures in convergence.values())
-    reliable = drawn.pareto_k <= LIMIT_K
+    reliable = drawn.pareto_k <= LARGEST_PARETO_K
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes.model_dump(),
@@ -245,7 +244,7 @@ def _summary(
         attention=of_pooled(
             {name: fit.summary for name, fit in fits.items()},
             drawn.pareto_k,
-            LIMIT_K,
+            LARGEST_PARETO_K,
             list(unsettled(convergence, entries)),
         ),
         pulleys=_by_size(entries, *_stems_and_sizes(population)),

@@ -5,11 +5,12 @@ from dataclasses import replace
 from typing import Any
 
 from bayesfric.paper import paper
+from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs import all_rigs, paper_rigs
 from bayesfric.rigs.base import Simulated
 from bayesfric.rigs.own_design import OwnDesign
-from bayesfric.rigs.protocols import PROTOCOLS, TRAVEL_M, Protocol
+from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 
