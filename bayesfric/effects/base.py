@@ -365,7 +365,7 @@ def followed(held: str, length: str, heavy: float) -> Law:
 
 
 def _followed(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:
-    late, lost = (np.asarray(one) for one in state.load(held, heavy, p[length]))
+    late, lost = (np.asarray(part) for part in state.load(held, heavy, p[length]))
     if np.isinf(heavy):
         return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)
     mass = heavy * np.asarray(state.mass_kg)
