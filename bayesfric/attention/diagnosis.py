@@ -72,7 +72,8 @@ def _in_words(number: Interval) -> str:
 def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
     if diagnosis.considered and diagnosis.verdict == "unknown":
         names = ", ".join(effect.effect for effect in diagnosis.considered)
-        yield f"Held-out data contradict {names}: they shrink by less than the model says."
+        why = "" if diagnosis.overruled_by is None else f": {diagnosis.overruled_by}"
+        yield f"Held-out data contradict {names}{why}."
     if diagnosis.gap.floor_disagreement is not None:
         yield f"Held-out data and the model disagree: {diagnosis.gap.floor_disagreement}."
 

@@ -309,7 +309,10 @@ def decide(
             f"The data favour the claim {odds(log10)}, but could hide an effect of "
             f"{share(upper_bound)} of friction."
         )
-    return "undecided", f"Odds for the claim of {odds(log10)} decide nothing."
+    return "undecided", (
+        f"The odds for the claim are {odds(log10)}; support needs "
+        f"{odds(rules.support_log10_bayes_factor)}."
+    )
 
 
 def odds(log10: float) -> str:

@@ -305,7 +305,7 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
     else:
         draws = _sampled(model, laplace, seed)
         if not in_one_place(draws):
-            return Studied(None, "the draws sit in different places")
+            return Studied(None, "the chains have not converged to one distribution")
         z = draws.reshape(-1, draws.shape[-1])
     return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
 

@@ -9,7 +9,7 @@ import xarray as xr
 from bayesfric.fitting.result import Fit
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
-from bayesfric.schemas import JointFit
+from bayesfric.schemas import JointFit, ParameterSummary
 
 __all__ = ["fitted_together"]
 
@@ -48,7 +48,7 @@ def fitted_together(
             "joints": {
                 joint: JointFit(
                     converged=summary_of_joint.converged,
-                    parameters=summary_of_joint.parameters,
+                    parameters=_called(summary_of_joint.parameters, parted[joint]),
                     scatter=summary_of_joint.scatter,
                     noise=summary_of_joint.noise,
                 )
@@ -74,6 +74,16 @@ def fitted_together(
         predictive=_with_joints(first.predictive, [fit.predictive for fit in fits.values()]),
         seconds=seconds,
     )
+
+
+def _called(
+    numbers: Mapping[str, ParameterSummary], recording: Recording
+) -> dict[str, ParameterSummary]:
+    """Return the numbers of a joint as a diagnosis has them: no joint has a mass."""
+    robot, joint = recording.rig.robot, None if recording.axis is None else recording.axis.joint
+    has_model = robot is not None and joint is not None and joint in robot.joints
+    called = {"mass": "armature" if has_model else "inertia"}
+    return {called.get(name, name): number for name, number in numbers.items()}
 
 
 def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:

@@ -100,7 +100,7 @@ class Machine:
             return {}
         place = self.bodies.robot.joints.index(self.joint)
         own = self.bodies.robot.settings[place]
-        return {"mass": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
+        return {"armature": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
 
     def amounts_before(self) -> ModelAmounts:
         """Return what is believed of the errors of the model before any data."""
@@ -149,7 +149,9 @@ def machine_of(axis: Axis, constants: RigConstants) -> Machine:
     if robot is None or machine.joint not in robot.joints:
         return machine
     logged = {name: robot.joints[name] for name in machine.joints if name in robot.joints}
-    compiled = robot_of_bytes(robot.model, robot.content, logged, constants.gravity_m_s2)
+    compiled = robot_of_bytes(
+        robot.model, robot.content, logged, constants.gravity_m_s2, robot.files
+    )
     return replace(machine, bodies=RigidBodies(compiled))
 
 
