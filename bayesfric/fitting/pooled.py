@@ -96,7 +96,7 @@ class PooledFit:
 
 
 def board_folder(name: str) -> str:
-    """Return where, beside the pooled fit, that of a board is."""
+    """Return the folder of one board's fit, relative to that of the pooled fit."""
     return f"boards/{name}"
 
 
@@ -124,7 +124,8 @@ def check_boards(
     sizes: dict[str, tuple[str, ...]] = {}
     chosen: tuple[str, ...] = ()
     for name, recording in recordings.items():
-        if recording.sha256 and recording.sha256 in seen:  # one that was never read has none
+        # A recording that was made in memory has no checksum.
+        if recording.sha256 and recording.sha256 in seen:
             expected = f"other data than those of {seen[recording.sha256]}: a board counts once"
             raise InputError([Fault(name, expected)])
         seen[recording.sha256] = name
@@ -160,7 +161,7 @@ def pool(
     *,
     progress: Progress | None = None,
 ) -> PooledFit:
-    """Fit the population of which several boards are draws.
+    """Fit the population from which the coefficients of several boards are drawn.
 
     Parameters
     ----------
@@ -281,7 +282,7 @@ def _pooled(
     entries: Mapping[str, ParameterSummary],
     new: Array,
 ) -> Pooled:
-    """Return what boards share, what each keeps for itself, and how far it is drawn in."""
+    """Return the coefficients of the population, and how far pooling moves those of each board."""
     population = drawn.population
 
     def of_board(stem: str, size: str) -> PooledCoefficient:
@@ -327,7 +328,7 @@ def _by_size(
 
 
 def _quality(fits: Mapping[str, Fit]) -> DataQuality:
-    """Return what entered of all boards, trials that did not by board and id."""
+    """Return counts of all boards together; excluded trials are named by board and id."""
     qualities = {name: fit.summary.data_quality for name, fit in fits.items()}
     totals: dict[str, Any] = {
         key: sum(getattr(quality, key) for quality in qualities.values())
