@@ -240,10 +240,10 @@ def _diagnose(
     if effects or simulator is not None:
         checkpoint = None
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
-    climbing = keeping.each("climb", At, climb)
+    climbing = keeping.keep_each_call("climb", At, climb)
     steps = Steps(
-        keeping.each("weigh", Weighed, weigh),
-        keeping.each("unknown", Unknown | None, unknown_force),
+        keeping.keep_each_call("weigh", Weighed, weigh),
+        keeping.keep_each_call("unknown", Unknown | None, unknown_force),
     )
     data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
