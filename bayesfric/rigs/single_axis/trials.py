@@ -255,12 +255,13 @@ class AxisRuns(PlainTrials):
         return "unknown" if self.machine is None else self.machine.other_joints
 
     def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return how wrong the machine's model is; the first nuisance is the clocks'."""
+        """Return how wrong the machine's model is; the last nuisances are its amounts."""
         if self.machine is None or self.machine.bodies is None:
             return None
         before = self.machine.amounts_before()
         shares = self.readings.mixing.shares
-        return ModelAmounts.told(mean[1:], covariance[1:, 1:], shares, before)
+        first = mean.size - len(shares)
+        return ModelAmounts.told(mean[first:], covariance[first:, first:], shares, before)
 
     @property
     def unit(self) -> str:
