@@ -72,7 +72,8 @@ def _known(number: Interval) -> str:
 def _held_out(found: DiagnosisFile) -> Iterator[str]:
     if found.considered and found.verdict == "unknown":
         names = ", ".join(effect.effect for effect in found.considered)
-        yield f"Held-out data contradict {names}: they shrink by less than the model says."
+        why = "" if found.overruled_by is None else f": {found.overruled_by}"
+        yield f"Held-out data contradict {names}{why}."
     if found.gap.floor_disagreement is not None:
         yield f"Held-out data and the model disagree: {found.gap.floor_disagreement}."
 

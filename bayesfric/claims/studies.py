@@ -166,25 +166,25 @@ def study_all(
         for task in tasks
         if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
     }
-    each = [
+    questions = [
         (data[task.data], analysis, task, effects, near.get(task.data, {}))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
     ]
-    found: dict[Task, Studied] = {}
+    studied: dict[Task, Studied] = {}
 
     def take(given: Given, compute: Callable[[], Studied]) -> None:
-        found[given[2]] = keeping.record(_name(given), Studied, compute)
+        studied[given[2]] = keeping.record(_name(given), Studied, compute)
         done()
 
     running = {}
-    for one in each:
-        if executor is None or keeping.has(_name(one)):
-            take(one, partial(_study_one, one))
+    for given in questions:
+        if executor is None or keeping.has(_name(given)):
+            take(given, partial(_study_one, given))
         else:
-            running[executor.submit(_study_one, one)] = one
+            running[executor.submit(_study_one, given)] = given
     for future in as_completed(running):
         take(running[future], future.result)
-    return {one[2]: found[one[2]] for one in each}
+    return {given[2]: studied[given[2]] for given in questions}
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
@@ -241,8 +241,8 @@ def _study(
             draws = _sampled(model, laplace, int(seed))
             try:
                 evidence = bridge_evidence(model.log_posterior, draws, int(proposals))
-            except SeparatedModes as found:
-                return Studied(None, str(found))
+            except SeparatedModes as error:
+                return Studied(None, str(error))
             z = draws.reshape(-1, draws.shape[-1])
         else:
             evidence, z = weighed
@@ -253,10 +253,13 @@ def _study(
     named = model.by_name(model.natural(z))
     by_chain = (SHORT_RUN.ensembles, -1)  # evenly spaced, so that each has as many
     kept = Kept(
-        {name: one.reshape(by_chain) for name, one in model.by_name(model.natural(some)).items()},
-        tuple(setup for one in model.likelihoods for setup in one.setups),
+        {
+            name: values.reshape(by_chain)
+            for name, values in model.by_name(model.natural(some)).items()
+        },
+        tuple(setup for likelihood in model.likelihoods for setup in likelihood.setups),
         np.concatenate(densities, axis=1).reshape(
-            *by_chain, sum(one.shape[1] for one in densities)
+            *by_chain, sum(density.shape[1] for density in densities)
         ),
     )
     return Studied(
@@ -302,7 +305,7 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
     else:
         draws = _sampled(model, laplace, seed)
         if not in_one_place(draws):
-            return Studied(None, "the draws sit in different places")
+            return Studied(None, "the chains have not converged to one distribution")
         z = draws.reshape(-1, draws.shape[-1])
     return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
 
@@ -312,8 +315,8 @@ def _start(
 ) -> Array:
     """Return the best of some amplitudes and shapes, a place to climb from."""
     rough = model.start()
-    known = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
-    start = model.sampling(np.array([known[name] for name in model.names]))
+    numbers = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
+    start = model.sampling(np.array([numbers[name] for name in model.names]))
     candidates = [rough, start]
     for name, _ in hypothesis.effects:
         effect = effects[name]
@@ -348,9 +351,9 @@ def prior_ratios(
     effect = effects[hypothesis.effects[0][0]]
     amplitude = theta[f"{effect.name}.{effect.amplitude.name}"]
     prior = effect.amplitude.prior
-    here = log_density(prior, amplitude)
+    at_own_width = log_density(prior, amplitude)
     return np.array(
-        [log_density(prior, amplitude / width) - np.log(width) - here for width in WIDTHS]
+        [log_density(prior, amplitude / width) - np.log(width) - at_own_width for width in WIDTHS]
     )
 
 
@@ -393,5 +396,5 @@ def _size_at_edge(
 
 def slowest_speed(data: Data) -> float:
     """Return the least speed at which anything was measured [m/s]."""
-    speeds = [one.slowest_speed_m_s for one in data.rigs]
+    speeds = [trials.slowest_speed_m_s for trials in data.rigs]
     return min((speed for speed in speeds if np.isfinite(speed)), default=0.0)

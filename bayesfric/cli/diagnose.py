@@ -130,6 +130,7 @@ def diagnosed(
 def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bool) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.diagnosis.target import target_lines
+    from bayesfric.export.entered import entered_lines
     from bayesfric.probabilities import stated
 
     with stage("weighing the effects that the baseline leaves out", quiet=quiet):
@@ -143,6 +144,8 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
             say(f"{block.joint}: {block.verdict}: {block.sentence}")
         for name, chance in list(block.probabilities.items())[:5]:
             say(f"  {name:<28} {stated(chance)}")
+        for line in entered_lines(block):
+            say(line)
     happened = say_attention(summary.attention, quiet=quiet)
     if summary.target is not None:
         for line in target_lines(summary.target):

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
+from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
@@ -33,6 +34,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others, model_error_words
+from bayesfric.diagnosis.overruling import density_of, overruled, why_overruled
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -40,11 +42,10 @@ from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipp
 from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
-from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
-from bayesfric.diagnosis.systematic import inclusion
+from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.verdict import decide, sets_of_one, sort_effects, unseparated_of
+from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
@@ -249,8 +250,8 @@ def _diagnose(
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
     model, found = _finals(first, first_found, steps)
-    fold_rng, gap_rng, where_rng, draw_rng, check_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(5)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(6)
     )
     judged = judge(model, found, law_shipped, practical, draw_rng)
     found, best = judged.search, judged.search.best()
@@ -262,19 +263,27 @@ def _diagnose(
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     gap = gap.model_copy(update=share_of_friction(model, residuals, posterior))
+    densities = keeping.record(
+        "held-out-density",
+        BlockDensities | None,
+        lambda: block_densities(model, found, named, block_rng),
+    )
+    gap = gap.model_copy(update=density_of(densities, named))
+    gap_share, asked = float(np.median(posterior.gap)) / friction, found
+    remainder = remainder_of(model, asked, best, gap_share, left) if named else None
     others = data.rigs[0].other_joints
     rivals = [name for one in sets_of_one(chances, known, named) for name in one]
     amounts = amounts_of(model, best)
     elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
-    contradicted = contradicts(gap) or elsewhere
+    why = None
+    if remainder is not None:
+        why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
+    contradicted = why is not None or elsewhere
     if contradicted:
-        for acting_together in [named] if named else [[name] for name in rivals]:
-            found = found.overruled(frozenset(acting_together))
-        chances, acting = found.probabilities(), inclusion(found)
-        known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
-        _, present, possible = sort_effects(
-            [one for one in known if one.effect not in (*named, *rivals)], above
-        )
+        apart = overruled(found, known, [named] if named else [[name] for name in rivals], above)
+        found, known = apart.search, apart.known
+        present, possible = apart.present, apart.possible
+        chances = found.probabilities()
     together = () if elsewhere else sets_of_one(chances, known, named)
     not_shown = why_not_shown(found, residuals)
     verdict, chance = decide(
@@ -309,16 +318,15 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
-    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap)
+    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
         asked_for = friction_at(target, model, law, law_found, posterior, named, examined, doubt)
     if verdict == "unknown" and found.unknown is not None:
         remainder = all_left(found, found.unknown)
-    else:
-        gap_share = float(np.median(posterior.gap)) / friction
-        remainder = remainder_of(model, found, best, gap_share, left)
+    elif remainder is None:
+        remainder = remainder_of(model, asked, best, gap_share, left)
     prior = analysis.diagnosis.hypotheses
     statement = Statement(
         verdict,
@@ -332,6 +340,7 @@ def _diagnose(
         considered,
         not_shown if above < MOSTLY else None,
         elsewhere,
+        why,
     )
     errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
@@ -359,6 +368,7 @@ def _diagnose(
         present=beside,
         possible=told(possible),
         considered=considered,
+        overruled_by=why,
         enter=to_enter,
         enter_why=not_entered,
         scatter=model.noise.named(settled.psi),
@@ -378,12 +388,22 @@ def _diagnose(
         next_experiment_why=no_proposal,
         target=asked_for,
         joint=joint,
+        joint_in_model=_in_model(recording),
         other_joints=others,
         model_error=errors,
         model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law), amounts
+
+
+def _in_model(recording: Recording) -> str | None:
+    """Return what the machine's model calls the joint; None without one, or of no joint."""
+    robot = recording.rig.robot
+    if robot is None or recording.axis is None:
+        return None
+    named = recording.axis.joint or next(iter(robot.joints), None)
+    return None if named is None else robot.joints.get(named)
 
 
 def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.probabilities import stated
-from bayesfric.schemas import Axis, Cause, Gap, Interval, Unseparated
+from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
 
 __all__ = ["Statement", "held_out_words", "sentence_of"]
 
@@ -42,6 +42,8 @@ class Statement:
         Why the data could not have shown a gap; None where they could.
     elsewhere : bool
         Whether what was considered may be the pull of joints that are not in the log.
+    overruled_by : str or None
+        By which rule held-out data contradict what was considered, with its figures.
     """
 
     verdict: Verdict
@@ -55,6 +57,7 @@ class Statement:
     considered: Sequence[Cause] = ()
     not_shown: str | None = None
     elsewhere: bool = False
+    overruled_by: str | None = None
 
     @property
     def size(self) -> str:
@@ -113,11 +116,17 @@ def sentence_of(told: Statement) -> str:
 def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     """Return what held-out data say, a sentence; that they cannot tell is one too."""
     row = gap.held_out[0]
-    them = "it" if len(causes) == 1 else "them"
+    it, them = ("it", "it") if len(causes) == 1 else ("they", "them")
+    raises, density = "raises" if it == "it" else "raise", gap.held_out_log_density
+    better = ""
+    if density is not None:
+        better = f"{it} {raises} the log density of these data by {_nat(density)}"
     if causes and gap.shrink is not None:
-        return f"Of data held out, adding {them} takes {_share(gap.shrink)} of the squared gap."
+        taken = f"Of data held out, adding {them} takes {_share(gap.shrink)} of the squared gap"
+        return f"{taken}; {better}." if better else f"{taken}."
     if causes:
-        return f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}."
+        open_still = f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}"
+        return f"{open_still}; {better}." if better else f"{open_still}."
     sizes = f"({row.before.q50:.3g} {gap.unit} rms beside {row.floor.q50:.3g} {gap.unit})"
     if row.below_floor <= RARELY:
         return f"The law misses data held out by more than scatter explains {sizes}."
@@ -194,10 +203,7 @@ def _unknown(told: Statement) -> str:
                 f"{told.chance}: log them, or hold them still and say so.{told.place}"
             )
         miss = "misses" if len(told.considered) == 1 else "miss"
-        model, seen = told.gap.shrink_of_model, told.gap.shrink
-        beside = ""
-        if model is not None and seen is not None:
-            beside = f": {seen.q50:.0%} of the squared gap against {model.q50:.0%}"
+        beside = "" if told.overruled_by is None else f": {told.overruled_by}"
         return (
             f"A gap of {told.size}{small}is there; {names} {fit} what was recorded and "
             f"{miss} what was held out{beside}. Something else acts {told.chance}.{told.place}"
@@ -236,6 +242,10 @@ def _below(told: Statement, less: str, make: str) -> str:
     ):
         return "which makes no gap" if len(told.present) == 1 else f"which {make} no gap"
     return f"{'each ' if len(told.present) > 1 else ''}{less}"
+
+
+def _nat(density: HeldOutDensity) -> str:
+    return f"{density.difference:.3g} ± {density.error:.2g} nat"
 
 
 def _share(shrink: Interval) -> str:

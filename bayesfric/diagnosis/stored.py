@@ -14,14 +14,13 @@ from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_o
 from bayesfric.schemas import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
-__all__ = ["contradicts", "curves_of", "floor_disagrees", "gap_of"]
+__all__ = ["curves_of", "excess_of", "floor_disagrees", "gap_of"]
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
 NO_SHIPPED = "no shipped values were given, and none are published"
 AGREES = 0.01  # probability of as much left by scatter or of as little, down to which they agree
-MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 OF_SOME = ("acceleration", "trial_in_setup", "drive_end", "direction", "travel_since_reversal")
 """Further places, which stand there if some window has one."""
@@ -104,6 +103,7 @@ def gap_of(
         probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
         floor_agrees=disagrees is None,
         floor_disagreement=disagrees,
+        held_out_excess=excess_of(left2, held_out.by_chance, open2),
         friction_rms=friction,
         held_out=tuple(rows),
         in_sample=inside,
@@ -111,17 +111,6 @@ def gap_of(
         trajectory_why=None if trajectory is not None else "no trial has events enough",
     )
     return gap, rest
-
-
-def contradicts(gap: Gap) -> bool:
-    """Return whether held-out data contradict what the model says that causes take away.
-
-    They do where the held-out shrink is known, and its 90 % interval lies more than a tenth
-    below the model's.
-    """
-    if gap.shrink is None or gap.shrink_of_model is None:
-        return False
-    return gap.shrink.q95 + MISSED < gap.shrink_of_model.q05
 
 
 def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N") -> str | None:
@@ -147,6 +136,20 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N
         f"data held out leave {left:.3g} m{unit}, {'less' if less < AGREES else 'more'} than "
         f"friction's scatter and the gap that is left would make ({expected:.3g} m{unit})"
     )
+
+
+def excess_of(left2: float, by_chance: Array, open2: Array) -> float:
+    """Return the rms force that is left of data held out beyond chance; 0 where chance makes it.
+
+    Parameters
+    ----------
+    left2, by_chance, open2
+        As of :func:`floor_disagrees`.
+    """
+    expected2 = np.add.outer(by_chance, open2)
+    if float(np.mean(expected2 < left2)) <= 1 - AGREES:
+        return 0.0
+    return float(np.sqrt(left2 - np.median(expected2)))
 
 
 def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedLaw) -> xr.DataTree:

@@ -55,7 +55,9 @@ def draw_posterior(
         analysis.seed,
         progress,
         checkpoint,
-        converged=lambda z: all(one.converged for one in diagnose_all(model.natural(z))),
+        converged=lambda z: all(
+            diagnostics.converged for diagnostics in diagnose_all(model.natural(z))
+        ),
         chart=chart_of(model),
     )
 

@@ -3,25 +3,22 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from bayesfric.fitting.result import Fit
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
 from bayesfric.schemas import JointFit, ParameterSummary
-
-if TYPE_CHECKING:
-    from bayesfric.fitting.posterior import Fit
 
 __all__ = ["fitted_together"]
 
 
 def fitted_together(
     parted: Mapping[str, Recording],
-    fitted: Callable[[Recording, Path | None], "Fit"],
+    fitted: Callable[[Recording, Path | None], Fit],
     checkpoint: Path | None,
-) -> "Fit":
+) -> Fit:
     """Fit each joint by itself; what stands at the top is of the first.
 
     Parameters
@@ -38,41 +35,43 @@ def fitted_together(
     InputError
         A joint cannot be fitted.
     """
-    each: dict[str, Fit] = {}
+    fits: dict[str, Fit] = {}
     for place, (joint, recording) in enumerate(parted.items(), start=1):
         folder = None if checkpoint is None else checkpoint / f"joint-{place}"
-        each[joint] = fitted(recording, folder)
-    first = next(iter(each.values()))
-    summaries = {joint: one.summary for joint, one in each.items()}
+        fits[joint] = fitted(recording, folder)
+    first = next(iter(fits.values()))
+    summaries = {joint: fit.summary for joint, fit in fits.items()}
     summary = first.summary.model_copy(
         update={
-            "joint": next(iter(each)),
+            "joint": next(iter(fits)),
             "joint_why": None,
             "joints": {
                 joint: JointFit(
-                    converged=one.converged,
-                    parameters=_called(one.parameters, parted[joint]),
-                    scatter=one.scatter,
-                    noise=one.noise,
+                    converged=summary_of_joint.converged,
+                    parameters=_called(summary_of_joint.parameters, parted[joint]),
+                    scatter=summary_of_joint.scatter,
+                    noise=summary_of_joint.noise,
                 )
-                for joint, one in summaries.items()
+                for joint, summary_of_joint in summaries.items()
             },
-            "converged": all(one.converged for one in summaries.values()),
+            "converged": all(fit_of_joint.converged for fit_of_joint in summaries.values()),
             "attention": tuple(
-                f"{joint}: {line}" for joint, one in summaries.items() for line in one.attention
+                f"{joint}: {line}"
+                for joint, summary_of_joint in summaries.items()
+                for line in summary_of_joint.attention
             ),
         }
     )
     seconds = {
         f"{joint}: {stage}": time
-        for joint, one in each.items()
-        for stage, time in one.seconds.items()
+        for joint, fit in fits.items()
+        for stage, time in fit.seconds.items()
     }
     return replace(
         first,
         summary=identified(summary),
-        draws=_with_joints(first.draws, [one.draws for one in each.values()]),
-        predictive=_with_joints(first.predictive, [one.predictive for one in each.values()]),
+        draws=_with_joints(first.draws, [fit.draws for fit in fits.values()]),
+        predictive=_with_joints(first.predictive, [fit.predictive for fit in fits.values()]),
         seconds=seconds,
     )
 

@@ -42,8 +42,8 @@ class Population(Model):
         analysis: Analysis,
     ) -> None:
         scatter = [
-            Parameter(BETWEEN + one.name, "1", analysis.priors.boards, "scatter")
-            for one in coefficients
+            Parameter(BETWEEN + parameter.name, "1", analysis.priors.boards, "scatter")
+            for parameter in coefficients
         ]
         super().__init__((), [*coefficients, *scatter])
         self.boards = tuple(boards)
@@ -62,7 +62,7 @@ class Population(Model):
         """Return a sampling-space point to climb from, shape (D,)."""
         count = len(self.parameters) // 2
         mean = np.mean([board.centre[:count] for board in self.boards], axis=0)
-        share = [float(quantile(one.prior, 0.5)) for one in self.parameters[count:]]
+        share = [float(quantile(parameter.prior, 0.5)) for parameter in self.parameters[count:]]
         return self.sampling(np.concatenate([mean, share]))
 
 
@@ -111,12 +111,12 @@ def draw_pooled(
         Called with the sampler's steps done and steps in all.
     """
     first = next(iter(models.values()))
-    coefficients = [one for one in first.parameters if one.kind == "coefficient"]
-    names = [one.name for one in coefficients]
+    coefficients = [parameter for parameter in first.parameters if parameter.kind == "coefficient"]
+    names = [parameter.name for parameter in coefficients]
     boards = {name: NormalBoard.of(models[name], draws[name], names) for name in models}
     population = Population(list(boards.values()), coefficients, analysis)
-    found = draw_posterior(population, analysis, progress)
-    theta = population.natural(found.z)
+    drawn = draw_posterior(population, analysis, progress)
+    theta = population.natural(drawn.z)
     chains, kept, walkers, size = theta.shape
     stride = max(1, -(-chains * kept * walkers // MOST_DRAWS))
     # In the order of drawing, walkers one after another: neighbours hardly depend.
@@ -141,7 +141,10 @@ def draw_pooled(
     return PooledDraws(
         population,
         theta[rows, at],
-        {name: one.reshape(chains, -1, one.shape[1])[rows, at] for name, one in tried.items()},
+        {
+            name: values.reshape(chains, -1, values.shape[1])[rows, at]
+            for name, values in tried.items()
+        },
         float((np.diff(at, axis=1) != 0).mean()),
         pareto_k,
     )

@@ -75,7 +75,6 @@ def summarise(
     }
     for name, moved in _sensitivity(model, draws, theta).items():
         entries[name] = entries[name].model_copy(update=moved)
-    ensembles, kept, walkers, _ = theta.shape
     quality = _quality(recording, data)
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
@@ -100,22 +99,27 @@ def summarise(
         }
         | _of_kind(model, entries, "other"),
         paper_estimator={
-            size: found for one in data.rigs for size, found in one.paper_estimates().items()
+            size: estimate
+            for trials in data.rigs
+            for size, estimate in trials.paper_estimates().items()
         },
-        sampler=SamplerSummary(
-            ensembles=ensembles,
-            walkers=walkers,
-            steps=draws.steps,
-            thin=draws.thin,
-            extensions=draws.extensions,
-            draws=ensembles * kept * walkers,
-            acceptance=float(draws.acceptance.mean()),
-            autocorrelation_time=ensembles
-            * walkers
-            * draws.steps
-            / min(figures.ess_bulk for figures in convergence.values()),
-        ),
+        sampler=_sampler(draws, theta, min(figures.ess_bulk for figures in convergence.values())),
         data_quality=quality,
+    )
+
+
+def _sampler(draws: Draws, theta: Array, least_ess: float) -> SamplerSummary:
+    """Return how the ensembles of walkers drew; `least_ess` is that of the slowest parameter."""
+    ensembles, kept, walkers, _ = theta.shape
+    return SamplerSummary(
+        ensembles=ensembles,
+        walkers=walkers,
+        steps=draws.steps,
+        thin=draws.thin,
+        extensions=draws.extensions,
+        draws=ensembles * kept * walkers,
+        acceptance=float(draws.acceptance.mean()),
+        autocorrelation_time=ensembles * walkers * draws.steps / least_ess,
     )
 
 
@@ -207,9 +211,9 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
         moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
     return {
         name: {
-            f"{key}_sensitivity{told}": value
-            for key, found in moved.items()
-            for told, value in (("", float(found[place])), ("_why", None))
+            f"{key}_sensitivity{suffix}": value
+            for key, sensitivities in moved.items()
+            for suffix, value in (("", float(sensitivities[place])), ("_why", None))
         }
         for place, name in enumerate(places)
     }

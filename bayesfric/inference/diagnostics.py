@@ -143,15 +143,15 @@ def walkers_r_hat(draws: Array) -> float:
         1 or above; inf where no walker leaves its place.
     """
     half = draws.shape[1] // 2
-    found = []
+    r_hats = []
     for values in (draws, np.abs(draws - np.median(draws))):
         rank = rankdata(values.ravel()).reshape(draws.shape)
         normal = ndtri((rank - 3 / 8) / (draws.size + 1 / 4))
         first, second = (part.mean(axis=1).ravel() for part in (normal[:, :half], normal[:, half:]))
         places = max(float(np.cov(first, second)[0, 1]), 0.0)
         whole = float(normal.var())
-        found.append(np.sqrt(whole / (whole - places)) if places < whole else np.inf)
-    return float(max(found))
+        r_hats.append(np.sqrt(whole / (whole - places)) if places < whole else np.inf)
+    return float(max(r_hats))
 
 
 def batch_means_ess(draws: Array) -> float:
@@ -351,9 +351,9 @@ def _power_weights(log_component: Array, power: float) -> Array:
     plain = plain - logsumexp(plain)
     try:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            found = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
+            smoothed = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
     except ValueError as error:
         if "tail values are the same" not in str(error):
             raise
         return np.asarray(plain)
-    return np.asarray(found if np.isfinite(found).all() else plain)
+    return np.asarray(smoothed if np.isfinite(smoothed).all() else plain)

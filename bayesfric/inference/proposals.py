@@ -183,11 +183,11 @@ class Proposal:
         """Return the log density of points of the sampling space, shape (W,)."""
         return self.student.log_density(self.chart.forward(z)) + self.chart.log_slope(z)
 
-    def propose(self, here: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
+    def propose(self, walkers: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
         """Return proposals and log q(here) − log q(proposals), as emcee wants it."""
-        z, possible = self.draw(len(here), rng)
-        z = np.where(possible[:, None], z, here)
-        factor = self.log_density(here) - self.log_density(z)
+        z, possible = self.draw(len(walkers), rng)
+        z = np.where(possible[:, None], z, walkers)
+        factor = self.log_density(walkers) - self.log_density(z)
         return z, np.where(possible, factor, -np.inf)
 
 

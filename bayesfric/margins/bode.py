@@ -44,8 +44,8 @@ def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
 
 
 def _levels(values: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(_short(one) for one in np.quantile(values, LEVELS, axis=0))
+    return tuple(_short(curve) for curve in np.quantile(values, LEVELS, axis=0))
 
 
 def _short(values: Array) -> tuple[float, ...]:
-    return tuple(float(f"{one:.5g}") for one in values[::SHOWN_EVERY])
+    return tuple(float(f"{value:.5g}") for value in values[::SHOWN_EVERY])

@@ -9,7 +9,7 @@ import pandas as pd
 
 from bayesfric.claims.checking import Checked
 from bayesfric.diagnosis.diagnosing import Diagnosed
-from bayesfric.fitting.posterior import Fit
+from bayesfric.fitting.result import Fit
 from bayesfric.margins.computing import Margins
 from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import FitFile, Interval, ScorecardFile

@@ -226,7 +226,7 @@ def to_svg(figure: Figure) -> bytes:
     # A clip path is named after its corners, whose last bit the layout's solver leaves to chance.
     names: dict[bytes, bytes] = {}
 
-    def numbered(found: re.Match[bytes]) -> bytes:
-        return found[1] + names.setdefault(found[2], b"clip%d" % len(names))
+    def numbered(match: re.Match[bytes]) -> bytes:
+        return match[1] + names.setdefault(match[2], b"clip%d" % len(names))
 
     return re.sub(rb'(url\(#|<clipPath id=")(p[0-9a-f]{10})', numbered, buffer.getvalue())

@@ -70,7 +70,7 @@ def why_inert(response: Array) -> Unsupported | None:
     """Return why an effect with this response would not move a likelihood; None where it does."""
     if not np.isfinite(response).all():
         return Unsupported(
-            "It depends on what nobody wrote down here: the order of the trials, the radius of "
+            "This recording lacks a column that it needs: the order of the trials, the radius of "
             "the pulleys, or their individual wrap angles."
         )
     if not response.any():

@@ -210,7 +210,10 @@ class HeldOutDensity(Record):
     difference: Number = Field(
         description="Log predictive density with the causes less that of the law alone [nat]."
     )
-    error: Number = Field(description="Standard error of it.")
+    error: Number = Field(description="Standard error of it, from how far blocks differ.")
+    blocks: int = Field(
+        0, description="Assemblies, or runs, that were held out, one or some at a time."
+    )
 
 
 class Gap(Record):
@@ -259,6 +262,11 @@ class Gap(Record):
         None, description="Of data held out, with the causes against the law alone."
     )
     held_out_log_density_why: Annotated[Why, Because("no cause is compared on it yet")] = None
+    held_out_excess: Number = Field(
+        0.0,
+        description="Rms force that data held out leave beyond what friction's scatter and the "
+        "gap that is left make; 0 where chance makes as much.",
+    )
     in_sample: GapRow = Field(description="On the data of the fit [N].")
     trajectory: GapRow | None = Field(
         description="From the first five events to the end of travel, held out [m]."
@@ -342,9 +350,13 @@ class Enter(Record):
         description="Simulator to its field; null where it has none."
     )
     lost_without: Number | None = Field(
-        None, description="Rms force that stays wrong where no simulator has a field."
+        None, description="Rms force that stays wrong in a simulator without a field for it."
     )
-    lost_without_why: Annotated[Why, Because("a simulator has a field for it")] = None
+    lost_without_why: Annotated[Why, Because("every simulator has a field for it")] = None
+    snippet: str | None = Field(
+        None, description="Name of the callback that `export` writes in the place of a field."
+    )
+    snippet_why: Annotated[Why, Because("no callback is usual for it")] = None
 
 
 class SimulatorUsed(Record):
@@ -415,6 +427,10 @@ class DiagnosisFile(Provenance):
         (), description="Effects that fit what was recorded, and that held-out data contradict."
     )
     considered_why: Annotated[Why, Because("held-out data contradict no cause")] = None
+    overruled_by: str | None = Field(
+        None, description="By which rule held-out data contradict them, with its figures."
+    )
+    overruled_by_why: Annotated[Why, Because("held-out data contradict no cause")] = None
     enter: tuple[Enter, ...] = Field(
         (), description="Numbers to enter in a simulator, of a driven joint."
     )
@@ -425,6 +441,10 @@ class DiagnosisFile(Provenance):
         "`sentence`: of several, the first whose verdict is the verdict of all.",
     )
     joint_why: Annotated[Why, Because("no joint is named")] = None
+    joint_in_model: str | None = Field(
+        None, description="Its name in the model that the recording has of the machine."
+    )
+    joint_in_model_why: Annotated[Why, Because("no model of the machine names it")] = None
     joints: "tuple[DiagnosisFile, ...]" = Field((), description="A diagnosis a joint, of several.")
     joints_why: Annotated[Why, Because("it is of one joint, or of none")] = None
     other_joints: Literal["still", "logged", "moving", "unknown"] | None = Field(

@@ -13,7 +13,6 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
-from bayesfric.diagnosis.stored import contradicts
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
@@ -179,16 +178,6 @@ def test_the_sentence_says_what_data_held_out_say():
     assert "by more than scatter explains" in held_out_words(gap, ())
 
 
-def test_what_is_held_out_overrules_causes_in_the_sentence():
-    gap = diagnosis().gap
-    low = Interval(mean=0.42, sd=0.1, q05=0.3, q50=0.42, q95=0.55)
-    gap = gap.model_copy(update={"shrink": low})
-    sentence = told("unknown", gap, 0.02, considered=[cause("viscous"), cause("stribeck")])
-    assert "viscous and stribeck fit what was recorded and miss what was held out" in sentence
-    assert "42% of the squared gap against 98%" in sentence
-    assert "Something else acts" in sentence
-
-
 def placed(*shares, leads):
     """Return axes with these shares, of which the first may lead."""
     names = ("velocity", "setup", "n_pulleys")
@@ -209,17 +198,6 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
     assert lies in said(placed(0.6, 0.1, leads=True))
     for where in (placed(0.3, 0.3, leads=False), placed(0.1, 0.02, leads=True), ()):
         assert "along" not in said(where)
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "expected"), [(0.3, 0.55, True), (0.7, 0.95, False), (0.80, 0.87, True)]
-)
-def test_held_out_data_overrule_where_their_interval_is_a_tenth_below(low, high, expected):
-    """The model's interval begins at 0.974."""
-    gap = diagnosis().gap
-    shrink = Interval(mean=low, sd=0.1, q05=low, q50=0.5 * (low + high), q95=high)
-    assert contradicts(gap.model_copy(update={"shrink": shrink})) == expected
-    assert not contradicts(gap.model_copy(update={"shrink": None, "shrink_why": "not known"}))
 
 
 def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():

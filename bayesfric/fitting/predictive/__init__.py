@@ -115,15 +115,15 @@ def covered(predictive: xr.DataTree) -> tuple[Coverage, ...]:
     predictive : DataTree
         As of :func:`predict`.
     """
-    found = []
+    coverages = []
     for group in predictive.children.values():
         table = group.to_dataset()
         if "covered_share" in table:
             low, _, high = (float(value) for value in table["covered_expected"].to_numpy())
-            found.append(
+            coverages.append(
                 Coverage(str(table.attrs["rig"]), float(table["covered_share"]), low, high)
             )
-    return tuple(found)
+    return tuple(coverages)
 
 
 def _checked(
@@ -134,12 +134,12 @@ def _checked(
     checks = coverage(likelihood.trials, likelihood.sizes, trials.loads, remade, observed)
     if left.trials is None:
         return table, checks
-    one = trials.rig.words.trial
-    table = table.assign(loo_pit=(one, left.pit), pareto_k=(one, left.trials.pareto_k))
-    found = uniformity(left.pit, left.again)
-    return table, checks.assign_coords(probability=found.grid).assign(
-        pit_difference=("probability", found.difference),
-        pit_band=(("end", "probability"), np.stack([found.low, found.high])),
+    trial = trials.rig.words.trial
+    table = table.assign(loo_pit=(trial, left.pit), pareto_k=(trial, left.trials.pareto_k))
+    uniform = uniformity(left.pit, left.again)
+    return table, checks.assign_coords(probability=uniform.grid).assign(
+        pit_difference=("probability", uniform.difference),
+        pit_band=(("end", "probability"), np.stack([uniform.low, uniform.high])),
         score=("rank", np.sort(scores(left.pit))),
         score_expected=(("rank", "quantile"), bands(np.sort(scores(left.again), axis=-1))),
     )

@@ -111,5 +111,5 @@ def assemblies_of(left: LeftOut, setups: tuple[str, ...], seed: int) -> Assembli
         return None
     pit = left.setup_pit[there]
     rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
-    names = tuple(name for name, known in zip(setups, there, strict=True) if known)
+    names = tuple(name for name, present in zip(setups, there, strict=True) if present)
     return Assemblies(names, pit, uniformity(pit, rng.uniform(size=(AGAIN, pit.size))))

@@ -110,7 +110,7 @@ def _weighed(
     wider = Proposal(fitted.student.wider(WIDER), fitted.chart)
     parts = (1 - DEFENSIVE, fitted), (DEFENSIVE, wider)
     counts = rng.multinomial(size, [share for share, _ in parts])
-    drawn = [one.draw(count, rng) for count, (_, one) in zip(counts, parts, strict=True)]
+    drawn = [proposal.draw(count, rng) for count, (_, proposal) in zip(counts, parts, strict=True)]
     z = np.concatenate([points[possible] for points, possible in drawn])
-    proposed = np.logaddexp(*(np.log(share) + one.log_density(z) for share, one in parts))
+    proposed = np.logaddexp(*(np.log(share) + proposal.log_density(z) for share, proposal in parts))
     return z, *smooth_weights(log_density(z) - proposed)

@@ -140,7 +140,7 @@ def without_each(log_likelihood: Array) -> Without:
     """
     _check(log_likelihood)
     smoothed = [smooth_weights(-column) for column in log_likelihood.T]
-    weights = np.stack([one for one, _ in smoothed], axis=1)
+    weights = np.stack([weight for weight, _ in smoothed], axis=1)
     return Without(weights - logsumexp(weights, axis=0), np.array([k for _, k in smoothed]))
 
 

@@ -22,6 +22,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
+from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.rows import varied_columns
@@ -33,6 +34,7 @@ __all__ = ["NO_CABLE", "SIZE", "Entering", "entering"]
 SIZE = "axis"  # in the place of a pulley size
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
+EARLY = 3.0  # times what two clocks may be off by, that a force may be early
 SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
 
 
@@ -47,6 +49,7 @@ class Entering(NamedTuple):
     simulated: SimulatedBaseline | None
     turns: int
     machine: Machine
+    late_s: float
 
 
 def entering(
@@ -89,6 +92,9 @@ def entering(
     nothing = without_force(logs) or too_little_motion(logs, resolution)
     if nothing is not None:
         return nothing
+    interval = float(np.median([log.interval_s for log in logs]))
+    on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])
@@ -129,10 +135,11 @@ def entering(
         readings.of(chosen),
         measures,
         tuple(still),
-        float(np.median([log.interval_s for log in logs])),
+        interval,
         beside,
         turns,
         machine,
+        late_s,
     )
 
 

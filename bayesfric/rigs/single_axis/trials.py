@@ -33,6 +33,7 @@ from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
@@ -59,8 +60,6 @@ WORDS = Words(
     "setup",
     "setups",
 )
-MARGIN_S = 1e-3  # by which two clocks may be off at the least
-WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
 TURNS = {
@@ -154,6 +153,8 @@ class AxisRuns(PlainTrials):
         How often the axis is seen to turn.
     machine : Machine or None
         That the joint is of, with its other joints.
+    late_s : float
+        By how much the force was moved in time, because it acts later than it was logged [s].
     """
 
     rig: SingleAxis
@@ -169,6 +170,7 @@ class AxisRuns(PlainTrials):
     simulated: SimulatedBaseline | None = None
     turns: int = 0
     machine: Machine | None = None
+    late_s: float = 0.0
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -203,7 +205,8 @@ class AxisRuns(PlainTrials):
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
             found.add("test")
-        if self.measures.limit.there:
+        # A drive that could not overcome friction would move nothing.
+        if self.measures.limit.there and self.measures.limit.force > self._rough.coulomb:
             found.add("limit")
         if self.constants.force_is not in MEASURED:
             found.add("commanded-force")
@@ -255,12 +258,12 @@ class AxisRuns(PlainTrials):
         return "unknown" if self.machine is None else self.machine.other_joints
 
     def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return how wrong the machine's model is; the last nuisances are its amounts."""
+        """Return how wrong the machine's model is: nuisances behind the clocks' and the offset."""
         if self.machine is None or self.machine.bodies is None:
             return None
         before = self.machine.amounts_before()
         shares = self.readings.mixing.shares
-        first = mean.size - len(shares)
+        first = 1 + len(self.shared_numbers)
         return ModelAmounts.told(mean[first:], covariance[first:, first:], shares, before)
 
     @property
@@ -307,8 +310,18 @@ class AxisRuns(PlainTrials):
         return {"offset": (1, self.unit)} if self._offset_sd else {}
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
-        """Return what is doubtful in what was declared; see :mod:`.declared`."""
-        return tuple(doubts(self.constants, law, self.measures.rough_mass))
+        """Return what is doubtful in what was declared, and in the log itself.
+
+        See :mod:`.declared` and :mod:`.on_time`.
+        """
+        found = [*doubts(self.constants, law, self.measures.rough_mass)]
+        if self.late_s:
+            acts = "later" if self.late_s > 0 else "earlier"
+            found.append(
+                f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
+                "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+            )
+        return tuple(found)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -491,7 +504,7 @@ class AxisRuns(PlainTrials):
             law,
             self._state(law),
             self.measures.stroke,
-            float(np.hypot(MARGIN_S, WITHIN * self.interval_s)),
+            margin_s(self.interval_s),
             lacks=self._lacks,
             offset_n=self._offset_sd,
             loads=self.loads,

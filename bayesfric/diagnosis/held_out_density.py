@@ -1,0 +1,159 @@
+"""How much better causes predict what the fit has not seen, by log predictive densities.
+
+Assemblies, or runs and parts of runs of an axis, are left out a block at a time. Given the noise,
+the density of a block given all others is a difference of two evidences in closed form. The law
+with and the law without the causes each have the noise of their own mode, beside the same further
+effects, so that neither is held to scatter that the other needs.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.diagnosis.acting import Acting, Law
+from bayesfric.diagnosis.climbing import climb
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.weighing import Weighed
+
+__all__ = ["BlockDensities", "block_densities", "blocks_of"]
+
+MOST_BLOCKS = 20
+FEWEST_BLOCKS = 4  # below, the differences of blocks tell no error of their sum
+
+
+@dataclass(frozen=True)
+class BlockDensities:
+    """Log predictive densities of blocks, each given all others.
+
+    Parameters
+    ----------
+    without, beside : ndarray, shape (B,)
+        Of the law without the causes, and of the law with the causes beside it [nat].
+    """
+
+    without: Array
+    beside: Array
+
+    @property
+    def difference(self) -> float:
+        """By how much the causes predict better, summed over blocks [nat]."""
+        return float(np.sum(self.beside - self.without))
+
+    @property
+    def error(self) -> float:
+        """Standard error of that sum, from how far blocks differ [nat]."""
+        each = self.beside - self.without
+        return float(np.sqrt(each.size) * np.std(each, ddof=1))
+
+
+def blocks_of(model: LinearModel, rng: np.random.Generator) -> list[Whole]:
+    """Return the block of each trial, rig by rig.
+
+    A block is an assembly; where there are more than :data:`MOST_BLOCKS`, some of them together.
+
+    Parameters
+    ----------
+    model : LinearModel
+        All rigs.
+    rng : Generator
+        Puts assemblies together.
+    """
+    counts = [int(rig.setup.max()) + 1 for rig in model.rigs]
+    block = rng.permutation(sum(counts)) % min(MOST_BLOCKS, sum(counts))
+    starts = np.cumsum([0, *counts[:-1]])
+    return [
+        np.asarray(block[start + rig.setup], dtype=np.intp)
+        for start, rig in zip(starts, model.rigs, strict=True)
+    ]
+
+
+def block_densities(
+    model: LinearModel, search: Search, causes: Collection[str], rng: np.random.Generator
+) -> BlockDensities | None:
+    """Return the densities of blocks held out, with and without the causes.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which the hypotheses were compared.
+    search : Search
+        The hypotheses.
+    causes : collection of str
+        Effects that are left out of the law without them.
+    rng : Generator
+        Puts assemblies together in blocks.
+
+    Returns
+    -------
+    BlockDensities or None
+        None where no hypothesis has the causes, or where there are fewer than
+        :data:`FEWEST_BLOCKS` blocks.
+    """
+    within = [one for one in search.weighed.values() if set(causes) <= set(one.names)]
+    if not causes or not within:
+        return None
+    best = max(within, key=search.worth)
+    alone, beside = _one_by_one(model, best)
+    without = _without(beside, causes)
+    block = blocks_of(alone, rng)
+    if max(int(one.max()) for one in block) + 1 < FEWEST_BLOCKS:
+        return None
+    noise = best.at.psi[: len(model.noise)]
+    start = np.concatenate([noise, best.at.psi[len(model.noise) :]])
+    kept = [place for place, law in enumerate(beside.phases) if law.effect not in causes]
+    start_without = np.concatenate([noise, best.at.psi[len(model.noise) :][kept]])
+    used = _rests(alone, block)
+    return BlockDensities(
+        _densities(alone, without, start_without, used), _densities(alone, beside, start, used)
+    )
+
+
+def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]:
+    """Return a model with the effects of a hypothesis whose trials can be left out."""
+    acting = best.acting
+    columns = [
+        model.candidate(law, shape) for law, shape in zip(acting.laws, acting.shapes, strict=True)
+    ]
+    phases = [model.candidate(law, 0.0) for law in acting.phases]
+    alone = model.full.around(model.laws, [*columns, *phases], by_trial=True)
+    laws = tuple(
+        Law(law.effect, law.law, (place,), (shape,), 0.0)
+        for place, (law, shape) in enumerate(zip(acting.laws, acting.shapes, strict=True))
+    )
+    placed = tuple(
+        replace(law, places=(len(columns) + place,)) for place, law in enumerate(acting.phases)
+    )
+    return alone, Acting(laws, acting.shapes, placed)
+
+
+def _without(acting: Acting, causes: Collection[str]) -> Acting:
+    """Return a hypothesis without some of its effects."""
+    kept = [
+        (law, shape)
+        for law, shape in zip(acting.laws, acting.shapes, strict=True)
+        if law.effect not in causes
+    ]
+    phases = tuple(law for law in acting.phases if law.effect not in causes)
+    return Acting(tuple(law for law, _ in kept), tuple(shape for _, shape in kept), phases)
+
+
+def _rests(model: LinearModel, block: Sequence[Whole]) -> list[Mapping[str, Flags]]:
+    """Return, for each block, which trials of each rig are not in it."""
+    names = [rig.rows.name for rig in model.rigs]
+    last = max(int(one.max()) for one in block)
+    return [
+        {name: own != number for name, own in zip(names, block, strict=True)}
+        for number in range(last + 1)
+    ]
+
+
+def _densities(
+    model: LinearModel, acting: Acting, start: Array, rests: Sequence[Mapping[str, Flags]]
+) -> Array:
+    """Return the log density of each block given the rest, at the mode of the noise, (B,)."""
+    psi = climb(model, start, acting).psi
+    whole = model.evaluate(psi, acting).value
+    return np.array([whole - model.evaluate(psi, acting, used=rest).value for rest in rests])

@@ -1,0 +1,145 @@
+"""What held-out data say against causes: by which rule and with which figures they overrule."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+from bayesfric.diagnosis.held_out_density import FEWEST_BLOCKS, BlockDensities
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.systematic import inclusion
+from bayesfric.diagnosis.verdict import Known, sort_effects
+from bayesfric.schemas import Gap, HeldOutDensity, Interval
+
+__all__ = [
+    "Overruled",
+    "contradicts",
+    "density_of",
+    "leaves_too_much",
+    "overruled",
+    "why_overruled",
+]
+
+MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
+ERRORS = 2.0  # of a difference of log densities, by which causes have to predict better
+NO_CAUSE = "no cause is named, so nothing is compared"
+FEW_BLOCKS = (
+    f"there are fewer than {FEWEST_BLOCKS} assemblies, or runs, to hold out one after another"
+)
+
+
+@dataclass(frozen=True)
+class Overruled:
+    """What is known of effects once causes are overruled.
+
+    Parameters
+    ----------
+    search : Search
+        Hypotheses; those with the causes count as an unknown force for the most part.
+    known : list of Known
+        What is known of each effect.
+    present, possible : list of str
+        Of the effects that were not overruled.
+    """
+
+    search: Search
+    known: list[Known]
+    present: list[str]
+    possible: list[str]
+
+
+def overruled(
+    search: Search, known: Sequence[Known], together: Sequence[Collection[str]], above: float
+) -> Overruled:
+    """Return what is known once hypotheses with some effects count as an unknown force.
+
+    Parameters
+    ----------
+    search : Search
+        The hypotheses.
+    known : sequence of Known
+        What was known of each effect.
+    together : sequence of collection of str
+        Effects that act together, of each hypothesis that is overruled.
+    above : float
+        Probability that the gap is practical or more.
+    """
+    for effects in together:
+        search = search.overruled(frozenset(effects))
+    acting = inclusion(search)
+    known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
+    gone = {name for effects in together for name in effects}
+    _, present, possible = sort_effects([one for one in known if one.effect not in gone], above)
+    return Overruled(search, list(known), present, possible)
+
+
+def density_of(
+    found: BlockDensities | None, named: Collection[str]
+) -> dict[str, HeldOutDensity | str | None]:
+    """Return how much better the causes predict, as a part of the gap, or why nobody knows.
+
+    Parameters
+    ----------
+    found : BlockDensities or None
+        Of blocks held out.
+    named : collection of str
+        The causes.
+    """
+    if found is None:
+        return {
+            "held_out_log_density": None,
+            "held_out_log_density_why": FEW_BLOCKS if named else NO_CAUSE,
+        }
+    density = HeldOutDensity(
+        difference=found.difference, error=found.error, blocks=found.without.size
+    )
+    return {"held_out_log_density": density, "held_out_log_density_why": None}
+
+
+def contradicts(gap: Gap) -> bool:
+    """Return whether held-out data contradict what the model says that causes take away.
+
+    They do where the held-out shrink is known, and its 90 % interval lies more than a tenth
+    below the model's.
+    """
+    if gap.shrink is None or gap.shrink_of_model is None:
+        return False
+    return gap.shrink.q95 + MISSED < gap.shrink_of_model.q05
+
+
+def why_overruled(gap: Gap, practical: float, *, told_as_remainder: bool) -> str | None:
+    """Return by which rule held-out data contradict causes, with its figures; None if by none.
+
+    Parameters
+    ----------
+    gap : Gap
+        Of data held out.
+    practical : float
+        Practical share of friction.
+    told_as_remainder : bool
+        Whether a remainder tells what the causes leave.
+    """
+    if contradicts(gap):
+        assert gap.shrink is not None
+        assert gap.shrink_of_model is not None
+        return f"{_share(gap.shrink)} of the squared gap against {_share(gap.shrink_of_model)}"
+    density = gap.held_out_log_density
+    if density is not None and density.difference < ERRORS * density.error:
+        return (
+            "with them it is predicted no better than by the law alone (log density "
+            f"{density.difference:+.2g} ± {density.error:.2g} nat, {ERRORS:.0f} errors are needed)"
+        )
+    if leaves_too_much(gap, practical) and not told_as_remainder:
+        return (
+            f"beyond friction's scatter {gap.held_out_excess:.3g} {gap.unit} rms are left of it "
+            "that no remainder tells"
+        )
+    return None
+
+
+def leaves_too_much(gap: Gap, practical: float) -> bool:
+    """Return whether more is left on held-out data than scatter explains, and that matters."""
+    excess = gap.held_out_excess
+    return excess > 0 and excess >= practical * gap.friction_rms
+
+
+def _share(shrink: Interval) -> str:
+    return f"{min(shrink.q50, 1.0):.0%}"

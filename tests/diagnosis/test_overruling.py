@@ -1,0 +1,143 @@
+"""Held-out data overrule causes by three rules, and not where they merely cannot tell."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from report.diagnosis_sample import cause, diagnosis
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.overruling import contradicts, density_of, overruled, why_overruled
+from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.stored import excess_of
+from bayesfric.diagnosis.verdict import Known
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.schemas import HeldOutDensity, Interval
+
+PRACTICAL = 0.02
+
+
+def shrinking(low, high):
+    return Interval(mean=low, sd=0.1, q05=low, q50=0.5 * (low + high), q95=high)
+
+
+def gap_of(**changes):
+    return diagnosis().gap.model_copy(update=changes)
+
+
+def why(gap, *, told=False):
+    return why_overruled(gap, PRACTICAL, told_as_remainder=told)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"), [(0.3, 0.55, True), (0.7, 0.95, False), (0.80, 0.87, True)]
+)
+def test_a_shrink_a_tenth_below_the_models_overrules(low, high, expected):
+    """The model's interval begins at 0.974."""
+    gap = gap_of(shrink=shrinking(low, high))
+    assert contradicts(gap) == expected
+    assert (why(gap) is not None) == expected
+    assert not contradicts(gap_of(shrink=None, shrink_why="not known"))
+
+
+def test_a_shrink_is_told_with_both_figures():
+    said = why(gap_of(shrink=shrinking(0.3, 0.54)))
+    assert said == "42% of the squared gap against 98%"
+
+
+@pytest.mark.parametrize(
+    ("difference", "error", "expected"),
+    [(21.0, 10.0, False), (19.0, 10.0, True), (-3.0, 0.5, True), (0.0, 0.0, False)],
+)
+def test_causes_that_predict_no_better_by_two_errors_are_overruled(difference, error, expected):
+    density = HeldOutDensity(difference=difference, error=error, blocks=20)
+    said = why(gap_of(held_out_log_density=density))
+    assert (said is not None) == expected
+    if said is not None:
+        assert f"{difference:+.2g} ± {error:.2g} nat" in said
+
+
+def test_nothing_is_overruled_where_nobody_could_compare():
+    assert why(gap_of(held_out_log_density=None, shrink=None)) is None
+
+
+@pytest.mark.parametrize(
+    ("share", "told", "expected"),
+    [(0.03, False, True), (0.03, True, False), (0.01, False, False), (0.0, False, False)],
+)
+def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share, told, expected):
+    gap = diagnosis().gap
+    gap = gap.model_copy(update={"held_out_excess": share * gap.friction_rms})
+    assert (why(gap, told=told) is not None) == expected
+    assert not expected or f"{gap.held_out_excess:.3g} N rms" in why(gap, told=told)
+
+
+def test_what_is_left_beyond_chance_is_a_root_of_squares():
+    """Chance makes 4 ± 0.4 N² beside a gap of none: 13 N² leave 3 N, and 5 N² are chance."""
+    by_chance = 4 + 0.4 * np.random.default_rng(2).standard_normal(4000)
+    assert excess_of(13.0, by_chance, np.zeros(3)) == pytest.approx(3.0, abs=0.01)
+    assert excess_of(13.0, by_chance, np.full(3, 5.0)) == pytest.approx(2.0, abs=0.01)
+    assert excess_of(4.8, by_chance, np.zeros(3)) == 0.0
+    assert excess_of(1.0, by_chance, np.zeros(3)) == 0.0
+
+
+def test_hypotheses_with_what_is_overruled_are_of_an_unknown_force():
+    """Nineteen in twenty of them; what was found beside is still told."""
+    at = SimpleNamespace()
+    weighed = {
+        name: Weighed(tuple(name.split("+")) if name != "none" else (), value, None, Acting(), at)
+        for name, value in (("none", 0.0), ("viscous", 20.0), ("slip+viscous", 24.0))
+    }
+    classes = Classes(members=(("slip",), ("viscous",)), absorbed=(), left_out={})
+    priors = Analysis().diagnosis.hypotheses
+    search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
+    before = search.probabilities()
+    known = [Known("viscous", 1.0, 1.0, 0.1), Known("slip", 0.9, 0.0, 0.001)]
+    found = overruled(search, known, [["viscous"]], 1.0)
+    chances = found.search.probabilities()
+    acting = before["viscous"] + before["slip+viscous"]
+    assert chances["unknown"] == pytest.approx(0.95 * acting)
+    assert {one.effect: one.probability for one in found.known}["viscous"] == pytest.approx(
+        0.05 * acting
+    )
+    assert "viscous" not in found.present + found.possible
+
+
+def test_why_nobody_compared_is_told():
+    assert "fewer than 4" in density_of(None, ["viscous"])["held_out_log_density_why"]
+    assert "no cause" in density_of(None, [])["held_out_log_density_why"]
+
+
+@pytest.mark.parametrize(
+    ("effects", "words"),
+    [
+        (["viscous"], "viscous fits what was recorded and misses what was held out: so and so."),
+        (["viscous", "slip"], "viscous and slip fit what was recorded and miss what was held out"),
+    ],
+)
+def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
+    told = Statement(
+        "unknown",
+        0.97,
+        gap_of(),
+        PRACTICAL,
+        considered=[cause(name) for name in effects],
+        overruled_by="so and so",
+    )
+    said = sentence_of(told)
+    assert words in said
+    assert "Something else acts (probability 0.970)" in said
+
+
+@pytest.mark.parametrize("shrink", [True, False])
+def test_the_sentence_says_how_much_better_held_out_data_are_predicted(shrink):
+    density = HeldOutDensity(difference=157.2, error=18.6, blocks=20)
+    changes = {} if shrink else {"shrink": None, "shrink_why": "the gap is as likely below"}
+    gap = gap_of(held_out_log_density=density, **changes)
+    one = held_out_words(gap, [cause("viscous")])
+    assert one.endswith("; it raises the log density of these data by 157 ± 19 nat.")
+    two = held_out_words(gap, [cause("viscous"), cause("slip")])
+    assert two.endswith("; they raise the log density of these data by 157 ± 19 nat.")
