@@ -31,14 +31,14 @@ def drawn_above(draws: Array, least: Array) -> Array:
         None below its bound.
     """
     found = np.array(draws, dtype=np.float64)
-    bound = np.broadcast_to(least, found.shape[1:])
+    bound: Array = np.broadcast_to(least, found.shape[1:])
     for place in np.ndindex(found.shape[1:]):
         column = found[(slice(None), *place)]
         below = column < bound[place]
         if not below.any() or len(column) < ENOUGH or column.std() == 0:
             continue
         mean, sd = float(column.mean()), float(column.std())
-        start = min((bound[place] - mean) / sd, FARTHEST)
+        start = min(float((bound[place] - mean) / sd), FARTHEST)
         share = (rankdata(column[below]) - 0.5) / below.sum()
         # Beyond `start`, by the upper tail: a density far below its bound has little above it.
         found[(below, *place)] = mean + sd * norm.isf(share * norm.sf(start))

@@ -19,7 +19,7 @@ def frames(recording: Recording) -> dict[str, pd.DataFrame]:
     for kind in ("gravity", "motor", "axis"):
         tables = getattr(recording, kind)
         found |= {f"{kind}.{k}": v for k, v in vars(tables).items()} if tables else {}
-    return {name: frame for name, frame in found.items() if frame is not None}
+    return {name: frame for name, frame in found.items() if isinstance(frame, pd.DataFrame)}
 
 
 def assert_same(one: Recording, other: Recording) -> None:
