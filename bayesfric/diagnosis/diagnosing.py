@@ -22,7 +22,7 @@ from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.entering import numbers_to_enter
-from bayesfric.diagnosis.examined import examinable, examined_effects, widened
+from bayesfric.diagnosis.examined import examinable, examined_effects, no_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
@@ -45,6 +45,7 @@ from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
+from bayesfric.diagnosis.undeclared import undeclared
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
@@ -357,7 +358,11 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
-        attention=(*_doubted(data.rigs, law_found), *not_followed(analysis)),
+        attention=(
+            *_doubted(data.rigs, law_found),
+            *undeclared(recording.rig, verdict, others, [*named, *rivals, *possible], examined),
+            *not_followed(analysis),
+        ),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -389,7 +394,12 @@ def _diagnose(
         unexplained=unexplained,
         all_unexplained_because=why_all,
         gap=gap,
-        effects=examined_effects(first_found, sorted({**examined, **lacking}), lacking),
+        effects=examined_effects(
+            first_found,
+            [*examined, *lacking],
+            lacking,
+            no_effects(data, [one.name for one in effects]),
+        ),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
         target=asked_for,

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.arrays import Array, Flags
-from bayesfric.effects import Effect, Law, State
+from bayesfric.effects import NO_OFFSET, Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.errors import Fault
@@ -70,7 +70,7 @@ TURNS = {
 }
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
-NO_COULOMB, NO_OFFSET = "law-without-coulomb", "law-without-offset"
+NO_COULOMB = "law-without-coulomb"
 HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
 LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
