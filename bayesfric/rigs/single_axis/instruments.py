@@ -175,7 +175,7 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
         statistic, p_value = _wald(force[:, None], left, columns, groups)
     second = np.column_stack([fitted, rest])
-    numbers = np.linalg.lstsq(second, force, rcond=1e-10)[0]
+    numbers: Array = np.linalg.lstsq(second, force, rcond=1e-10)[0]
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
     numbers = np.linalg.lstsq(columns, force, rcond=1e-10)[0]
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
