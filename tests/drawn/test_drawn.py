@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, event, given, seed, settings
 from hypothesis import strategies as st
 
-from drawn.plans import PLANS, recording_of
+from drawn.plans import PLANS, Drive, recording_of
 from drawn.through import answered
 
 QUICK = settings(
@@ -44,6 +44,30 @@ def small(plan):
 @given(plans=PLANS, verb=st.sampled_from(["fit", "diagnose"]), number=st.integers(0, 9))
 def test_thirty_recordings_come_to_an_answer_or_a_reason(plans, verb, number):
     said(answered(recording_of(*map(small, plans)), (verb,), report=number == 0))
+
+
+ODD = {
+    "no force": Drive(force="none"),
+    "a constant force": Drive(force="constant"),
+    "at rest": Drive(motion="still"),
+    "one way": Drive(motion="one way"),
+    "ten samples": Drive(samples=10),
+    "20 Hz": Drive(sampled_hz=20.0),
+    "10 kHz": Drive(sampled_hz=10_000.0, samples=1500),
+    "far from zero": Drive(offset=1e4),
+    "a stroke of a micrometre": Drive(stroke=1e-6, resolution=1e-12),
+    "sixty runs": Drive(runs=60, samples=60),
+    "roles on one run": Drive(columns=("role",)),
+    "half of the rows lost": Drive(lost=0.5, jitter=0.9, samples=1500),
+    "a clock of its own, late": Drive(late_s=0.5, columns=("force_time_s",), samples=1500),
+    "a reference": Drive(columns=("command_m",), constants={"force_is": "commanded"}),
+}
+
+
+@pytest.mark.parametrize("plan", ODD.values(), ids=ODD)
+def test_an_odd_log_of_an_axis_comes_to_an_answer_or_a_reason(plan):
+    (answer,) = answered(recording_of(plan), ("diagnose",), report=False).values()
+    assert answer == "answered" or "expected" in answer
 
 
 @pytest.mark.nightly
