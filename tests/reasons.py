@@ -12,7 +12,8 @@ REASON = re.compile(r"(^|_)why$")
 def unexplained(value: Any, place: str = "") -> list[str]:
     """Return the places, as in /loops/0/tuning, where what is missing and its reason do not agree.
 
-    Settings are left alone: they are the user's, as in analysis.toml.
+    Settings are left alone: they are the user's, as in analysis.toml. So are the fields of
+    simulators, where null says that one has none.
     """
     if value is None:
         return [place]
@@ -22,7 +23,7 @@ def unexplained(value: Any, place: str = "") -> list[str]:
         return []
     wrong = []
     for key, one in value.items():
-        if REASON.search(key) or key == "analysis":
+        if REASON.search(key) or key in ("analysis", "fields"):
             continue
         why = value.get(f"{key}_why")
         if why or (one == [] and f"{key}_why" in value):
@@ -34,5 +35,6 @@ def unexplained(value: Any, place: str = "") -> list[str]:
 
 def explained(record: Record) -> Record:
     """Return a record of which all that is missing has a reason, and nothing else has one."""
-    assert unexplained(record.model_dump(mode="json")) == []
+    wrong = unexplained(record.model_dump(mode="json"))
+    assert wrong == [], wrong
     return record

@@ -83,21 +83,21 @@ def read_answer(path: Path) -> dict[str, Any]:
             ]
         ) from error
     faults = []
-    known = all_effects()
-    for place, one in enumerate(answer.withheld):
+    effects = all_effects()
+    for place, withheld in enumerate(answer.withheld):
         key = f"withheld.{place}.axes"
-        if one.name not in known and not one.axes:
+        if withheld.name not in effects and not withheld.axes:
             expected = (
-                f"the axes along which {one.name!r} shows, since it is none of the effects that "
-                f"are examined ({', '.join(known)})"
+                f"the axes along which {withheld.name!r} shows, since it is none of the effects "
+                f"that are examined ({', '.join(effects)})"
             )
             faults.append(Fault(path.name, expected, column=key))
         faults += [
             Fault(path.name, f"one of {', '.join(AXES)}", column=key, value=axis)
-            for axis in one.axes
+            for axis in withheld.axes
             if axis not in AXES
         ]
-    names = [one.name for one in answer.withheld]
+    names = [withheld.name for withheld in answer.withheld]
     faults += [
         Fault(path.name, "each effect once", column="withheld", value=name)
         for name in sorted(set(names))

@@ -88,7 +88,7 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
     }
     place = folder / case.name
     digest = seal(place, made.truth, public, case.seed)
-    found = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
+    diagnosis = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
     gap, shrink, power = 0.0, None, None
     if case.effects:
         clean = partial(engine.make, withheld, case.seed, design=case.design, noise=False)
@@ -96,15 +96,15 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
         gap, power = alone.gap, alone.oracle_power()
         # Causes shrink the gap of the whole recording, small amounts of other effects included.
         whole = CleanCase(clean().recording, analysis)
-        shrink = whole.shrink([(cause.effect, cause.law) for cause in found.causes])
+        shrink = whole.shrink([(cause.effect, cause.law) for cause in diagnosis.causes])
     scored = score(
         public | {"envelope_sha256": digest},
         open_envelope(place),
-        found,
+        diagnosis,
         gap=gap,
         true_shrink=shrink,
         oracle_power=power,
-        known=all_effects(),
+        effect_names=all_effects(),
     )
     result: dict[str, Any] = scored.model_dump(mode="json")
     return result
@@ -112,8 +112,8 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
 
 def diagnose_sealed(recording: Recording, analysis: Analysis, place: Path) -> DiagnosisFile:
     """Diagnose a recording whose answer is sealed, and write the verdict beside it."""
-    found = diagnose(recording, analysis).summary
+    diagnosis = diagnose(recording, analysis).summary
     unfinished = place / f"{VERDICT}.partial"
-    unfinished.write_bytes(json_bytes(found))
+    unfinished.write_bytes(json_bytes(diagnosis))
     unfinished.replace(place / VERDICT)
-    return found
+    return diagnosis

@@ -124,12 +124,12 @@ def cases_of(
         The number is not positive, or the seeds are on both sides of the rule.
     """
     _check(number, first_seed)
-    found = {}
+    cases = {}
     for place, (kind, effects, form) in enumerate(islice(_endless(catalogue), number)):
         seed = first_seed + place
         name = f"{seed:06d}"
-        found[name] = BlindCase(name, seed, kind, effects, form, engine, design)
-    return found
+        cases[name] = BlindCase(name, seed, kind, effects, form, engine, design)
+    return cases
 
 
 def cases_from_prior(
@@ -147,22 +147,26 @@ def cases_from_prior(
     :func:`cases_of`.
     """
     _check(number, first_seed)
-    found = {}
+    cases = {}
     names = sorted(catalogue.effects)
     for place in range(number):
         seed = first_seed + place
         rng = np.random.default_rng([PRIOR_SEED, seed])
-        kind = KINDS[int(rng.choice(len(KINDS), p=[PRIOR[one] for one in KINDS]))]
+        kind = KINDS[
+            int(rng.choice(len(KINDS), p=[PRIOR[kind_of_prior] for kind_of_prior in KINDS]))
+        ]
         several = {"none": 0, "effect": 1, "outsider": 1, "pair": 2}[kind]
         pool = list(catalogue.outsiders) if kind == "outsider" else names
         drawn = _without_repeats(rng, pool, several)
         while any(set(drawn) <= alike for alike in ALIKE if several == 2):
             drawn = _without_repeats(rng, pool, several)
         strengths = np.maximum(np.abs(rng.standard_normal(several)), LEAST_STRENGTH)
-        effects = tuple((one, round(float(s), 3)) for one, s in zip(drawn, strengths, strict=True))
+        effects = tuple(
+            (name_drawn, round(float(s), 3)) for name_drawn, s in zip(drawn, strengths, strict=True)
+        )
         name = f"{seed:06d}"
-        found[name] = BlindCase(name, seed, kind, effects, "random", engine, design)
-    return found
+        cases[name] = BlindCase(name, seed, kind, effects, "random", engine, design)
+    return cases
 
 
 def _without_repeats(rng: np.random.Generator, pool: Sequence[str], several: int) -> list[str]:
@@ -233,10 +237,10 @@ def _outsiders(catalogue: Catalogue) -> Iterator[Drawn]:
 
 def _pairs(effects: Sequence[str]) -> Iterator[Drawn]:
     pairs = [
-        pair for pair in combinations(effects, 2) if not any(set(pair) <= one for one in ALIKE)
+        pair for pair in combinations(effects, 2) if not any(set(pair) <= alike for alike in ALIKE)
     ]
     order = np.random.default_rng(ORDER_SEED).permutation(len(pairs))
     while True:
         for place in order:
-            one, other = pairs[place]
-            yield "pair", ((one, FULL), (other, FULL)), "random"
+            first, second = pairs[place]
+            yield "pair", ((first, FULL), (second, FULL)), "random"

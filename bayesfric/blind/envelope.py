@@ -66,10 +66,10 @@ def open_envelope(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, KeyError, TypeError) as error:
         expected = f"a sealed case: {PUBLIC} with the hash of {ENVELOPE} beside it ({error})"
         raise InputError([Fault(str(folder), expected)]) from error
-    found = hashlib.sha256(sealed).hexdigest()
-    if found != promised:
+    digest = hashlib.sha256(sealed).hexdigest()
+    if digest != promised:
         expected = f"the envelope whose SHA-256 stands in {PUBLIC}, {promised}"
-        fault = Fault(str(folder / ENVELOPE), expected, column="SHA-256", value=found)
+        fault = Fault(str(folder / ENVELOPE), expected, column="SHA-256", value=digest)
         raise InputError([fault])
     truth: dict[str, Any] = json.loads(sealed)["truth"]
     return truth

@@ -50,11 +50,11 @@ class CleanCase:
 
     def __init__(self, recording: Recording, analysis: Analysis) -> None:
         opened = (rig.trials(recording, exclude=False) for rig in all_rigs().values())
-        data = Data(tuple(one for one in opened if one is not None))
+        data = Data(tuple(trials for trials in opened if trials is not None))
         laws = {size: table1_coefficients()[size] for size in data.sizes}
         model = LinearModel(data, laws, (), analysis, discrepancy=False)
         # A noise as rigs have it, whatever these data are free of.
-        self._psi = np.log([one.usual for one in model.noise])
+        self._psi = np.log([noise.usual for noise in model.noise])
         for _ in range(ROUNDS - 1):
             laws = model.fitted_laws(model.evaluate(self._psi, Acting()))
             model = model.around(laws, (), discrepancy=False)
@@ -76,13 +76,13 @@ class CleanCase:
         float or None
             None where a cause has phases that nobody records, or is no effect of ours.
         """
-        known = all_effects()
+        effects = all_effects()
         if not causes or self.gap <= 0.0:
             return None
-        if any(name not in known or known[name].components for name, _ in causes):
+        if any(name not in effects or effects[name].components for name, _ in causes):
             return None
-        each = [_candidates(name, law) for name, law in causes]
-        every: list[Candidate] = [candidate for own in each for candidate in own]
+        by_cause = [_candidates(name, law) for name, law in causes]
+        every: list[Candidate] = [candidate for own in by_cause for candidate in own]
         model = self._model.around(self._model.laws, every, discrepancy=False)
         residuals = residuals_of(model, self._psi)
         # Each candidate is a law of its own here: shapes are those of the nodes.
@@ -92,10 +92,10 @@ class CleanCase:
             for law in each_law
             for place, node in zip(law.places, law.nodes, strict=True)
         ]
-        ends = np.cumsum([len(own) for own in each])
+        ends = np.cumsum([len(own) for own in by_cause])
         own_laws = [
             [law for law in laws if end - len(own) <= law.places[0] < end]
-            for own, end in zip(each, ends, strict=True)
+            for own, end in zip(by_cause, ends, strict=True)
         ]
         columns = residuals.columns[:, COEFFICIENTS : COEFFICIENTS + model.layout.candidates]
         shrinks = []
@@ -125,9 +125,9 @@ class CleanCase:
             sds = np.sqrt(residuals.scatter[rows])
             spread = np.outer(sds[:, 0], sds[:, 0]) * same + np.outer(sds[:, 1], sds[:, 1])
             covariance = spread * np.outer(friction, friction)
-            for one in np.unique(trial):
-                own = np.flatnonzero(trial == one)
-                covariance[np.ix_(own, own)] += residuals.covariance[one]
+            for number in np.unique(trial):
+                own = np.flatnonzero(trial == number)
+                covariance[np.ix_(own, own)] += residuals.covariance[number]
             square += float(rest[rows] @ np.linalg.solve(covariance, rest[rows]))
         return float(norm.cdf(np.sqrt(square) - norm.isf(FALSE_ALARMS)))
 
@@ -150,4 +150,4 @@ def _candidates(name: str, law: str) -> list[Candidate]:
     """Return the shapes of a cause's law; of a twin on this rig it is called ``law (twin)``."""
     own, _, twin = law.partition(" (")
     effect = all_effects()[twin.removesuffix(")") or name]
-    return [one for one in candidates_of(effect) if one.law == own]
+    return [candidate for candidate in candidates_of(effect) if candidate.law == own]

@@ -23,16 +23,16 @@ DETECTED = 0.8  # of the cases
 
 def rate_of(hits: Iterable[bool]) -> Rate:
     """Return a rate with the interval of Clopper and Pearson (Biometrika 26, 1934)."""
-    each = list(hits)
-    if not each:
+    outcomes = list(hits)
+    if not outcomes:
         return Rate(rate=None, rate_why="no case counts", low=0.0, high=1.0, hits=0, cases=0)
-    interval = binomtest(sum(each), len(each)).proportion_ci(LEVEL, method="exact")
+    interval = binomtest(sum(outcomes), len(outcomes)).proportion_ci(LEVEL, method="exact")
     return Rate(
-        rate=sum(each) / len(each),
+        rate=sum(outcomes) / len(outcomes),
         low=float(interval.low),
         high=float(interval.high),
-        hits=sum(each),
-        cases=len(each),
+        hits=sum(outcomes),
+        cases=len(outcomes),
     )
 
 
@@ -43,11 +43,11 @@ def estimate_of(values: Sequence[float]) -> Estimate:
         return Estimate(
             value=None, value_why=why, low=None, low_why=why, high=None, high_why=why, cases=0
         )
-    each = np.array(values)
+    scores = np.array(values)
     rng = np.random.default_rng(SEED)
-    means = each[rng.integers(0, each.size, (DRAWS, each.size))].mean(axis=1)
+    means = scores[rng.integers(0, scores.size, (DRAWS, scores.size))].mean(axis=1)
     low, high = (float(q) for q in np.quantile(means, TAILS))
-    return Estimate(value=float(each.mean()), low=low, high=high, cases=each.size)
+    return Estimate(value=float(scores.mean()), low=low, high=high, cases=scores.size)
 
 
 def reliability_of(
@@ -70,16 +70,16 @@ def reliability_of(
     chance, right = np.array(probability), np.array(correct, dtype=bool)
     place = np.clip(np.searchsorted(edges, chance, side="right") - 1, 0, len(edges) - 2)
     rng = np.random.default_rng(SEED)
-    found = []
+    bins = []
     for number in range(len(edges) - 1):
         own = place == number
         if not own.any():
             continue
         drawn = (rng.uniform(size=(DRAWS, int(own.sum()))) < chance[own]).mean(axis=1)
         low, high = (float(q) for q in np.quantile(drawn, TAILS, method="nearest"))
-        rate = rate_of(bool(one) for one in right[own])
+        rate = rate_of(bool(hit) for hit in right[own])
         assert rate.rate is not None
-        found.append(
+        bins.append(
             ReliabilityBin(
                 lower=edges[number],
                 upper=edges[number + 1],
@@ -90,7 +90,7 @@ def reliability_of(
                 inside=low - 1e-12 <= rate.rate <= high + 1e-12,
             )
         )
-    return found
+    return bins
 
 
 def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
@@ -109,9 +109,9 @@ def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
     cases = np.array([len(named[s]) for s in strengths])
     rng = np.random.default_rng(SEED)
     drawn = rng.beta(hits + 0.5, cases - hits + 0.5, (RATE_DRAWS, strengths.size))
-    each = [_least(strengths, rates, cases) for rates in drawn]
+    least_of_each_draw = [_least(strengths, rates, cases) for rates in drawn]
     least = _least(strengths, hits / cases, cases)
-    low, high = (float(q) for q in np.quantile(each, TAILS, method="nearest"))
+    low, high = (float(q) for q in np.quantile(least_of_each_draw, TAILS, method="nearest"))
     why = "at no strength that was tried"
     return Detected(
         value=_finite(least),

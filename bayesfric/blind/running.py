@@ -6,12 +6,12 @@ import subprocess
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.blind.answers import read_answer
 from bayesfric.blind.case import catalogue_of, diagnose_sealed, run_case
-from bayesfric.blind.design import SCORING_FROM, cases_from_prior, cases_of
+from bayesfric.blind.design import SCORING_FROM, BlindCase, cases_from_prior, cases_of
 from bayesfric.blind.envelope import open_envelope, seal
 from bayesfric.blind.scorecard import scorecard_of
 from bayesfric.blind.scoring import score
@@ -88,7 +88,7 @@ def run_blind(
     catalogue = catalogue_of(engine)
     cases = lay_out(catalogue, number, first_seed, engine=engine)
     design = next(iter(cases.values())).design
-    hypotheses = "prior" if from_prior else "design"
+    hypotheses: Literal["prior", "design"] = "prior" if from_prior else "design"
     key = {
         "engine": engine,
         "catalogue": [sorted(catalogue.effects.items()), catalogue.outsiders],
@@ -114,23 +114,35 @@ def run_blind(
         analysis_sha256=analysis_sha256(analysis),
         so_far=so_far,
     )
-    work, results = partial(run_case, folder=kept, analysis=analysis), kept / "scored"
-    if scheduler is not None:
-        with cluster(scheduler) as executor:
-            found = run_campaign(work, cases, results, executor, progress)
-    else:
-        found = run_on_processes(work, cases, results, workers, progress)
+    work = partial(run_case, folder=kept, analysis=analysis)
     scorecard = scorecard_of(
-        [ScoredCase.model_validate_json(json.dumps(one)) for one in found.values()],
+        _run_all(work, cases, kept / "scored", workers, scheduler, progress),
         analysis=analysis,
         engine=engine,
         design=design,
         seed=first_seed,
         planned=number,
-        hypotheses="prior" if from_prior else "design",
+        hypotheses=hypotheses,
     )
     _write(folder, scorecard)
     return scorecard
+
+
+def _run_all(
+    work: Callable[[BlindCase], dict[str, Any]],
+    cases: dict[str, BlindCase],
+    results: Path,
+    workers: int,
+    scheduler: str | None,
+    progress: Callable[[int, int], None] | None,
+) -> list[ScoredCase]:
+    """Run the cases that are not done, on processes or by a scheduler, and return all."""
+    if scheduler is None:
+        scored = run_on_processes(work, cases, results, workers, progress)
+    else:
+        with cluster(scheduler) as executor:
+            scored = run_campaign(work, cases, results, executor, progress)
+    return [ScoredCase.model_validate_json(json.dumps(case)) for case in scored.values()]
 
 
 def score_recording(
@@ -172,15 +184,15 @@ def score_recording(
     except OSError as error:
         expected = f"a folder that can be written ({error.strerror or error})"
         raise InputError([Fault(str(folder), expected)]) from error
-    found = diagnose_sealed(recording, analysis, place)
+    diagnosis = diagnose_sealed(recording, analysis, place)
     scored = score(
         public | {"envelope_sha256": digest},
         open_envelope(place),
-        found,
+        diagnosis,
         gap=None,
         true_shrink=None,
         oracle_power=None,
-        known=all_effects(),
+        effect_names=all_effects(),
     )
     identity = RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256)
     scorecard = scorecard_of(

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.blind.design import SCORING_FROM
+from bayesfric.blind.design import KINDS, SCORING_FROM
 from bayesfric.blind.rates import EDGES, estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scoring import NO_CLAIM, OTHERS
 from bayesfric.results import created_date, package_versions
@@ -27,7 +27,6 @@ __all__ = ["BELOW", "scorecard_of"]
 
 BELOW = "below practical share"
 """Row of the confusion matrix: withheld, and too small to count."""
-KINDS = ("none", "effect", "pair", "outsider")
 SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")
 LEAST_CHANCE = 1e-6  # a probability below it is scored as this
 PROMISED = {"1/own": 0.95, "1/foreign": 0.90, "0.3/own": 0.85, "0.3/foreign": 0.75}
@@ -96,7 +95,9 @@ def scorecard_of(
         },
         reliability=tuple(_reliability(cases)),
         reliability_by_verdict={
-            verdict: _reliability([one for one in cases if one.verdict == verdict], (0.0, 1.0))[0]
+            verdict: _reliability([case for case in cases if case.verdict == verdict], (0.0, 1.0))[
+                0
+            ]
             for verdict in sorted({case.verdict for case in cases})
         },
         brier=estimate_of([(case.probability - case.came_true) ** 2 for case in cases]),
@@ -137,12 +138,14 @@ def _rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
 
 
 def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
-    found: dict[tuple[float, str], list[bool]] = defaultdict(list)
+    named_by_key: dict[tuple[float, str], list[bool]] = defaultdict(list)
     for case in _effects(cases):
         for strength in case.strength.values():
-            found[strength, "own" if case.own else "foreign"].append(_named(case))
-    ranked = sorted(found, key=lambda key: (-key[0], key[1] != "own"))
-    return {f"{strength:g}/{form}": rate_of(found[strength, form]) for strength, form in ranked}
+            named_by_key[strength, "own" if case.own else "foreign"].append(_named(case))
+    ranked = sorted(named_by_key, key=lambda key: (-key[0], key[1] != "own"))
+    return {
+        f"{strength:g}/{form}": rate_of(named_by_key[strength, form]) for strength, form in ranked
+    }
 
 
 def _reliability(
@@ -159,22 +162,22 @@ def _log_score(case: ScoredCase) -> float:
 
 
 def _smallest(cases: Sequence[ScoredCase]) -> dict[str, Detected]:
-    found: dict[str, dict[float, list[bool]]] = defaultdict(lambda: defaultdict(list))
+    named_by_strength: dict[str, dict[float, list[bool]]] = defaultdict(lambda: defaultdict(list))
     for case in cases:
         if case.kind == "effect" and case.strength:
             (name,) = case.withheld
-            found[name][case.strength[name]].append(_named(case))
-    return {name: smallest_detected(found[name]) for name in sorted(found)}
+            named_by_strength[name][case.strength[name]].append(_named(case))
+    return {name: smallest_detected(named_by_strength[name]) for name in sorted(named_by_strength)}
 
 
 def _oracle(cases: Sequence[ScoredCase]) -> tuple[Oracle, ...]:
-    found: dict[tuple[str, float], list[ScoredCase]] = defaultdict(list)
+    cases_by_key: dict[tuple[str, float], list[ScoredCase]] = defaultdict(list)
     for case in cases:
         if case.kind == "effect" and case.withheld[0] in SETUP_LIMITED and case.strength:
-            found[case.withheld[0], case.strength[case.withheld[0]]].append(case)
+            cases_by_key[case.withheld[0], case.strength[case.withheld[0]]].append(case)
     rows = []
-    for effect, strength in sorted(found):
-        own = [case for case in found[effect, strength] if case.oracle_power is not None]
+    for effect, strength in sorted(cases_by_key):
+        own = [case for case in cases_by_key[effect, strength] if case.oracle_power is not None]
         if own:
             power = float(np.mean([case.oracle_power for case in own]))
             named = rate_of(_named(case) for case in own)
@@ -198,7 +201,7 @@ def _confusion(cases: Sequence[ScoredCase]) -> Confusion:
     return Confusion(
         rows=rows,
         columns=columns,
-        counts=tuple(tuple(counts[one, other] for other in columns) for one in rows),
+        counts=tuple(tuple(counts[row, other] for other in columns) for row in rows),
     )
 
 
@@ -223,7 +226,7 @@ def _targets(cases: Sequence[ScoredCase], rates: dict[str, Rate]) -> tuple[Targe
         ("90 % intervals of shrink", rates["shrink_coverage"], 0.85, 0.95),
         ("90 % intervals of parameters, own forms", rates["parameter_coverage"], 0.85, 0.95),
     ]
-    return tuple(_target(*one) for one in given)
+    return tuple(_target(*arguments) for arguments in given)
 
 
 def _target(name: str, rate: Rate, least: float | None, most: float | None) -> Target:

@@ -14,6 +14,7 @@ NO_CLAIM = ("no-gap", "undecided")
 HALF = 0.5  # probability of a practical gap from which on `undecided` bets on there being one
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
 NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
+NO_NOISE_FREE = "nobody made this recording without noise"
 NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
 NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
 OTHERS = "other-combination"
@@ -41,12 +42,12 @@ LAWS_OF_FORMS = {
 def score(
     public: Mapping[str, Any],
     truth: Mapping[str, Any],
-    found: DiagnosisFile,
+    diagnosis: DiagnosisFile,
     *,
     gap: float | None,
     true_shrink: float | None,
     oracle_power: float | None,
-    known: Collection[str],
+    effect_names: Collection[str],
 ) -> ScoredCase:
     """Compare a verdict with the truth.
 
@@ -65,7 +66,7 @@ def score(
     truth : mapping
         ``withheld``: a list with ``name``, and where known ``form``, ``own``,
         ``strength``, ``parameters`` and ``axes`` of each effect.
-    found : DiagnosisFile
+    diagnosis : DiagnosisFile
         The verdict.
     gap : float or None
         Noise-free gap over rms friction, after the baseline is refitted; None where
@@ -74,70 +75,70 @@ def score(
         What the named causes take of the noise-free gap, squared.
     oracle_power : float or None
         Of the best test that knows what is withheld, likewise.
-    known : collection of str
+    effect_names : collection of str
         Effects that the diagnosis examines.
     """
     withheld: Sequence[Mapping[str, Any]] = truth["withheld"]
-    names = [str(one["name"]) for one in withheld]
-    kind = _kind(names, known)
-    as_none = not names or (gap is not None and gap < found.practical_share)
-    named = found.verdict == "named" and kind != "outsider" and _is_named(names, found)
-    flagged = found.verdict == "unknown" or _remainder_flags(withheld, found)
+    names = [str(effect["name"]) for effect in withheld]
+    kind = _kind(names, effect_names)
+    as_none = not names or (gap is not None and gap < diagnosis.practical_share)
+    named = diagnosis.verdict == "named" and kind != "outsider" and _is_named(names, diagnosis)
+    flagged = diagnosis.verdict == "unknown" or _remainder_flags(withheld, diagnosis)
     correct = named or (kind == "outsider" and flagged)
     if as_none:
-        correct = correct or (found.verdict in NO_CLAIM and _all_act(names, found))
-    own = [bool(one.get("own", False)) for one in withheld]
-    strengths = {str(one["name"]): float(one["strength"]) for one in withheld if "strength" in one}
-    shrink = found.gap.shrink_of_model
+        correct = correct or (diagnosis.verdict in NO_CLAIM and _all_act(names, diagnosis))
+    own = [bool(effect.get("own", False)) for effect in withheld]
+    shrink = diagnosis.gap.shrink_of_model
     covered = None
     if named and shrink is not None and true_shrink is not None:
         covered = shrink.q05 <= true_shrink <= shrink.q95
-    why = None
-    if gap is None:
-        why = "nobody made this recording without noise"
     return ScoredCase(
         **{key: public[key] for key in ("name", "seed", "engine", "design", "envelope_sha256")},
         kind=kind,
         withheld=tuple(names),
-        form=tuple(str(one.get("form", "")) for one in withheld),
+        form=tuple(str(effect.get("form", "")) for effect in withheld),
         own=all(own) if names else None,
         own_why=None if names else "nothing is withheld",
-        strength=strengths,
+        strength={str(e["name"]): float(e["strength"]) for e in withheld if "strength" in e},
         noise_free_gap=gap,
-        noise_free_gap_why=why,
+        noise_free_gap_why=None if gap is not None else NO_NOISE_FREE,
         oracle_power=oracle_power,
         oracle_power_why=None if oracle_power is not None else NO_ORACLE,
         counts_as_none=as_none,
-        verdict=found.verdict,
-        causes=tuple(cause.effect for cause in found.causes),
-        outcome=_outcome(names, kind, named, found),
+        verdict=diagnosis.verdict,
+        causes=tuple(cause.effect for cause in diagnosis.causes),
+        outcome=_outcome(names, kind, named, diagnosis),
         correct=correct,
-        probability=found.verdict_probability,
-        came_true=_came_true(names, kind, as_none, found),
-        truth_probability=_truth_probability(names, kind, as_none, found),
-        falsely_named=found.verdict == "named" and not named,
+        probability=diagnosis.verdict_probability,
+        came_true=_came_true(names, kind, as_none, diagnosis),
+        truth_probability=_truth_probability(names, kind, as_none, diagnosis),
+        falsely_named=diagnosis.verdict == "named" and not named,
         flagged=flagged,
-        remainder_significant=found.remainder.significant,
+        remainder_significant=diagnosis.remainder.significant,
         shrink=shrink,
-        shrink_why=None if shrink is not None else found.gap.shrink_of_model_why,
+        shrink_why=None if shrink is not None else diagnosis.gap.shrink_of_model_why,
         true_shrink=true_shrink,
         true_shrink_why=None if true_shrink is not None else NO_TRUE_SHRINK,
         shrink_covered=covered,
         shrink_covered_why=None if covered is not None else NOT_COVERED,
-        parameters_covered=_covered(withheld, found) if named else {},
+        parameters_covered=_covered(withheld, diagnosis) if named else {},
     )
 
 
-def _kind(names: Sequence[str], known: Collection[str]) -> str:
+def _kind(names: Sequence[str], effect_names: Collection[str]) -> str:
     if not names:
         return "none"
-    if any(name not in known for name in names):
+    if any(name not in effect_names for name in names):
         return "outsider"
     return "effect" if len(names) == 1 else "pair"
 
 
-def _twins(found: DiagnosisFile) -> list[set[str]]:
-    return [set(one.effects) for one in found.unseparated if one.reason == "identical-on-this-rig"]
+def _twins(diagnosis: DiagnosisFile) -> list[set[str]]:
+    return [
+        set(inseparable.effects)
+        for inseparable in diagnosis.unseparated
+        if inseparable.reason == "identical-on-this-rig"
+    ]
 
 
 def _stands_for(name: str, cause: str, twins: Sequence[set[str]]) -> bool:
@@ -145,67 +146,76 @@ def _stands_for(name: str, cause: str, twins: Sequence[set[str]]) -> bool:
     return name == cause or any({name, cause} <= alike for alike in twins)
 
 
-def _all_act(names: Sequence[str], found: DiagnosisFile) -> bool:
+def _all_act(names: Sequence[str], diagnosis: DiagnosisFile) -> bool:
     """Return whether each cause is one of the effects withheld, no two of them the same one."""
-    causes, twins = [cause.effect for cause in found.causes], _twins(found)
+    causes, twins = [cause.effect for cause in diagnosis.causes], _twins(diagnosis)
     return any(
         all(_stands_for(name, cause, twins) for name, cause in zip(chosen, causes, strict=True))
         for chosen in permutations(names, len(causes))
     )
 
 
-def _is_named(names: Sequence[str], found: DiagnosisFile) -> bool:
-    return len(found.causes) == len(names) and _all_act(names, found)
+def _is_named(names: Sequence[str], diagnosis: DiagnosisFile) -> bool:
+    return len(diagnosis.causes) == len(names) and _all_act(names, diagnosis)
 
 
-def _came_true(names: Sequence[str], kind: str, as_none: bool, found: DiagnosisFile) -> bool:
+def _came_true(names: Sequence[str], kind: str, as_none: bool, diagnosis: DiagnosisFile) -> bool:
     """Return whether the statement is true whose probability the verdict gives.
 
     ``named`` states that all its causes act, whatever acts beside them; ``unseparated``, that
     one of its sets does; ``unknown``, that a force does that no effect has; ``no-gap``, that
     the gap is below the practical share; ``undecided``, that it is on the likelier side.
     """
-    if found.verdict == "named":
-        return _all_act(names, found)
-    if found.verdict == "unknown":
+    if diagnosis.verdict == "named":
+        return _all_act(names, diagnosis)
+    if diagnosis.verdict == "unknown":
         return kind == "outsider"
-    if found.verdict == "no-gap":
+    if diagnosis.verdict == "no-gap":
         return as_none
-    if found.verdict == "undecided":
-        return as_none is (found.gap.probability_above_practical < HALF)
-    twins = _twins(found)
-    sets = [one.effects for one in found.unseparated if one.reason == "these-data"]
-    return any(_stands_for(name, one, twins) for name in names for among in sets for one in among)
+    if diagnosis.verdict == "undecided":
+        return as_none is (diagnosis.gap.probability_above_practical < HALF)
+    twins = _twins(diagnosis)
+    sets = [
+        inseparable.effects
+        for inseparable in diagnosis.unseparated
+        if inseparable.reason == "these-data"
+    ]
+    return any(
+        _stands_for(name, candidate, twins)
+        for name in names
+        for among in sets
+        for candidate in among
+    )
 
 
-def _remainder_flags(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> bool:
-    axes = {str(axis) for one in withheld for axis in one.get("axes", ())}
-    left = found.remainder
+def _remainder_flags(withheld: Sequence[Mapping[str, Any]], diagnosis: DiagnosisFile) -> bool:
+    axes = {str(axis) for effect in withheld for axis in effect.get("axes", ())}
+    left = diagnosis.remainder
     share = left.share_of_gap
     return left.significant and left.axis in axes and share is not None and share.q05 > FLAG_SHARE
 
 
-def _outcome(names: Sequence[str], kind: str, named: bool, found: DiagnosisFile) -> str:
+def _outcome(names: Sequence[str], kind: str, named: bool, diagnosis: DiagnosisFile) -> str:
     """Return the column of the confusion matrix."""
-    if found.verdict == "no-gap":
+    if diagnosis.verdict == "no-gap":
         return "none"
-    if found.verdict in ("unknown", "unseparated", "undecided"):
-        return found.verdict
+    if diagnosis.verdict in ("unknown", "unseparated", "undecided"):
+        return diagnosis.verdict
     if named:
         return names[0] if kind == "effect" else "pair"
-    causes = [cause.effect for cause in found.causes]
+    causes = [cause.effect for cause in diagnosis.causes]
     return causes[0] if len(causes) == 1 else OTHERS
 
 
 def _truth_probability(
-    names: Sequence[str], kind: str, as_none: bool, found: DiagnosisFile
+    names: Sequence[str], kind: str, as_none: bool, diagnosis: DiagnosisFile
 ) -> float:
     """Return the posterior probability of the hypothesis that is true."""
     if as_none:
-        return found.probabilities.get("none", 0.0)
+        return diagnosis.probabilities.get("none", 0.0)
     if kind == "outsider":
-        return found.probabilities.get("unknown", 0.0)
-    twins = _twins(found)
+        return diagnosis.probabilities.get("unknown", 0.0)
+    twins = _twins(diagnosis)
 
     def is_true(hypothesis: str) -> bool:
         parts = hypothesis.split("+")
@@ -213,25 +223,25 @@ def _truth_probability(
             any(_stands_for(name, part, twins) for part in parts) for name in names
         )
 
-    return total(chance for name, chance in found.probabilities.items() if is_true(name))
+    return total(chance for name, chance in diagnosis.probabilities.items() if is_true(name))
 
 
-def _covered(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> dict[str, bool]:
+def _covered(withheld: Sequence[Mapping[str, Any]], diagnosis: DiagnosisFile) -> dict[str, bool]:
     """Return whether 90 % intervals of parameters hold the truth, for forms of our own.
 
     Two laws of an effect may make one curve with other numbers, such as the exponent of a power
     and the curvature of a parabola: only those of the law that is withheld are compared.
     """
-    causes = {cause.effect: cause for cause in found.causes}
+    causes = {cause.effect: cause for cause in diagnosis.causes}
     covered = {}
-    for one in withheld:
-        effect, form = str(one["name"]), str(one.get("form", ""))
+    for withheld_effect in withheld:
+        effect, form = str(withheld_effect["name"]), str(withheld_effect.get("form", ""))
         cause = causes.get(effect)
-        if cause is None or not one.get("own", False):
+        if cause is None or not withheld_effect.get("own", False):
             continue
         if cause.law != LAWS_OF_FORMS.get((effect, form), form):
             continue
-        for name, value in sorted(one.get("parameters", {}).items()):
+        for name, value in sorted(withheld_effect.get("parameters", {}).items()):
             interval = cause.parameters.get(name)
             if interval is not None and isinstance(value, int | float):
                 inside = interval.q05 <= float(value) <= interval.q95

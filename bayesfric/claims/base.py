@@ -128,16 +128,17 @@ class Claim:
         return "+".join(str(entered.first(regime)) for regime in needed if regime is not None)
 
     def moving(self, entered: Entered) -> Regime | None:
-        """Return how the trials move that the claim is judged on, of the data that there are."""
+        """Return how the trials move on which the claim is judged with these data."""
         for regime in (self.regime, self.instead):
             if regime is not None and entered.first(regime) is not None:
                 return regime
         return self.regime
 
     def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
-        """Return the rivals; those that add to the law add to the one that is claimed."""
+        """Return the rivals; effects of a rival on the paper's law are added to the claimed law."""
         return tuple(
-            replace(one, law=entered.law) if one.law == PAPER else one for one in self.rivals
+            replace(rival, law=entered.law) if rival.law == PAPER else rival
+            for rival in self.rivals
         )
 
     def untestable(self, entered: Entered) -> str:
@@ -156,14 +157,14 @@ class Claim:
         if self.moving(entered) != self.regime:
             if absent := [WORDS[name] for name in COLUMNS if name not in trials.asked]:
                 return f"Nobody wrote down the {' and the '.join(absent)}."
-            if (found := trials.recorded["velocity_m_s"].abs().nunique()) < self.speeds:
-                return f"The speed takes {found} of at least {self.speeds} values."
+            if (levels := trials.recorded["velocity_m_s"].abs().nunique()) < self.speeds:
+                return f"The speed takes {levels} of at least {self.speeds} values."
         for name, least in self.levels.items():
-            if (found := trials.levels(name)) < least:
-                return f"The {WORDS[name]} takes {found} of at least {least} values."
-        known = all_effects() | {effect.name: effect for effect in self.effects}
-        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
-            if (missing := trials.supports(known[effect])) is not None:
+            if (levels := trials.levels(name)) < least:
+                return f"The {WORDS[name]} takes {levels} of at least {least} values."
+        effects_by_name = all_effects() | {effect.name: effect for effect in self.effects}
+        for effect in dict.fromkeys(name for rival in self.rivals for name, _ in rival.effects):
+            if (missing := trials.supports(effects_by_name[effect])) is not None:
                 return missing.reason
         return ""
 
@@ -175,7 +176,7 @@ class Claim:
         return f" Judged on {words.trials} of the {words.rig}, at constant speed."
 
     def tasks(self, entered: Entered) -> list[Task]:
-        """Return what must be studied, of the data that there are."""
+        """Return the studies that these data allow and the claim needs."""
         if self.regime is None or self.untestable(entered):
             return []
         subject = self.subject(entered)
@@ -183,7 +184,9 @@ class Claim:
         if self.by_size:
             names += [name for name in entered.data if name.startswith(f"{subject}/")]
         return [
-            Task(name, one) for name in names for one in (entered.claimed, *self.against(entered))
+            Task(name, hypothesis)
+            for name in names
+            for hypothesis in (entered.claimed, *self.against(entered))
         ]
 
 

@@ -43,7 +43,7 @@ def registered() -> tuple[Claim, ...]:
     """Return the claims of this folder, in the order of the report."""
     package = __name__.rpartition(".")[0]
     folder = [str(Path(__file__).parent)]
-    modules = [import_module(f"{package}.{found.name}") for found in iter_modules(folder)]
+    modules = [import_module(f"{package}.{module.name}") for module in iter_modules(folder)]
     claims = [module.CLAIM for module in modules if hasattr(module, "CLAIM")]
     return tuple(sorted(claims, key=lambda claim: claim.place))
 
@@ -77,7 +77,7 @@ class Checked:
     @property
     def refuted(self) -> tuple[str, ...]:
         """Claims that these data refute."""
-        return tuple(one.id for one in self.summary.claims if one.verdict == "refuted")
+        return tuple(claim.id for claim in self.summary.claims if claim.verdict == "refuted")
 
     def write(self, folder: Path | str, *, junit: Path | None = None) -> None:
         """Write ``claims.json`` and ``claims.nc``, and a JUnit report if asked.
@@ -166,7 +166,7 @@ def check_claims(
     studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
     case = Case(recording, analysis, entered, studied, effects, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
-    results = tuple(_result(claim, found, entered) for claim, found in findings)
+    results = tuple(_result(claim, finding, entered) for claim, finding in findings)
     summary = ClaimsFile(
         **attributes.model_dump(),
         rigs=entered.rigs,
@@ -175,7 +175,8 @@ def check_claims(
         rules=analysis.claims.model_dump(),
         claims=results,
         self_contradictions=tuple(
-            SelfContradiction.model_validate(one._asdict()) for one in contradictions()
+            SelfContradiction.model_validate(contradiction._asdict())
+            for contradiction in contradictions()
         ),
     )
     groups = _curves(findings) | models_kept(studied, _compared(claims, entered, studied))
@@ -208,20 +209,20 @@ def _compared(
     claims: Sequence[Claim], entered: Entered, studied: Mapping[Task, Studied]
 ) -> set[Task]:
     """Return the law and each claim's best rival, given all sizes together."""
-    found = {task for task in studied if task.hypothesis == entered.claimed}
+    compared = {task for task in studied if task.hypothesis == entered.claimed}
     for claim in claims:
         rivals = [
             task
             for task in claim.tasks(entered)
-            if task.whole and task not in found and studied[task].evidence is not None
+            if task.whole and task not in compared and studied[task].evidence is not None
         ]
         if rivals:
-            found.add(max(rivals, key=lambda task: log_evidence(studied[task])))
-    return found
+            compared.add(max(rivals, key=lambda task: log_evidence(studied[task])))
+    return compared
 
 
-def _result(claim: Claim, found: Finding, entered: Entered) -> ClaimResult:
-    elpd_se, elpd_se_why = found.elpd_difference_se, _why(found, found.elpd_difference_se)
+def _result(claim: Claim, finding: Finding, entered: Entered) -> ClaimResult:
+    elpd_se, elpd_se_why = finding.elpd_difference_se, _why(finding, finding.elpd_difference_se)
     if elpd_se is not None and not np.isfinite(elpd_se):
         elpd_se, elpd_se_why = None, "there is only one assembly"
     return ClaimResult(
@@ -229,33 +230,33 @@ def _result(claim: Claim, found: Finding, entered: Entered) -> ClaimResult:
         statement=claim.statement,
         paper=claim.paper,
         about_these_data=claim.about_these_data,
-        verdict=found.verdict,
-        reason=f"{found.reason}{claim.elsewhere(entered)}",
-        log10_bayes_factor=found.log10_bayes_factor,
-        log10_bayes_factor_why=_why(found, found.log10_bayes_factor),
-        log10_bayes_factor_se=found.log10_bayes_factor_se,
-        elpd_difference=found.elpd_difference,
-        elpd_difference_why=_why(found, found.elpd_difference),
+        verdict=finding.verdict,
+        reason=f"{finding.reason}{claim.elsewhere(entered)}",
+        log10_bayes_factor=finding.log10_bayes_factor,
+        log10_bayes_factor_why=_why(finding, finding.log10_bayes_factor),
+        log10_bayes_factor_se=finding.log10_bayes_factor_se,
+        elpd_difference=finding.elpd_difference,
+        elpd_difference_why=_why(finding, finding.elpd_difference),
         elpd_difference_se=elpd_se,
         elpd_difference_se_why=elpd_se_why,
-        figures=dict(found.figures),
+        figures=dict(finding.figures),
         by_pulley={
             size: PulleyEvidence(
                 log10_bayes_factor=value,
                 log10_bayes_factor_why=why or None,
                 log10_bayes_factor_se=error,
             )
-            for size, (value, error, why) in found.by_pulley.items()
+            for size, (value, error, why) in finding.by_pulley.items()
         },
     )
 
 
-def _why(found: Finding, value: float | None) -> str | None:
-    return None if value is not None else found.why or found.reason
+def _why(finding: Finding, value: float | None) -> str | None:
+    return None if value is not None else finding.why or finding.reason
 
 
 def _curves(findings: Sequence[tuple[Claim, Finding]]) -> dict[str, xr.Dataset]:
-    compared = {claim.name: found.curve for claim, found in findings if found.curve}
+    compared = {claim.name: finding.curve for claim, finding in findings if finding.curve}
     if not compared:
         return {}
     width = next(iter(compared.values()))["width"]

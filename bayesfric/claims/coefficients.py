@@ -70,8 +70,8 @@ def largest_difference(theta: Mapping[str, Array], sizes: list[str]) -> Array:
         printed = Coefficients(row.c1.value, row.c2.value, row.c3.value)
         for tension in (LEAST_TENSION_N, tested["tension_max_n"]):
             for wrap in tested["average_wrap_angle_deg"]:
-                here = (1.0, wrap, tension)
-                ratio = coulomb_friction(printed, *here) / coulomb_friction(law, *here)
+                condition = (1.0, wrap, tension)
+                ratio = coulomb_friction(printed, *condition) / coulomb_friction(law, *condition)
                 off.append(np.abs(ratio - 1))
     return np.asarray(np.max(off, axis=0))
 

@@ -11,7 +11,7 @@ from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import Hypothesis
-from bayesfric.inference.evidence import difference
+from bayesfric.inference.evidence import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
@@ -44,79 +44,107 @@ def compare(claim: Claim, case: Case) -> Finding:
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
     name = claim.subject(case.entered)
-    rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.claimed)]
-    rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}
-    lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
-    known = {one: found for one, found in rivals.items() if found.evidence is not None}
-    if own.evidence is None or not known:
+    rivals = {rival: case.studied[Task(name, rival)] for rival in claim.against(case.entered)}
+    lacking = [
+        f"{rival.label}: {studied.why}" for rival, studied in rivals.items() if not studied.evidence
+    ]
+    weighed = {rival: studied for rival, studied in rivals.items() if studied.evidence is not None}
+    if own.evidence is None or not weighed:
         why = own.why or "; ".join(lacking)
         return Finding("undecided", f"No evidence can be had: {why}.", why=why)
-    each = {one.label: bayes_factor(own, [found]) for one, found in known.items()}
-    log10, error = bayes_factor(own, list(known.values()))
-    curve = np.array(
-        [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
-    )
-    best = max(known, key=lambda one: log_evidence(known[one]))
-    bounds = {
-        one.label: float(np.quantile(found.size, 0.95))
-        for one, found in known.items()
-        if found.size.size
-    }
+    return _against_rivals(claim, case, name, weighed, lacking)
+
+
+def _against_rivals(
+    claim: Claim,
+    case: Case,
+    name: str,
+    weighed: Mapping[Hypothesis, Studied],
+    lacking: Sequence[str],
+) -> Finding:
+    """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
+    rules = case.analysis.claims
+    own = case.studied[Task(name, case.entered.claimed)]
+    against_each = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
+    studies = list(weighed.values())
+    log10, error = bayes_factor(own, studies)
+    curve = np.array([bayes_factor(own, studies, place)[0] for place in range(len(WIDTHS))])
+    best = max(weighed, key=lambda rival: log_evidence(weighed[rival]))
+    bounds = _upper_bounds(weighed)
     bound = max(bounds.values(), default=0.0)
-    best_size = known[best].size
+    best_size = weighed[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
-    of_best = known[best].prediction
-    assert own.prediction is not None
-    assert of_best is not None  # of all sizes together there is one with each evidence
-    predicted = difference(own.prediction, of_best)
+    predicted = _difference_of_prediction(own, weighed[best])
     elpd_errors = predicted.elpd / predicted.se if predicted.se > 0 else 0.0
-    widths = np.array(WIDTHS)
-    stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
-    verdict, reason = decide(
-        rules,
-        log10,
-        (float(stable.min()), float(stable.max())),
-        bound,
-        beyond,
-        elpd_errors,
-        best.label,
-    )
-    verdicts = verdicts_over_widths(case, known, curve, elpd_errors)
+    stable = _over_width(curve)
+    verdict, reason = decide(rules, log10, stable, bound, beyond, elpd_errors, best.label)
+    verdicts = verdicts_over_widths(case, weighed, curve, elpd_errors)
     if lacking:
-        verdicts = ["undecided" if one == "supported" else one for one in verdicts]
+        verdicts = ["undecided" if of_width == "supported" else of_width for of_width in verdicts]
         if verdict == "supported":
             verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
     narrowest, widest = same_around(verdicts, verdict)
     figures: dict[str, Any] = {
         "best_rival": best.label,
-        "log10_bayes_factor_against": {label: value for label, (value, _) in each.items()},
-        "log10_bayes_factor_against_se": {label: error for label, (_, error) in each.items()},
+        "log10_bayes_factor_against": {label: value for label, (value, _) in against_each.items()},
+        "log10_bayes_factor_against_se": {
+            label: error for label, (_, error) in against_each.items()
+        },
         "effect_upper_bound_95": bound,
         "effect_upper_bound_95_of": bounds,
         "probability_effect_matters": beyond,
-        "lowest_over_prior_width": float(stable.min()),
-        "highest_over_prior_width": float(stable.max()),
+        "lowest_over_prior_width": stable[0],
+        "highest_over_prior_width": stable[1],
         "same_verdict_from_prior_width": narrowest,
         "same_verdict_to_prior_width": widest,
         "elpd_reliable": predicted.reliable,
         "elpd_unreliable_for": "; ".join(predicted.unreliable),
     }
-    figures |= could_be_found(case, known)
     return Finding(
         verdict,
         reason,
-        figures,
+        figures | could_be_found(case, weighed),
         log10,
         error,
         predicted.elpd,
         predicted.se,
-        by_pulley={
-            size: _by_pulley(claim, case, f"{name}/{size}")
-            for size in case.entered.data[name].sizes
+        by_pulley=_by_pulleys(claim, case, name),
+        curve={
+            "width": np.array(WIDTHS),
+            "log10_bayes_factor": curve,
+            "verdict": np.array(verdicts),
         },
-        curve={"width": widths, "log10_bayes_factor": curve, "verdict": np.array(verdicts)},
     )
+
+
+def _difference_of_prediction(own: Studied, best: Studied) -> Difference:
+    """Return by how much the claim predicts new assemblies better than its best rival."""
+    assert own.prediction is not None
+    assert best.prediction is not None  # a study of all sizes together has both, or neither
+    return difference(own.prediction, best.prediction)
+
+
+def _upper_bounds(rivals: Mapping[Hypothesis, Studied]) -> dict[str, float]:
+    """Return the 95 % upper bound of each rival's effect, as a share of friction."""
+    return {
+        rival.label: float(np.quantile(studied.size, 0.95))
+        for rival, studied in rivals.items()
+        if studied.size.size
+    }
+
+
+def _over_width(curve: Array) -> tuple[float, float]:
+    """Return the least and largest log10 Bayes factor over :data:`STABLE_OVER`.
+
+    Parameters
+    ----------
+    curve : ndarray, shape (len(WIDTHS),)
+        Log10 Bayes factor at each width.
+    """
+    widths = np.array(WIDTHS)
+    stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
+    return float(stable.min()), float(stable.max())
 
 
 def verdicts_over_widths(
@@ -139,18 +167,22 @@ def verdicts_over_widths(
         As for :func:`decide`.
     """
     rules = case.analysis.claims
-    sized = {one: found for one, found in rivals.items() if found.size.size}
-    ratios = {one: prior_ratios(found.theta, one, case.effects) for one, found in sized.items()}
+    sized = {rival: studied for rival, studied in rivals.items() if studied.size.size}
+    ratios = {
+        rival: prior_ratios(studied.theta, rival, case.effects) for rival, studied in sized.items()
+    }
     verdicts = []
     for place in range(len(WIDTHS)):
-        weights = {one: np.exp(r[place] - logsumexp(r[place])) for one, r in ratios.items()}
-        bound = max((_quantile(sized[one].size, w) for one, w in weights.items()), default=0.0)
-        best = max(rivals, key=lambda one: log_evidence(rivals[one], place))
+        weights = {rival: np.exp(r[place] - logsumexp(r[place])) for rival, r in ratios.items()}
+        bound = max((_quantile(sized[rival].size, w) for rival, w in weights.items()), default=0.0)
+        best = max(rivals, key=lambda rival: log_evidence(rivals[rival], place))
         beyond = 1.0
         if best in weights:
             beyond = float(weights[best] @ (sized[best].size > rules.region_of_equivalence))
-        here = float(log10[place])
-        verdict, _ = decide(rules, here, (here, here), bound, beyond, elpd_errors, best.label)
+        log10_here = float(log10[place])
+        verdict, _ = decide(
+            rules, log10_here, (log10_here, log10_here), bound, beyond, elpd_errors, best.label
+        )
         verdicts.append(verdict)
     return verdicts
 
@@ -171,19 +203,19 @@ def could_be_found(case: Case, rivals: Mapping[Hypothesis, Studied]) -> dict[str
     threshold = -case.analysis.claims.refute_log10_bayes_factor * LN10
     shares: dict[str, float] = {}
     open_to_prior = []
-    for one, found in rivals.items():
-        if not found.size.size:
+    for rival, studied in rivals.items():
+        if not studied.size.size:
             continue
-        effect = case.effects[one.effects[0][0]]
-        draws = found.theta[f"{effect.name}.{effect.amplitude.name}"]
+        effect = case.effects[rival.effects[0][0]]
+        draws = studied.theta[f"{effect.name}.{effect.amplitude.name}"]
         prior = effect.amplitude.prior
         error = amplitude_error(draws, prior)
         if error is None:
-            open_to_prior.append(one.label)
+            open_to_prior.append(rival.label)
             continue
-        per_unit = float(np.median(found.size / np.maximum(np.abs(draws), TINY)))
+        per_unit = float(np.median(studied.size / np.maximum(np.abs(draws), TINY)))
         smallest = smallest_found(error, prior, threshold, FOUND_WITH)
-        shares[one.label] = per_unit * smallest
+        shares[rival.label] = per_unit * smallest
     figures: dict[str, Any] = {"smallest_found": shares, "smallest_found_with": FOUND_WITH}
     if open_to_prior:
         why = "these data leave the amplitude to its prior"
@@ -195,7 +227,7 @@ def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, f
     """Return the narrowest and widest prior around the analysis's with its verdict."""
     middle = len(WIDTHS) // 2
     other = np.flatnonzero(np.array(verdicts) != verdict)
-    if middle in other:  # it rests on the stability over widths, which no width alone has
+    if middle in other:  # this verdict needs the odds at several widths, so no single width has it
         return WIDTHS[middle], WIDTHS[middle]
     low = other[other < middle].max(initial=-1) + 1
     high = other[other > middle].min(initial=len(WIDTHS)) - 1
@@ -277,7 +309,10 @@ def decide(
             f"The data favour the claim {odds(log10)}, but could hide an effect of "
             f"{share(upper_bound)} of friction."
         )
-    return "undecided", f"Odds for the claim of {odds(log10)} decide nothing."
+    return "undecided", (
+        f"The odds for the claim are {odds(log10)}; support needs "
+        f"{odds(rules.support_log10_bayes_factor)}."
+    )
 
 
 def odds(log10: float) -> str:
@@ -295,20 +330,20 @@ def share(value: float) -> str:
     return f"{100 * value:.2g} %"
 
 
-def log_evidence(found: Studied, width: int | None = None) -> float:
-    """Return the log evidence of what has one [nat].
+def log_evidence(studied: Studied, width: int | None = None) -> float:
+    """Return the log evidence of a hypothesis at a width of its amplitude's prior [nat].
 
     Parameters
     ----------
-    found : Studied
+    studied : Studied
         With an evidence.
     width : int or None
         Place in :data:`bayesfric.claims.studies.WIDTHS` of the width of its amplitude's
         prior, if it has one; None is as it is.
     """
-    assert found.evidence is not None
-    change = found.widths[width] if width is not None and found.widths.size else 0.0
-    return float(found.evidence.log_evidence + change)
+    assert studied.evidence is not None
+    change = studied.widths[width] if width is not None and studied.widths.size else 0.0
+    return float(studied.evidence.log_evidence + change)
 
 
 def bayes_factor(
@@ -334,7 +369,7 @@ def bayes_factor(
     value, error : float
     """
     assert own.evidence is not None
-    values = [log_evidence(one, width) for one in rivals]
+    values = [log_evidence(rival, width) for rival in rivals]
     best = int(np.argmax(values))
     rival = rivals[best].evidence
     assert rival is not None
@@ -342,10 +377,18 @@ def bayes_factor(
     return float(own.evidence.log_evidence - values[best]) / LN10, error / LN10
 
 
+def _by_pulleys(
+    claim: Claim, case: Case, name: str
+) -> dict[str, tuple[float | None, float | None, str]]:
+    """Return the log10 Bayes factor of each pulley size alone, its error, and why there is none."""
+    sizes = case.entered.data[name].sizes
+    return {size: _by_pulley(claim, case, f"{name}/{size}") for size in sizes}
+
+
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:
     own = case.studied[Task(name, case.entered.claimed)]
-    rivals = [case.studied[Task(name, one)] for one in claim.against(case.entered)]
-    lacking = [one.why for one in (own, *rivals) if one.evidence is None]
+    rivals = [case.studied[Task(name, rival)] for rival in claim.against(case.entered)]
+    lacking = [hypothesis.why for hypothesis in (own, *rivals) if hypothesis.evidence is None]
     if lacking:
         return None, None, "; ".join(lacking)
     return (*bayes_factor(own, rivals), "")

@@ -32,10 +32,14 @@ class Contradiction(NamedTuple):
 def contradictions() -> list[Contradiction]:
     """Return what the paper says against itself, computed from its own numbers."""
     said, robot, bearings = paper(), paper()["robot"], paper()["bearings"]
-    one = said["stiffness"]
-    law = table1_coefficients()[one["pulley_size"]]
-    by_law = float(coulomb_friction(law, one["n_pulleys"], one["wrap_angle_deg"], one["tension_n"]))
-    measured = one["friction_model3_n"]
+    stiffness = said["stiffness"]
+    law = table1_coefficients()[stiffness["pulley_size"]]
+    by_law = float(
+        coulomb_friction(
+            law, stiffness["n_pulleys"], stiffness["wrap_angle_deg"], stiffness["tension_n"]
+        )
+    )
+    measured = stiffness["friction_model3_n"]
     off = measured / by_law - 1
     low, high = said["table2"]["average_wrap_angle_deg"]
     wrap = robot["wrap_angle_deg"]["large"]
@@ -50,9 +54,9 @@ def contradictions() -> list[Contradiction]:
         Contradiction(
             "friction of one trial",
             f"Eq. (16) with Table I gives {by_law:.3f} N where Sec. III.B measured "
-            f"{measured:.3f} N ({one['pulley_size']}, n = {one['n_pulleys']}, "
-            f"{one['wrap_angle_deg']:.0f}°, {one['tension_n']} N): {off:.0%} off, more than the "
-            f"{said['rigs']['difference_at_most']:.0%} that are allowed between rigs.",
+            f"{measured:.3f} N ({stiffness['pulley_size']}, n = {stiffness['n_pulleys']}, "
+            f"{stiffness['wrap_angle_deg']:.0f}°, {stiffness['tension_n']} N): {off:.0%} off, more "
+            f"than the {said['rigs']['difference_at_most']:.0%} that are allowed between rigs.",
             {"by_law_n": by_law, "measured_n": measured, "relative_difference": off},
         ),
         Contradiction(

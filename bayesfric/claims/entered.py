@@ -52,13 +52,13 @@ class Entered:
         baseline_of(law, tuple(there.values()))
         chosen = tuple(there) if rigs is None else chosen_rigs(recording, rigs)
         opened = dict(zip(chosen, open_rigs(recording, chosen), strict=True))
-        data = {name: Data((one,)) for name, one in opened.items()}
+        data = {name: Data((trials,)) for name, trials in opened.items()}
         for name in list(data):
             for size in data[name].sizes:
                 data[f"{name}/{size}"] = data[name].of_size(size)
         for first, second in permutations(chosen, 2):
-            known = opened[second].table["pulley_size"].isin(data[first].sizes)
-            if (shared := opened[second].select(known)) is not None:
+            shared_sizes = opened[second].table["pulley_size"].isin(data[first].sizes)
+            if (shared := opened[second].select(shared_sizes)) is not None:
                 data[f"{first}+{second}"] = Data((opened[first], shared))
         return cls(data, tuple(name for name in there if name not in data), law)
 
@@ -78,7 +78,7 @@ class Entered:
         return trials
 
     def first(self, regime: Regime) -> str | None:
-        """Return the name of the first rig that moves so, if one has data."""
+        """Return the name of the first rig with data whose trials move in this way, or None."""
         moving = (
             name
             for name in self.rigs
@@ -92,7 +92,7 @@ class Entered:
         return any(self.trials(name).has_pulleys for name in self.rigs)
 
     def lack(self, regime: Regime) -> str:
-        """Return why there is no rig that moves so, a sentence."""
+        """Return a sentence that says why no rig with data moves in this way."""
         kinds = [rig for rig in all_rigs().values() if rig.regime == regime]
         without = [rig for rig in kinds if rig.name in self.left_out]
         if without:

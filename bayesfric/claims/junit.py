@@ -32,7 +32,7 @@ def write_junit(summary: ClaimsFile, path: Path) -> None:
 
 
 def _junit(summary: ClaimsFile) -> bytes:
-    verdicts = [one.verdict for one in summary.claims]
+    verdicts = [claim.verdict for claim in summary.claims]
     suite = ElementTree.Element(
         "testsuite",
         name="bayesfric.claims",
@@ -40,12 +40,12 @@ def _junit(summary: ClaimsFile) -> bytes:
         failures=str(verdicts.count("refuted")),
         skipped=str(verdicts.count("undecided") + verdicts.count("not-testable")),
     )
-    for one in summary.claims:
-        case = ElementTree.SubElement(suite, "testcase", classname="claims", name=one.id)
-        reason = legible(one.reason)  # it may name pulleys, and XML holds no controls
-        if one.verdict == "refuted":
+    for claim in summary.claims:
+        case = ElementTree.SubElement(suite, "testcase", classname="claims", name=claim.id)
+        reason = legible(claim.reason)  # it may name pulleys, and XML holds no controls
+        if claim.verdict == "refuted":
             ElementTree.SubElement(case, "failure", message=reason)
-        elif one.verdict != "supported":
-            ElementTree.SubElement(case, "skipped", message=f"{one.verdict}: {reason}")
+        elif claim.verdict != "supported":
+            ElementTree.SubElement(case, "skipped", message=f"{claim.verdict}: {reason}")
     ElementTree.indent(suite)
     return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)) + b"\n"

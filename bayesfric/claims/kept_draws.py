@@ -31,30 +31,30 @@ def models_kept(studied: Mapping[Task, Studied], chosen: Collection[Task]) -> di
         ``HYPOTHESIS/posterior``, the parameters over ``chain`` and ``draw``, and
         ``HYPOTHESIS/log_likelihood``, ``assembly`` over ``setup`` as in ``draws.nc``.
     """
-    whole = {task: one for task, one in studied.items() if task.whole and not task.apart}
+    whole = {task: study for task, study in studied.items() if task.whole and not task.apart}
     if not whole:
         return {}
     names = {task: f"{task.data}/{task.hypothesis.label}" for task in whole}
-    why = [one.why or ("" if task in chosen else NOT_BEST) for task, one in whole.items()]
+    why = [study.why or ("" if task in chosen else NOT_BEST) for task, study in whole.items()]
     groups = {
         "models": xr.Dataset(
             {"why": ("hypothesis", np.array(why))}, coords={"hypothesis": list(names.values())}
         )
     }
-    for task, one in whole.items():
-        if one.kept is None or task not in chosen:
+    for task, study in whole.items():
+        if study.kept is None or task not in chosen:
             continue
-        chains, draws, _ = one.kept.log_likelihood.shape
+        chains, draws, _ = study.kept.log_likelihood.shape
         place = {"chain": np.arange(chains), "draw": np.arange(draws)}
         groups[f"models/{names[task]}/posterior"] = xr.Dataset(
             {
                 variable_of(name): (("chain", "draw"), values)
-                for name, values in one.kept.theta.items()
+                for name, values in study.kept.theta.items()
             },
             coords=place,
         )
         groups[f"models/{names[task]}/log_likelihood"] = xr.Dataset(
-            {"assembly": (("chain", "draw", "setup"), one.kept.log_likelihood)},
-            coords=place | {"setup": list(one.kept.setups)},
+            {"assembly": (("chain", "draw", "setup"), study.kept.log_likelihood)},
+            coords=place | {"setup": list(study.kept.setups)},
         )
     return groups

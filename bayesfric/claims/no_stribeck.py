@@ -9,16 +9,16 @@ from bayesfric.fitting.hypothesis import Hypothesis
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Compare as ever, and say below which speed nothing is known."""
-    found = compare(claim, case)
-    if found.verdict == "not-testable":
-        return found
+    """Compare with the rivals, and name the speed below which the claim is not testable."""
+    finding = compare(claim, case)
+    if finding.verdict == "not-testable":
+        return finding
     slowest = slowest_speed(case.entered.data[claim.subject(case.entered)])
     return replace(
-        found,
-        reason=f"{found.reason} Below {slowest:.2g} m/s, the slowest recorded speed, the claim is "
-        "not testable.",
-        figures={**found.figures, "not_testable_below_m_s": slowest},
+        finding,
+        reason=f"{finding.reason} Below {slowest:.2g} m/s, the slowest recorded speed, the claim "
+        "is not testable.",
+        figures={**finding.figures, "not_testable_below_m_s": slowest},
     )
 
 

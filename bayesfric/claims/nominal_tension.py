@@ -23,9 +23,9 @@ def _judge(claim: Claim, case: Case) -> Finding:
     )
     figures = {}
     for size, law in table1_coefficients().items():
-        found = float(tension_of(condition, motor_friction(law, condition)))
-        figures[f"{size}_n"] = found
-        figures[f"{size}_less_quoted_n"] = found - quoted[f"{size}_n"]
+        tension = float(tension_of(condition, motor_friction(law, condition)))
+        figures[f"{size}_n"] = tension
+        figures[f"{size}_less_quoted_n"] = tension - quoted[f"{size}_n"]
     worst = max(abs(figures[f"{size}_less_quoted_n"]) for size in table1_coefficients())
     return Finding(
         "supported" if worst <= tolerance else "refuted",

@@ -95,7 +95,7 @@ class Kept(NamedTuple):
 
 @dataclass(frozen=True)
 class Studied:
-    """What a hypothesis makes of data.
+    """The evidence of a hypothesis, what it predicts, and how large its effect is.
 
     Parameters
     ----------
@@ -166,29 +166,29 @@ def study_all(
         for task in tasks
         if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
     }
-    each = [
+    questions = [
         (data[task.data], analysis, task, effects, near.get(task.data, {}))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
     ]
-    found: dict[Task, Studied] = {}
+    studied: dict[Task, Studied] = {}
 
     def take(given: Given, compute: Callable[[], Studied]) -> None:
-        found[given[2]] = keeping.record(_name(given), Studied, compute)
+        studied[given[2]] = keeping.record(_name(given), Studied, compute)
         done()
 
     running = {}
-    for one in each:
-        if executor is None or keeping.has(_name(one)):
-            take(one, partial(_study_one, one))
+    for given in questions:
+        if executor is None or keeping.has(_name(given)):
+            take(given, partial(_study_one, given))
         else:
-            running[executor.submit(_study_one, one)] = one
+            running[executor.submit(_study_one, given)] = given
     for future in as_completed(running):
         take(running[future], future.result)
-    return {one[2]: found[one[2]] for one in each}
+    return {given[2]: studied[given[2]] for given in questions}
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
-    """Return what takes longest, and should not be left for the end: a rank."""
+    """Return a rank by expected time: the longest studies are started first."""
     shapes = [effects[name].shape is not None for name, _ in task.hypothesis.effects]
     along = [effects[name].along_path for name, _ in task.hypothesis.effects]
     return 8 * task.apart + 4 * task.whole + 2 * any(shapes) + any(along)
@@ -200,9 +200,9 @@ Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
 def _mode(
     data: Data, analysis: Analysis, law: Hypothesis, effects: dict[str, Effect]
 ) -> dict[str, float]:
-    """Return the mode of a law alone, from which the climbs of all hypotheses start.
+    """Return the mode of a law without effects; the climbs of all hypotheses start there.
 
-    What likelihoods of the same trials share is tabulated on the way, and travels with the data.
+    The first call also fills the tables that likelihoods of the same trials share.
     """
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, law, effects)
@@ -211,7 +211,7 @@ def _mode(
 
 
 def _name(given: Given) -> str:
-    """Return the name of a study as a piece, which says all that differs from another's."""
+    """Return the name under which a checkpoint keeps a study: a digest of its task."""
     return f"studied-{sha256(repr(given[2]).encode()).hexdigest()[:16]}"
 
 
@@ -226,7 +226,7 @@ def _study(
     effects: dict[str, Effect],
     near: dict[str, float],
 ) -> Studied:
-    # The seed rests on what is studied, not on how many things are.
+    # The seed depends on what is studied, not on how many studies there are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
     with threadpool_limits(limits=1):
@@ -241,8 +241,8 @@ def _study(
             draws = _sampled(model, laplace, int(seed))
             try:
                 evidence = bridge_evidence(model.log_posterior, draws, int(proposals))
-            except SeparatedModes as found:
-                return Studied(None, str(found))
+            except SeparatedModes as error:
+                return Studied(None, str(error))
             z = draws.reshape(-1, draws.shape[-1])
         else:
             evidence, z = weighed
@@ -251,12 +251,15 @@ def _study(
         some = z[np.linspace(0, len(z) - 1, POINTWISE_DRAWS).astype(int)]
         densities = setup_log_densities(model, some)
     named = model.by_name(model.natural(z))
-    by_chain = (SHORT_RUN.ensembles, -1)  # evenly spaced, so that each has as many
+    by_chain = (SHORT_RUN.ensembles, -1)  # draws are evenly spaced, so each chain has as many
     kept = Kept(
-        {name: one.reshape(by_chain) for name, one in model.by_name(model.natural(some)).items()},
-        tuple(setup for one in model.likelihoods for setup in one.setups),
+        {
+            name: values.reshape(by_chain)
+            for name, values in model.by_name(model.natural(some)).items()
+        },
+        tuple(setup for likelihood in model.likelihoods for setup in likelihood.setups),
         np.concatenate(densities, axis=1).reshape(
-            *by_chain, sum(one.shape[1] for one in densities)
+            *by_chain, sum(density.shape[1] for density in densities)
         ),
     )
     return Studied(
@@ -273,7 +276,7 @@ def _study(
 def _weighed(
     model: Model, laplace: Laplace, seed: int, whole: bool = True
 ) -> tuple[Evidence, Array] | None:
-    """Draw by importance, where some hundred draws count; None where weights have heavy tails."""
+    """Draw by importance sampling; None where the weights have heavy tails."""
     return importance_draws(
         model.log_posterior,
         laplace,
@@ -285,7 +288,7 @@ def _weighed(
 
 
 def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
-    """Draw by ensembles, shape (ensembles, kept, walkers, D)."""
+    """Draw with ensembles of walkers, shape (ensembles, draws, walkers, D)."""
     walkers = max(WALKERS, 2 * laplace.mode.size)
     settings = SHORT_RUN.model_copy(update={"walkers": walkers})
     return sample(
@@ -294,7 +297,7 @@ def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
 
 
 def _apart(model: Model, seed: int, proposals: int) -> Studied:
-    """Draw how far two rigs are apart: that is all that is asked of them."""
+    """Draw the relative difference between two rigs; no evidence is computed."""
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     weighed = _weighed(model, laplace, proposals)
     if weighed is not None:
@@ -302,7 +305,7 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
     else:
         draws = _sampled(model, laplace, seed)
         if not in_one_place(draws):
-            return Studied(None, "the draws sit in different places")
+            return Studied(None, "the chains have not converged to one distribution")
         z = draws.reshape(-1, draws.shape[-1])
     return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
 
@@ -310,10 +313,10 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
 def _start(
     model: Model, hypothesis: Hypothesis, effects: dict[str, Effect], near: dict[str, float]
 ) -> Array:
-    """Return the best of some amplitudes and shapes, a place to climb from."""
+    """Return a point to climb from: the best of a few amplitudes and shapes of the effects."""
     rough = model.start()
-    known = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
-    start = model.sampling(np.array([known[name] for name in model.names]))
+    numbers = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
+    start = model.sampling(np.array([numbers[name] for name in model.names]))
     candidates = [rough, start]
     for name, _ in hypothesis.effects:
         effect = effects[name]
@@ -348,9 +351,9 @@ def prior_ratios(
     effect = effects[hypothesis.effects[0][0]]
     amplitude = theta[f"{effect.name}.{effect.amplitude.name}"]
     prior = effect.amplitude.prior
-    here = log_density(prior, amplitude)
+    at_own_width = log_density(prior, amplitude)
     return np.array(
-        [log_density(prior, amplitude / width) - np.log(width) - here for width in WIDTHS]
+        [log_density(prior, amplitude / width) - np.log(width) - at_own_width for width in WIDTHS]
     )
 
 
@@ -393,5 +396,5 @@ def _size_at_edge(
 
 def slowest_speed(data: Data) -> float:
     """Return the least speed at which anything was measured [m/s]."""
-    speeds = [one.slowest_speed_m_s for one in data.rigs]
+    speeds = [trials.slowest_speed_m_s for trials in data.rigs]
     return min((speed for speed in speeds if np.isfinite(speed)), default=0.0)

@@ -120,16 +120,20 @@ def diagnosed(
 ) -> "Diagnosed":
     """Diagnose a recording; what is done on the way is kept in the folder of the results."""
     from bayesfric.diagnosis import diagnose as diagnose_recording
+    from bayesfric.readiness import readiness_of, refuse_untold
     from bayesfric.recording import read_recording
 
     checkpoint = output / CHECKPOINT
     found = read_recording(recording)
+    if asked.get("simulator") is None:
+        refuse_untold(readiness_of(found, analysis, baseline=baseline, numbers_alone=True))
     return diagnose_recording(found, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
 
 
 def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bool) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.diagnosis.target import target_lines
+    from bayesfric.export.entered import entered_lines
     from bayesfric.probabilities import stated
 
     with stage("weighing the effects that the baseline leaves out", quiet=quiet):
@@ -143,6 +147,8 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
             say(f"{block.joint}: {block.verdict}: {block.sentence}")
         for name, chance in list(block.probabilities.items())[:5]:
             say(f"  {name:<28} {stated(chance)}")
+        for line in entered_lines(block):
+            say(line)
     happened = say_attention(summary.attention, quiet=quiet)
     if summary.target is not None:
         for line in target_lines(summary.target):

@@ -1,7 +1,9 @@
-"""``bayesfric export``: the calibrated, diagnosed law for your own simulator."""
+"""``bayesfric export``: the calibrated, diagnosed numbers for your own simulator."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -9,39 +11,164 @@ from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.printing import say
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from bayesfric.export.joints import ExportedJoint
+
 __all__ = ["export"]
+
+KINDS = ("json", "python", "mjcf", "urdf", "sdf", "isaaclab")
+OF_MODELS = ("mjcf", "urdf", "sdf")
+DRAWS = "joint-draws.csv"
 
 
 @exit_status
 def export(
-    folder: Annotated[Path, typer.Argument(help="Folder with the results of fit and diagnose.")],
+    folder: Annotated[Path, typer.Argument(help="Folder with the results of the verbs.")],
     to: Annotated[
-        str,
-        typer.Option("--to", metavar="<json|python|mjcf|urdf|sdf>", help="For which simulator."),
+        str, typer.Option("--to", metavar=f"<{'|'.join(KINDS)}>", help="For which simulator.")
     ] = "json",
+    into: Annotated[
+        Path | None,
+        typer.Option(
+            "--into",
+            metavar="MODEL",
+            help="Your own MJCF, URDF or SDF: a copy of it is written, its joints' fields set.",
+        ),
+    ] = None,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--joint",
+            metavar="LOG=MODEL",
+            help="A joint's name in the model, where it is another than in the log.",
+        ),
+    ] = None,
+    draws: Annotated[
+        int | None,
+        typer.Option(
+            "--draws",
+            metavar="N",
+            min=1,
+            help=f"Write N joint parameter sets too, for domain randomisation: {DRAWS}.",
+        ),
+    ] = None,
 ) -> None:
-    """Write the law with the named causes: law.json, law.py, law.xml, law.urdf or law.sdf.
+    """Write what the diagnosis found, for your simulator: numbers, or your own model with them.
 
     Numbers are of the law refitted with the causes where the diagnosis names any, with as many
-    digits as their errors leave.
+    digits as their errors leave. Without --into, a joint alone is written as a model of its own.
 
-    Example: bayesfric export my-results --to mjcf
+    Example: bayesfric export my-results --to mjcf --into robot.xml --draws 200
     """
     from bayesfric.errors import Fault, InputError, one_of
+
+    if to not in KINDS:
+        raise InputError([Fault("command line", one_of(KINDS, to), column="--to", value=to)])
+    if not folder.is_dir():
+        raise InputError([Fault(str(folder), "a folder with results of the verbs")])
+    if into is not None and to not in OF_MODELS:
+        expected = f"--to with one of {', '.join(OF_MODELS)}, where --into is given"
+        raise InputError([Fault("command line", expected, column="--to", value=to)])
+    with hold(folder, "export"):
+        if into is None and not (to == "isaaclab" or _of_several(folder)):
+            _export_law(folder, to, draws)
+        else:
+            _export_joints(folder, to, into, joint or [], draws)
+
+
+def _of_several(folder: Path) -> bool:
+    from bayesfric.results import read_json
+    from bayesfric.schemas import DiagnosisFile
+
+    file = folder / "diagnosis.json"
+    return file.is_file() and bool(read_json(DiagnosisFile, file).joints)
+
+
+def _export_law(folder: Path, to: str, draws: int | None) -> None:
+    """Write a law, or a model of one joint alone."""
     from bayesfric.export import FORMATS, export_text, read_law
     from bayesfric.export.bodies import TEXTS
     from bayesfric.export.joint_friction import joint_friction
-    from bayesfric.results import replace_outputs
+    from bayesfric.export.joints import read_joints
 
-    if to not in FORMATS:
-        raise InputError([Fault("command line", one_of(FORMATS, to), column="--to", value=to)])
-    if not folder.is_dir():
-        raise InputError([Fault(str(folder), "a folder with results of the verbs")])
-    with hold(folder, "export"):
-        law = read_law(folder)
-        text, file = export_text(law, to), FORMATS[to][0]
-        replace_outputs(folder, {file: lambda path: path.write_text(text, encoding="utf-8")})
-    say(f"{folder / file}")
+    law = read_law(folder)
+    texts = {FORMATS[to][0]: export_text(law, to)}
+    if draws is not None:
+        texts |= _drawn(read_joints(folder), draws, {})
+    _write(folder, texts)
     say(law.said, err=True)
     if to in TEXTS:
         say(joint_friction(law).said, err=True)
+
+
+def _export_joints(
+    folder: Path, to: str, into: Path | None, named: "Sequence[str]", draws: int | None
+) -> None:
+    """Write the numbers of joints, into a model where one is given."""
+    from bayesfric.errors import Fault, InputError
+    from bayesfric.export.into import filled_model
+    from bayesfric.export.joints import read_joints
+    from bayesfric.export.of_joints import TEXTS_OF_JOINTS
+    from bayesfric.export.snippets import LOAD_FRICTION_FILE, load_friction_text
+
+    joints = read_joints(folder)
+    if into is None:
+        if to in OF_MODELS:
+            expected = f"--into MODEL, your own in {to.upper()}: there are {len(joints)} joints"
+            raise InputError([Fault("command line", expected, column="--to", value=to)])
+        file, text_of = TEXTS_OF_JOINTS[to]
+        _write(folder, {file: text_of(joints, folder.resolve().name)} | _drawn(joints, draws, {}))
+        return
+    if into.resolve() == (folder / into.name).resolve():
+        expected = "a model outside of the folder of the results, which gets the copy"
+        raise InputError([Fault("command line", expected, column="--into", value=str(into))])
+    filled = filled_model(into, to, joints, _names(joints, named))
+    texts = {into.name: filled.content.decode("utf-8")}
+    if to == "mjcf" and (text := load_friction_text(dict(zip(filled.places, joints, strict=True)))):
+        texts[LOAD_FRICTION_FILE] = text
+    placed = [replace(joint, in_model=at) for joint, at in zip(joints, filled.places, strict=True)]
+    _write(folder, texts | _drawn(placed, draws, filled.links))
+    for remark in filled.remarks:
+        say(remark)
+
+
+def _names(joints: "Sequence[ExportedJoint]", named: "Sequence[str]") -> dict[str, str]:
+    """Return joint of the log to joint of the model, as --joint says it."""
+    from bayesfric.errors import Fault, InputError
+
+    names = {}
+    for text in named:
+        log, equals, model = text.partition("=")
+        if not equals and len(joints) == 1:
+            log, model = joints[0].name, text
+        elif not equals:
+            expected = "LOG=MODEL, where there are several joints"
+            raise InputError([Fault("command line", expected, column="--joint", value=text)])
+        names[log] = model
+    return names
+
+
+def _drawn(
+    joints: "Sequence[ExportedJoint]", draws: int | None, links: "Mapping[str, float]"
+) -> dict[str, str]:
+    from bayesfric.export.of_joints import draws_table
+
+    if draws is None:
+        return {}
+    text, below = draws_table(joints, draws, links)
+    if below:
+        say(f"{below} draws with a number below zero are left out of {DRAWS}", err=True)
+    return {DRAWS: text}
+
+
+def _write(folder: Path, texts: "Mapping[str, str]") -> None:
+    from bayesfric.results import replace_outputs
+
+    def writer(text: str) -> Callable[[Path], object]:
+        return lambda path: path.write_text(text, encoding="utf-8", newline="")
+
+    replace_outputs(folder, {file: writer(text) for file, text in texts.items()})
+    for file in texts:
+        say(f"{folder / file}")

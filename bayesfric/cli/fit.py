@@ -17,7 +17,7 @@ from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.fitting.posterior import Fit
+    from bayesfric.fitting.result import Fit
     from bayesfric.recording.tables import Recording
     from bayesfric.schemas import FitFile
 

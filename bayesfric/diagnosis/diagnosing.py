@@ -22,7 +22,7 @@ from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.entering import numbers_to_enter
-from bayesfric.diagnosis.examined import examinable, examined_effects, widened
+from bayesfric.diagnosis.examined import examinable, examined_effects, no_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
@@ -45,6 +45,7 @@ from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
+from bayesfric.diagnosis.undeclared import undeclared
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
@@ -240,10 +241,10 @@ def _diagnose(
     if effects or simulator is not None:
         checkpoint = None
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
-    climbing = keeping.each("climb", At, climb)
+    climbing = keeping.keep_each_call("climb", At, climb)
     steps = Steps(
-        keeping.each("weigh", Weighed, weigh),
-        keeping.each("unknown", Unknown | None, unknown_force),
+        keeping.keep_each_call("weigh", Weighed, weigh),
+        keeping.keep_each_call("unknown", Unknown | None, unknown_force),
     )
     data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
@@ -322,7 +323,7 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
-    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap)
+    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
@@ -348,6 +349,7 @@ def _diagnose(
         unexplained_by_scatter if above < MOSTLY else None,
     )
     errors = () if amounts is None else model_errors([amounts])
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -356,7 +358,11 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
-        attention=(*_doubted(data.rigs, law_found), *not_followed(analysis)),
+        attention=(
+            *_doubted(data.rigs, law_found),
+            *undeclared(recording.rig, verdict, others, [*named, *rivals, *possible], examined),
+            *not_followed(analysis),
+        ),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -388,17 +394,34 @@ def _diagnose(
         unexplained=unexplained,
         all_unexplained_because=why_all,
         gap=gap,
-        effects=examined_effects(first_found, sorted({**examined, **lacking}), lacking),
+        effects=examined_effects(
+            first_found,
+            [*examined, *lacking],
+            lacking,
+            no_effects(data, [one.name for one in effects]),
+        ),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
         target=asked_for,
         joint=joint,
+        joint_in_model=_in_model(recording),
         other_joints=others,
         model_error=errors,
+        instrument=None if isinstance(instrument, str) else instrument,
+        instrument_why=instrument if isinstance(instrument, str) else None,
         model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law), amounts
+
+
+def _in_model(recording: Recording) -> str | None:
+    """Return what the machine's model calls the joint; None without one, or of no joint."""
+    robot = recording.rig.robot
+    if robot is None or recording.axis is None:
+        return None
+    named = recording.axis.joint or next(iter(robot.joints), None)
+    return None if named is None else robot.joints.get(named)
 
 
 def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:

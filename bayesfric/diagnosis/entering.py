@@ -1,63 +1,30 @@
 """What to enter in a simulator of a driven joint, and what is lost where it has no field."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.rigs.rotary import rotary_unit
-from bayesfric.schemas import Cause, Enter, Gap, LawNumber, SimulatorField
+from bayesfric.robots.fields import LOAD_FRICTION, fields_of
+from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
 
 __all__ = ["numbers_to_enter"]
 
-MUJOCO, ISAACLAB, SDF, URDF, DRAKE = SIMULATORS = ("mujoco", "isaaclab", "sdf", "urdf", "drake")
 OF_PULLEYS = "of pulleys it is the coefficients of the friction law that are entered, under `law`"
 NO_JOINT = "no number of this law has a field in a simulator of joints"
-HAS_FIELD = "a simulator has a field for it"
+EVERY_FIELD = "every simulator has a field for it"
 NO_FORCE = "what it makes alone was not drawn"
-
-DAMPING = {
-    MUJOCO: "joint/@damping",
-    ISAACLAB: "ActuatorBaseCfg.viscous_friction",
-    SDF: "joint/axis/dynamics/damping",
-    URDF: "joint/dynamics/@damping",
-    DRAKE: "joint/dynamics/@damping",
-}
-FIELDS: dict[str, dict[str, str]] = {
-    # What is accelerated at the joint besides the links: no element of URDF or SDF holds it.
-    "inertia, turning": {
-        MUJOCO: "joint/@armature",
-        ISAACLAB: "ActuatorBaseCfg.armature",
-        DRAKE: "actuator/drake:rotor_inertia/@value, with a gear ratio of 1",
-    },
-    "inertia": {
-        MUJOCO: "body/inertial/@mass",
-        ISAACLAB: "MassPropertiesCfg.mass",
-        SDF: "link/inertial/mass",
-        URDF: "link/inertial/mass/@value",
-        DRAKE: "link/inertial/mass/@value",
-    },
-    "coulomb": {
-        MUJOCO: "joint/@frictionloss",
-        ISAACLAB: "ActuatorBaseCfg.dynamic_friction",
-        SDF: "joint/axis/dynamics/friction",
-        URDF: "joint/dynamics/@friction",
-    },
-    "viscous": DAMPING,
-    "spring.stiffness": {
-        MUJOCO: "joint/@stiffness",
-        SDF: "joint/axis/dynamics/spring_stiffness",
-    },
-}
-"""Fields of simulators by number of the law, or by EFFECT.PARAMETER.
-
-References
-----------
-MuJoCo XML reference, joint; Isaac Lab, ``ActuatorBaseCfg`` (2.2); SDFormat 1.11, axis dynamics;
-URDF, joint; Drake, parsing of URDF. Drake has no Coulomb friction of a joint.
-"""
+NO_MODEL = "no model of the machine was given"
+NOT_IN_MODEL = "no joint of a model has such a number"
+NAMES = {"inertia": ("inertia", "armature", "mass"), "armature": ("armature", "mass")}
+"""Of a number of the law, those by which a rig may call it."""
+SNIPPETS = {"load-friction.share": LOAD_FRICTION}
+"""Callbacks that stand for what no simulator has a field for."""
 
 
 def numbers_to_enter(
@@ -66,6 +33,7 @@ def numbers_to_enter(
     posterior: Posterior,
     causes: Sequence[Cause],
     gap: Gap,
+    residuals: Residuals,
 ) -> tuple[tuple[Enter, ...], str | None]:
     """Return the numbers to enter, from the refit with the causes; else why there are none.
 
@@ -81,68 +49,99 @@ def numbers_to_enter(
         Effects that are named.
     gap : Gap
         For the size of friction.
+    residuals : Residuals
+        Windows, whose speeds and accelerations say how large the force of a number is.
     """
     if model.data.rigs[0].has_pulleys:
         return (), OF_PULLEYS
-    if not {"inertia", "coulomb"} & set(law):
+    if not {"inertia", "armature", "coulomb"} & set(law):
         return (), NO_JOINT
-    turns, has = model.data.unit == rotary_unit("N"), model.data.rigs[0].in_simulator
-    found = [
-        Enter(
-            parameter=name,
-            unit=number.unit,
-            in_your_simulator=has.get(name),
-            value=number.after,
-            fields=_fields("inertia, turning" if turns and name == "inertia" else name),
-            lost_without_why=HAS_FIELD,
-        )
-        for name, number in law.items()
+    turns, has = residuals.turns, model.data.rigs[0].in_simulator
+    motion = _Motion.of(residuals)
+    entered = [
+        _of_law(name, number.after, number.unit, has, motion) for name, number in law.items()
     ]
     for cause in causes:
         damping = _damping(model, posterior) if cause.effect == "viscous" else None
         if damping is not None:
             unit = rotary_unit("N s/m") if turns else "N s/m"
-            found.append(
-                Enter(
-                    parameter="viscous",
-                    unit=unit,
-                    in_your_simulator=has.get("viscous"),
-                    value=interval(damping),
-                    fields=_fields("viscous"),
-                    lost_without_why=HAS_FIELD,
-                )
-            )
-            continue
-        found += _of_effect(cause, gap)
-    return tuple(found), None
+            entered.append(_of_law("viscous", interval(damping), unit, has, motion))
+        else:
+            entered += _of_effect(cause, gap, turns)
+    return tuple(entered), None
 
 
-def _fields(name: str) -> dict[str, SimulatorField | None]:
-    own = FIELDS.get(name, {})
+class _Motion(NamedTuple):
+    """How large speed and acceleration are over the recording's conditions."""
+
+    turns: bool
+    speed_rms: float
+    acceleration_rms: float
+
+    @classmethod
+    def of(cls, residuals: Residuals) -> "_Motion":
+        def rms(name: str) -> float:
+            values = np.nan_to_num(residuals.covariates[name])
+            return float(np.sqrt((residuals.weight * values**2).sum()))
+
+        return cls(residuals.turns, rms("velocity"), rms("acceleration"))
+
+    def force(self, name: str, value: float) -> float:
+        """Return the rms force [N or N·m] that a number of the law makes."""
+        by = {"viscous": self.speed_rms, "inertia": self.acceleration_rms}
+        by["armature"] = self.acceleration_rms
+        return abs(value) * by.get(name, 1.0)
+
+
+def _fields(parameter: str, turns: bool) -> dict[str, SimulatorField | None]:
     return {
-        simulator: SimulatorField(field=own[simulator], factor=1.0) if simulator in own else None
-        for simulator in SIMULATORS
+        simulator: None if entry is None else SimulatorField(**entry._asdict())
+        for simulator, entry in fields_of(parameter, turns=turns).items()
     }
 
 
-def _of_effect(cause: Cause, gap: Gap) -> list[Enter]:
+def _of_law(
+    name: str, value: Interval, unit: str, has: Mapping[str, float], motion: _Motion
+) -> Enter:
+    """Return a number of the law; what is lost without is the rms force that it makes."""
+    called = next((one for one in NAMES.get(name, (name,)) if one in has), None)
+    fields = _fields(name, motion.turns)
+    everywhere = all(fields.values())
+    return Enter(
+        parameter=name,
+        unit=unit,
+        in_your_simulator=None if called is None else has[called],
+        in_your_simulator_why=None if called is not None else NOT_IN_MODEL if has else NO_MODEL,
+        value=value,
+        fields=fields,
+        lost_without=None if everywhere else motion.force(name, value.mean),
+        lost_without_why=EVERY_FIELD if everywhere else None,
+    )
+
+
+def _of_effect(cause: Cause, gap: Gap, turns: bool) -> list[Enter]:
     """Return the parameters of an effect; what is lost without is the rms of its force."""
-    found = []
+    lost = cause.strength * gap.friction_rms if cause.strength > 0 else None
+    entered = []
     for name, number in cause.parameters.items():
-        fields = _fields(f"{cause.effect}.{name}")
-        lost = cause.strength * gap.friction_rms if cause.strength > 0 else None
-        somewhere = any(fields.values())
-        found.append(
+        parameter = f"{cause.effect}.{name}"
+        fields = _fields(parameter, turns)
+        everywhere = all(fields.values())
+        entered.append(
             Enter(
-                parameter=f"{cause.effect}.{name}",
+                parameter=parameter,
                 unit=number.unit,
-                value=number,
+                in_your_simulator_why=NOT_IN_MODEL,
+                value=Interval.model_validate(
+                    number.model_dump(include=set(Interval.model_fields))
+                ),
                 fields=fields,
-                lost_without=None if somewhere else lost,
-                lost_without_why=HAS_FIELD if somewhere else NO_FORCE if lost is None else None,
+                lost_without=None if everywhere else lost,
+                lost_without_why=EVERY_FIELD if everywhere else NO_FORCE if lost is None else None,
+                snippet=SNIPPETS.get(parameter),
             )
         )
-    return found
+    return entered
 
 
 def _damping(model: LinearModel, posterior: Posterior) -> Array | None:

@@ -12,7 +12,9 @@ from bayesfric.schemas import Interval, LawNumber
 
 __all__ = ["law_of_diagnosis"]
 
-CALLED = {"mass": "inertia"}  # of a joint, whose links have masses of their own
+MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
+"""What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
+the machine what is left beside these, the rotor as the gear reflects it."""
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 
 
@@ -33,6 +35,8 @@ def law_of_diagnosis(
         Windows, in which a number shows.
     """
     # Friction that scatters as that of some effect would take its place.
+    has_model = ARMATURE in model.data.rigs[0].in_simulator
+    called = {MASS: ARMATURE if has_model else INERTIA}
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
     fitted = alone.fitted_laws(at)
@@ -45,7 +49,7 @@ def law_of_diagnosis(
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])
             mean = float(np.asarray(fitted[size][column]))
-            found[CALLED.get(name, name)] = LawNumber(
+            found[called.get(name, name)] = LawNumber(
                 unit=unit,
                 before=_normal(mean, sd),
                 after=interval(posterior.law.coefficients[:, place, column]),

@@ -30,5 +30,6 @@ EFFECT = Effect(
     laws={"first-order": _first_order},
     along_path=True,
     needs=frozenset({"drive", "commanded-force"}),
-    axes=frozenset({"acceleration", "velocity"}),
+    # Beside a law with inertia and viscous friction it shows where friction has just turned.
+    axes=frozenset({"acceleration", "travel_since_reversal", "velocity"}),
 )

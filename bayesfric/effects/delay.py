@@ -29,5 +29,6 @@ EFFECT = Effect(
     laws={"late": _late},
     along_path=True,
     needs=frozenset({"drive"}),
-    axes=frozenset({"acceleration", "velocity"}),
+    # Beside a law with inertia and viscous friction it shows where friction has just turned.
+    axes=frozenset({"acceleration", "travel_since_reversal", "velocity"}),
 )

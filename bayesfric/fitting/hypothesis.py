@@ -1,4 +1,4 @@
-"""A hypothesis is a law and what acts beside it; with data it is a model."""
+"""A hypothesis: a friction law and the effects that act. With data it becomes a model."""
 
 from dataclasses import dataclass
 
@@ -33,8 +33,8 @@ class Hypothesis:
 
     @property
     def label(self) -> str:
-        """The law alone, or its effects as in ``viscous/tension``."""
-        return "+".join("/".join(one) for one in self.effects) or self.law
+        """Its effects with their laws, as in ``viscous/tension``; without any, its friction law."""
+        return "+".join("/".join(effect) for effect in self.effects) or self.law
 
 
 def model_of(
@@ -60,7 +60,7 @@ def model_of(
     """
     law = LAWS[hypothesis.law]
     active = [ActiveEffect(effects[name], variant) for name, variant in hypothesis.effects]
-    return Model([one.likelihood(analysis, law, active) for one in data.rigs])
+    return Model([trials.likelihood(analysis, law, active) for trials in data.rigs])
 
 
 def chart_of(model: Model) -> Chart:

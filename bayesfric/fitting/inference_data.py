@@ -7,7 +7,7 @@ others: either can be left out. Neither adds up to the density of the whole, so 
 what power-scaling (``psense``) makes of it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -39,7 +39,7 @@ CONDITION = ("setup_of_trial", *CELL)
 
 @dataclass(frozen=True)
 class Stored:
-    """Every so-many-th draw of each walker: what is written, and what trials are left out of.
+    """Evenly spaced draws of each walker: they are written, and trials are left out of them.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Stored:
 
     @classmethod
     def of(cls, z: Array, theta: Array, log_density: Array, trials: int) -> "Stored":
-        """Return at most 4,000 draws, evenly spaced; fewer of very many trials.
+        """Return at most 4,000 evenly spaced draws; fewer where the recording has very many trials.
 
         Parameters
         ----------
@@ -133,24 +133,15 @@ def draws_of_fit(
         likelihood.draw_observed(named, likelihood.draw_scatter(named, rng, together=True), rng)
         for likelihood in model.likelihoods
     ]
-    trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
-    setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
     whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
-    trials = STEP * np.rint(trials.reshape(*shape, -1) / STEP)
-    setups = setups.reshape(*shape, -1)
-    parts = trials.sum(axis=-1) + setups.sum(axis=-1)
     priors = np.stack(
         [log_density(p.prior, stored.theta[..., k]) for k, p in enumerate(model.parameters)],
         axis=-1,
     )
     posterior, sizes = _variables(model, stored.theta), sizes_of(model.names)
-    prefixes = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]  # ids may be the same
-    table = pd.concat(
-        one.trials.assign(
-            trial=prefix + one.trials["trial"], setup_of_trial=prefix + one.trials["setup"]
-        )
-        for prefix, one in zip(prefixes, model.likelihoods, strict=True)
+    table, setups = _trials_and_setups(
+        model, [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
     )
     return draws_tree(
         {
@@ -163,29 +154,50 @@ def draws_of_fit(
             "observed_data": {"friction": observed},
             "constant_data": {name: table[name].to_numpy() for name in CONDITION if name in table},
             "sample_stats": {"lp": whole + priors.sum(axis=-1)},
-            "log_likelihood": {
-                "friction": trials,
-                "assembly": setups,
-                "overlap": whole - parts,
-            },
+            "log_likelihood": _log_likelihood(left_out, whole),
             "log_prior": _variables(model, priors),
         },
         dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3}
         | {"friction": ["trial"], "assembly": ["setup"]}
         | {name: ["trial"] for name in CONDITION if name in table},
         coords=({"pulley": list(sizes)} if sizes else {})
-        | {
-            "trial": table["trial"].to_numpy(),
-            "setup": [
-                prefix + setup
-                for prefix, one in zip(prefixes, model.likelihoods, strict=True)
-                for setup in one.setups
-            ],
-        },
+        | {"trial": table["trial"].to_numpy(), "setup": setups},
         ensemble=stored.ensemble,
         attributes=flat_attributes(attributes),
         units={**{p.name.partition("[")[0]: p.unit for p in model.parameters}},
     )
+
+
+def _trials_and_setups(model: Model, prefixes: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
+    """Return the trials and assemblies of all rigs, a prefix of its own before each rig's ids."""
+    by_prefix = list(zip(prefixes, model.likelihoods, strict=True))
+    table = pd.concat(
+        likelihood.trials.assign(
+            trial=prefix + likelihood.trials["trial"],
+            setup_of_trial=prefix + likelihood.trials["setup"],
+        )
+        for prefix, likelihood in by_prefix
+    )
+    setups = [prefix + setup for prefix, likelihood in by_prefix for setup in likelihood.setups]
+    return table, setups
+
+
+def _log_likelihood(left_out: Mapping[str, LeftOut], whole: Array) -> dict[str, Array]:
+    """Return the group ``log_likelihood``, whose variables add up to the density of the whole.
+
+    Parameters
+    ----------
+    left_out : mapping of str to LeftOut
+        By rig.
+    whole : ndarray, shape (chain, draw)
+        Log likelihood of all data.
+    """
+    trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
+    setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
+    trials = STEP * np.rint(trials.reshape(*whole.shape, -1) / STEP)
+    setups = setups.reshape(*whole.shape, -1)
+    parts = trials.sum(axis=-1) + setups.sum(axis=-1)
+    return {"friction": trials, "assembly": setups, "overlap": whole - parts}
 
 
 def _single(values: Array, shape: tuple[int, ...]) -> NDArray[np.float32]:
@@ -227,9 +239,9 @@ def write_csv(tree: xr.DataTree, path: Path) -> None:
     for name, variable in posterior.data_vars.items():
         further = [str(dim) for dim in variable.dims if dim != "sample"]
         labels = [posterior[dim].to_numpy() for dim in further]
-        for one in product(*labels):
-            called = f"{name}[{','.join(map(str, one))}]" if further else name_of(str(name))
-            columns[called] = variable.sel(dict(zip(further, one, strict=True))).to_numpy()
+        for label in product(*labels):
+            called = f"{name}[{','.join(map(str, label))}]" if further else name_of(str(name))
+            columns[called] = variable.sel(dict(zip(further, label, strict=True))).to_numpy()
     index = pd.MultiIndex.from_arrays(
         [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
     )

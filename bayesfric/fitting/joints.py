@@ -3,26 +3,23 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from bayesfric.fitting.result import Fit
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
-from bayesfric.schemas import JointFit
-
-if TYPE_CHECKING:
-    from bayesfric.fitting.posterior import Fit
+from bayesfric.schemas import JointFit, ParameterSummary
 
 __all__ = ["fitted_together"]
 
 
 def fitted_together(
     parted: Mapping[str, Recording],
-    fitted: Callable[[Recording, Path | None], "Fit"],
+    fitted: Callable[[Recording, Path | None], Fit],
     checkpoint: Path | None,
-) -> "Fit":
-    """Fit each joint by itself; what stands at the top is of the first.
+) -> Fit:
+    """Fit each joint by itself; the top level of the result is that of the first joint.
 
     Parameters
     ----------
@@ -38,47 +35,59 @@ def fitted_together(
     InputError
         A joint cannot be fitted.
     """
-    each: dict[str, Fit] = {}
+    fits: dict[str, Fit] = {}
     for place, (joint, recording) in enumerate(parted.items(), start=1):
         folder = None if checkpoint is None else checkpoint / f"joint-{place}"
-        each[joint] = fitted(recording, folder)
-    first = next(iter(each.values()))
-    summaries = {joint: one.summary for joint, one in each.items()}
+        fits[joint] = fitted(recording, folder)
+    first = next(iter(fits.values()))
+    summaries = {joint: fit.summary for joint, fit in fits.items()}
     summary = first.summary.model_copy(
         update={
-            "joint": next(iter(each)),
+            "joint": next(iter(fits)),
             "joint_why": None,
             "joints": {
                 joint: JointFit(
-                    converged=one.converged,
-                    parameters=one.parameters,
-                    scatter=one.scatter,
-                    noise=one.noise,
+                    converged=summary_of_joint.converged,
+                    parameters=_called(summary_of_joint.parameters, parted[joint]),
+                    scatter=summary_of_joint.scatter,
+                    noise=summary_of_joint.noise,
                 )
-                for joint, one in summaries.items()
+                for joint, summary_of_joint in summaries.items()
             },
-            "converged": all(one.converged for one in summaries.values()),
+            "converged": all(fit_of_joint.converged for fit_of_joint in summaries.values()),
             "attention": tuple(
-                f"{joint}: {line}" for joint, one in summaries.items() for line in one.attention
+                f"{joint}: {line}"
+                for joint, summary_of_joint in summaries.items()
+                for line in summary_of_joint.attention
             ),
         }
     )
     seconds = {
         f"{joint}: {stage}": time
-        for joint, one in each.items()
-        for stage, time in one.seconds.items()
+        for joint, fit in fits.items()
+        for stage, time in fit.seconds.items()
     }
     return replace(
         first,
         summary=identified(summary),
-        draws=_with_joints(first.draws, [one.draws for one in each.values()]),
-        predictive=_with_joints(first.predictive, [one.predictive for one in each.values()]),
+        draws=_with_joints(first.draws, [fit.draws for fit in fits.values()]),
+        predictive=_with_joints(first.predictive, [fit.predictive for fit in fits.values()]),
         seconds=seconds,
     )
 
 
+def _called(
+    numbers: Mapping[str, ParameterSummary], recording: Recording
+) -> dict[str, ParameterSummary]:
+    """Return the numbers of a joint with its mass called as in a diagnosis: armature or inertia."""
+    robot, joint = recording.rig.robot, None if recording.axis is None else recording.axis.joint
+    has_model = robot is not None and joint is not None and joint in robot.joints
+    called = {"mass": "armature" if has_model else "inertia"}
+    return {called.get(name, name): number for name, number in numbers.items()}
+
+
 def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:
-    """Return a tree with those of all joints, by their number, in a group beside its own."""
+    """Return the first joint's tree with a group ``joints`` that numbers all trees from 1."""
     numbered = {str(place): tree for place, tree in enumerate(trees, start=1)}
     joints = xr.DataTree(children={name: tree.copy() for name, tree in numbered.items()})
     return xr.DataTree(first.to_dataset(), children=dict(first.children) | {"joints": joints})

@@ -15,10 +15,11 @@ from bayesfric.arrays import Array
 from bayesfric.attention import of_pooled, unsettled
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes, write_csv
-from bayesfric.fitting.pooling import BETWEEN, PooledDraws, draw_pooled
-from bayesfric.fitting.posterior import Fit, model_of_law, opened
+from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
+from bayesfric.fitting.posterior import model_of_law, opened
+from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import interval_of, parameter_summary
-from bayesfric.inference.diagnostics import diagnose_all
+from bayesfric.inference.diagnostics import LARGEST_PARETO_K, diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
 from bayesfric.observation.coefficients import coefficient_name, sizes_of
@@ -48,7 +49,6 @@ from bayesfric.schemas import (
 
 __all__ = ["PooledFit", "board_folder", "check_boards", "pool"]
 
-LIMIT_K = 0.7
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "
     "deviation between them"
@@ -80,7 +80,7 @@ class PooledFit:
     ) -> None:
         """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
 
-        Parameters and errors are those of :meth:`bayesfric.fitting.posterior.Fit.write`.
+        Parameters and errors are those of :meth:`bayesfric.fitting.result.Fit.write`.
         """
         run_id = self.summary.run_id
         timings = json_bytes(TimingsFile(seconds={}, run_id=run_id, inputs=dict(inputs or {})))
@@ -96,7 +96,7 @@ class PooledFit:
 
 
 def board_folder(name: str) -> str:
-    """Return where, beside the pooled fit, that of a board is."""
+    """Return the folder of one board's fit, relative to that of the pooled fit."""
     return f"boards/{name}"
 
 
@@ -124,16 +124,17 @@ def check_boards(
     sizes: dict[str, tuple[str, ...]] = {}
     chosen: tuple[str, ...] = ()
     for name, recording in recordings.items():
-        if recording.sha256 and recording.sha256 in seen:  # one that was never read has none
+        # A recording that was made in memory has no checksum.
+        if recording.sha256 and recording.sha256 in seen:
             expected = f"other data than those of {seen[recording.sha256]}: a board counts once"
             raise InputError([Fault(name, expected)])
         seen[recording.sha256] = name
-        here = chosen_rigs(recording, rigs)
-        if chosen and here != chosen:
+        present = chosen_rigs(recording, rigs)
+        if chosen and present != chosen:
             expected = f"data of the rigs {', '.join(chosen)}, as the others: name them by --rigs"
-            raise InputError([Fault(name, expected, value=", ".join(here))])
-        chosen = here
-        data, law, own = opened(recording, analysis, here, "paper")
+            raise InputError([Fault(name, expected, value=", ".join(present))])
+        chosen = present
+        data, law, own = opened(recording, analysis, present, "paper")
         sizes[name] = sizes_of(model_of_law(data, own, law).names)
     first, *others = sizes
     if not sizes[first]:
@@ -160,7 +161,7 @@ def pool(
     *,
     progress: Progress | None = None,
 ) -> PooledFit:
-    """Fit the population of which several boards are draws.
+    """Fit the population from which the coefficients of several boards are drawn.
 
     Parameters
     ----------
@@ -179,16 +180,16 @@ def pool(
         data, law, own = opened(recording, analysis, first.rigs, first.baseline)
         models[name] = model_of_law(data, own, law)
         alone[name] = _stored(fits[name], models[name].names)
-    found = draw_pooled(models, alone, analysis, progress)
+    drawn = draw_pooled(models, alone, analysis, progress)
     attributes = provenance(
         recording=_all_of(recordings),
         analysis=analysis,
-        created=max(one.created or "" for one in recordings.values()) or None,
+        created=max(recording.created or "" for recording in recordings.values()) or None,
     )
     own_names = {name: model.names for name, model in models.items()}
-    summary = identified(_summary(attributes, fits, found, alone, own_names, analysis))
+    summary = identified(_summary(attributes, fits, drawn, alone, own_names, analysis))
     origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
-    draws, predictive = _trees(found, own_names, flat_attributes(origin), analysis.seed)
+    draws, predictive = _trees(drawn, own_names, flat_attributes(origin), analysis.seed)
     return PooledFit(summary, draws, predictive)
 
 
@@ -198,13 +199,15 @@ def _stored(fit: Fit, names: Sequence[str]) -> Array:
     columns = []
     for name in names:
         stem, _, size = name.partition("[")
-        one = posterior[name] if name in posterior else posterior[stem].sel(pulley=size[:-1])
-        columns.append(one.to_numpy().ravel())
+        coefficient = (
+            posterior[name] if name in posterior else posterior[stem].sel(pulley=size[:-1])
+        )
+        columns.append(coefficient.to_numpy().ravel())
     return np.stack(columns, axis=-1)
 
 
 def _all_of(recordings: Mapping[str, Recording]) -> RecordingId:
-    digests = sorted(one.sha256 for one in recordings.values())
+    digests = sorted(recording.sha256 for recording in recordings.values())
     return RecordingId(
         name=" + ".join(recordings),
         title=f"{len(recordings)} boards of one population",
@@ -215,58 +218,37 @@ def _all_of(recordings: Mapping[str, Recording]) -> RecordingId:
 def _summary(
     attributes: Provenance,
     fits: Mapping[str, Fit],
-    found: PooledDraws,
+    drawn: PooledDraws,
     alone: Mapping[str, Array],
     own_names: Mapping[str, Sequence[str]],
     analysis: Analysis,
 ) -> FitFile:
     """Return what ``fit.json`` says."""
-    population, theta = found.population, found.theta
+    population, theta = drawn.population, drawn.theta
     convergence = dict(zip(population.names, diagnose_all(theta[:, :, None]), strict=True))
     informed = informed_by_data(population, theta.reshape(-1, theta.shape[-1]))
     entries = {
-        one.name: parameter_summary(one, theta[..., k], convergence[one.name], bool(informed[k]))
-        for k, one in enumerate(population.parameters)
-    }
-    sizes = sizes_of(population.names)
-    stems = list(dict.fromkeys(name.partition("[")[0] for name in population.names))
-    stems = [stem for stem in stems if not stem.startswith(BETWEEN)]
-    new = _new_boards(found, analysis.seed)
-
-    def of_board(stem: str, size: str) -> PooledCoefficient:
-        name = coefficient_name(stem, size)
-        k = population.names.index(name)
-        spread = population.split(theta)[1][..., k]
-        boards = {}
-        for board, names in own_names.items():
-            place = names.index(name)
-            before = alone[board][:, place]
-            boards[board] = BoardCoefficient(
-                alone=interval_of(before),
-                pooled=interval_of(found.boards[board][..., place]),
-                shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
-            )
-        return PooledCoefficient(
-            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
+        parameter.name: parameter_summary(
+            parameter, theta[..., k], convergence[parameter.name], bool(informed[k])
         )
-
+        for k, parameter in enumerate(population.parameters)
+    }
     chains, draws, _ = theta.shape
     least = min(figures.ess_bulk for figures in convergence.values())
-    infinite = not np.isfinite(found.pareto_k)
-    reliable = found.pareto_k <= LIMIT_K
+    reliable = drawn.pareto_k <= LARGEST_PARETO_K
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes.model_dump(),
         rigs=next(iter(fits.values())).summary.rigs,
         baseline=next(iter(fits.values())).summary.baseline,
-        converged=converged and reliable and all(one.summary.converged for one in fits.values()),
+        converged=converged and reliable and all(fit.summary.converged for fit in fits.values()),
         attention=of_pooled(
-            {name: one.summary for name, one in fits.items()},
-            found.pareto_k,
-            LIMIT_K,
+            {name: fit.summary for name, fit in fits.items()},
+            drawn.pareto_k,
+            LARGEST_PARETO_K,
             list(unsettled(convergence, entries)),
         ),
-        pulleys=_by_size(entries, stems, sizes),
+        pulleys=_by_size(entries, *_stems_and_sizes(population)),
         scatter={},
         noise={},
         parameters={},
@@ -278,25 +260,64 @@ def _summary(
             steps=draws,
             thin=1,
             draws=chains * draws,
-            acceptance=found.acceptance,
+            acceptance=drawn.acceptance,
             autocorrelation_time=chains * draws / least,
         ),
         data_quality=_quality(fits),
-        pooled=Pooled(
-            shared=SHARED,
-            own=OWN,
-            boards={
-                name: PooledBoard(
-                    recording=fit.summary.recording,
-                    folder=board_folder(name),
-                    converged=fit.summary.converged,
-                )
-                for name, fit in fits.items()
-            },
-            pulleys={size: {stem: of_board(stem, size) for stem in stems} for size in sizes},
-            pareto_k=None if infinite else found.pareto_k,
-            pareto_k_why="hardly any weight is not zero" if infinite else None,
-        ),
+        pooled=_pooled(fits, drawn, alone, own_names, entries, _new_boards(drawn, analysis.seed)),
+    )
+
+
+def _stems_and_sizes(population: Population) -> tuple[list[str], tuple[str, ...]]:
+    """Return the names of the coefficients without a size, and the pulley sizes."""
+    stems = list(dict.fromkeys(name.partition("[")[0] for name in population.names))
+    return [stem for stem in stems if not stem.startswith(BETWEEN)], sizes_of(population.names)
+
+
+def _pooled(
+    fits: Mapping[str, Fit],
+    drawn: PooledDraws,
+    alone: Mapping[str, Array],
+    own_names: Mapping[str, Sequence[str]],
+    entries: Mapping[str, ParameterSummary],
+    new: Array,
+) -> Pooled:
+    """Return the coefficients of the population, and how far pooling moves those of each board."""
+    population = drawn.population
+
+    def of_board(stem: str, size: str) -> PooledCoefficient:
+        name = coefficient_name(stem, size)
+        k = population.names.index(name)
+        spread = population.split(drawn.theta)[1][..., k]
+        boards = {}
+        for board, names in own_names.items():
+            place = names.index(name)
+            before = alone[board][:, place]
+            boards[board] = BoardCoefficient(
+                alone=interval_of(before),
+                pooled=interval_of(drawn.boards[board][..., place]),
+                shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
+            )
+        return PooledCoefficient(
+            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
+        )
+
+    stems, sizes = _stems_and_sizes(population)
+    infinite = not np.isfinite(drawn.pareto_k)
+    return Pooled(
+        shared=SHARED,
+        own=OWN,
+        boards={
+            name: PooledBoard(
+                recording=fit.summary.recording,
+                folder=board_folder(name),
+                converged=fit.summary.converged,
+            )
+            for name, fit in fits.items()
+        },
+        pulleys={size: {stem: of_board(stem, size) for stem in stems} for size in sizes},
+        pareto_k=None if infinite else drawn.pareto_k,
+        pareto_k_why="hardly any weight is not zero" if infinite else None,
     )
 
 
@@ -307,10 +328,10 @@ def _by_size(
 
 
 def _quality(fits: Mapping[str, Fit]) -> DataQuality:
-    """Return what entered of all boards, trials that did not by board and id."""
-    each = {name: fit.summary.data_quality for name, fit in fits.items()}
+    """Return counts of all boards together; excluded trials are named by board and id."""
+    qualities = {name: fit.summary.data_quality for name, fit in fits.items()}
     totals: dict[str, Any] = {
-        key: sum(getattr(one, key) for one in each.values())
+        key: sum(getattr(quality, key) for quality in qualities.values())
         for key in (
             "trials",
             "trials_used",
@@ -325,40 +346,45 @@ def _quality(fits: Mapping[str, Fit]) -> DataQuality:
         **totals,
         excluded=tuple(
             out.model_copy(update={"trial": f"{name}/{out.trial}"})
-            for name, one in each.items()
-            for out in one.excluded
+            for name, quality in qualities.items()
+            for out in quality.excluded
         ),
-        notes=tuple(f"{name}: {note}" for name, one in each.items() for note in one.notes),
+        notes=tuple(
+            f"{name}: {note}" for name, quality in qualities.items() for note in quality.notes
+        ),
     )
 
 
-def _new_boards(found: PooledDraws, seed: int) -> Array:
+def _new_boards(drawn: PooledDraws, seed: int) -> Array:
     """Return coefficients of a board that was not measured, shape (chains, draws, K)."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, 12]))
-    mean, sd = found.population.split(found.theta)
+    mean, sd = drawn.population.split(drawn.theta)
     return np.asarray(rng.normal(mean, sd))
 
 
 def _trees(
-    found: PooledDraws,
+    drawn: PooledDraws,
     own_names: Mapping[str, Sequence[str]],
     attributes: Mapping[str, Any],
     seed: int,
 ) -> tuple[xr.DataTree, xr.DataTree]:
     """Return what ``draws.nc`` and ``predictive.nc`` hold."""
-    names, sizes = found.population.names, sizes_of(found.population.names)
-    units = {one.name.partition("[")[0]: one.unit for one in found.population.parameters}
-    new = _new_boards(found, seed)
+    names, sizes = drawn.population.names, sizes_of(drawn.population.names)
+    units = {
+        parameter.name.partition("[")[0]: parameter.unit
+        for parameter in drawn.population.parameters
+    }
+    new = _new_boards(drawn, seed)
     posterior: dict[str, Array] = {}
     later: dict[str, Array] = {}
     dims: dict[str, list[str]] = {}
     for stem in units:
         places = [names.index(coefficient_name(stem, size)) for size in sizes]
-        posterior[stem], dims[stem] = found.theta[..., places], ["pulley"]
+        posterior[stem], dims[stem] = drawn.theta[..., places], ["pulley"]
         if not stem.startswith(BETWEEN):
             later[stem] = new[..., places]
             by_board = [
-                found.boards[board][..., [own.index(names[place]) for place in places]]
+                drawn.boards[board][..., [own.index(names[place]) for place in places]]
                 for board, own in own_names.items()
             ]
             posterior[f"board_{stem}"] = np.stack(by_board, axis=2)

@@ -42,8 +42,8 @@ class Population(Model):
         analysis: Analysis,
     ) -> None:
         scatter = [
-            Parameter(BETWEEN + one.name, "1", analysis.priors.boards, "scatter")
-            for one in coefficients
+            Parameter(BETWEEN + parameter.name, "1", analysis.priors.boards, "scatter")
+            for parameter in coefficients
         ]
         super().__init__((), [*coefficients, *scatter])
         self.boards = tuple(boards)
@@ -62,7 +62,7 @@ class Population(Model):
         """Return a sampling-space point to climb from, shape (D,)."""
         count = len(self.parameters) // 2
         mean = np.mean([board.centre[:count] for board in self.boards], axis=0)
-        share = [float(quantile(one.prior, 0.5)) for one in self.parameters[count:]]
+        share = [float(quantile(parameter.prior, 0.5)) for parameter in self.parameters[count:]]
         return self.sampling(np.concatenate([mean, share]))
 
 
@@ -111,15 +111,15 @@ def draw_pooled(
         Called with the sampler's steps done and steps in all.
     """
     first = next(iter(models.values()))
-    coefficients = [one for one in first.parameters if one.kind == "coefficient"]
-    names = [one.name for one in coefficients]
+    coefficients = [parameter for parameter in first.parameters if parameter.kind == "coefficient"]
+    names = [parameter.name for parameter in coefficients]
     boards = {name: NormalBoard.of(models[name], draws[name], names) for name in models}
     population = Population(list(boards.values()), coefficients, analysis)
-    found = draw_posterior(population, analysis, progress)
-    theta = population.natural(found.z)
+    drawn = draw_posterior(population, analysis, progress)
+    theta = population.natural(drawn.z)
     chains, kept, walkers, size = theta.shape
     stride = max(1, -(-chains * kept * walkers // MOST_DRAWS))
-    # In the order of drawing, walkers one after another: neighbours hardly depend.
+    # Walkers one after another within a step, so that neighbours hardly depend on each other.
     theta = theta.reshape(chains, kept * walkers, size)[:, ::stride]
     flat = theta.reshape(-1, size)
     mean, sd = population.split(flat)
@@ -130,9 +130,9 @@ def draw_pooled(
         points, weights = board.draw(mean, sd, TRIES, rng)
         total = np.logaddexp.reduce(weights, axis=1)
         log_weight = log_weight + total
-        with np.errstate(invalid="ignore"):  # a population whose every try has no density
+        with np.errstate(invalid="ignore"):  # a population under which no tried board has a density
             share = np.nan_to_num(np.exp(weights - total[:, None]), nan=1 / TRIES)
-        # One of the tries, each as likely as its weight says.
+        # Choose one of the tried boards with the probabilities that their weights give.
         chosen = (share.cumsum(axis=1) < rng.uniform(size=(len(share), 1))).sum(axis=1)
         tried[name] = points[np.arange(len(points)), np.minimum(chosen, TRIES - 1)]
     _, pareto_k = smooth_weights(log_weight)
@@ -141,7 +141,10 @@ def draw_pooled(
     return PooledDraws(
         population,
         theta[rows, at],
-        {name: one.reshape(chains, -1, one.shape[1])[rows, at] for name, one in tried.items()},
+        {
+            name: values.reshape(chains, -1, values.shape[1])[rows, at]
+            for name, values in tried.items()
+        },
         float((np.diff(at, axis=1) != 0).mean()),
         pareto_k,
     )

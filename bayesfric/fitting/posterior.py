@@ -1,9 +1,8 @@
 """A recording and an analysis become a stored fit: posteriors and diagnostics."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,90 +11,29 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.fitting.drawing import draw_posterior
-from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
+from bayesfric.fitting.inference_data import Stored, draws_of_fit
 from bayesfric.fitting.joints import fitted_together
 from bayesfric.fitting.predictive import covered, predict
-from bayesfric.fitting.predictive.assemblies import assemblies_of
-from bayesfric.fitting.predictive.left_out import leave_out
+from bayesfric.fitting.predictive.assemblies import Assemblies, assemblies_of
+from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
 from bayesfric.fitting.predictive.reported import assembly_checks, predictions, uniformities
+from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
 from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
-from bayesfric.inference.sampling import Progress
+from bayesfric.inference.sampling import Draws, Progress
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import (
-    identified,
-    json_bytes,
-    provenance,
-    replace_outputs,
-    write_netcdf,
-)
+from bayesfric.results import identified, provenance
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
-from bayesfric.schemas import FitFile, RecordingId, TimingsFile
+from bayesfric.schemas import RecordingId, WithoutExclusions
 
-__all__ = ["Fit", "fit", "model_of_law", "opened"]
-
-
-@dataclass(frozen=True)
-class Fit:
-    """The posterior of a recording, ready to be written.
-
-    Parameters
-    ----------
-    summary : FitFile
-        What ``fit.json`` says.
-    draws : DataTree
-        What ``draws.nc`` holds, see :mod:`bayesfric.fitting.inference_data`.
-    predictive : DataTree
-        What ``predictive.nc`` holds, see :mod:`bayesfric.fitting.predictive`.
-    seconds : dict of str to float
-        Wall time by stage.
-    """
-
-    summary: FitFile
-    draws: xr.DataTree
-    predictive: xr.DataTree
-    seconds: Mapping[str, float]
-
-    def write(
-        self,
-        folder: Path | str,
-        *,
-        csv: bool = False,
-        inputs: Mapping[str, Sequence[str]] | None = None,
-    ) -> None:
-        """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
-
-        Parameters
-        ----------
-        folder : Path or str
-            Created if it is not there; other files in it are left alone.
-        csv : bool
-            Also write the posterior as ``draws.csv``.
-        inputs : mapping of str to sequence of str, or None
-            Paths of what the run was made from, for ``timings.json``.
-
-        Raises
-        ------
-        InputError
-            The folder cannot be written.
-        """
-        run_id = self.summary.run_id
-        timings = TimingsFile(seconds=dict(self.seconds), run_id=run_id, inputs=dict(inputs or {}))
-        writers: dict[str, Callable[[Path], object]] = {
-            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
-            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
-            "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
-        }
-        if csv:
-            writers["draws.csv"] = lambda path: write_csv(self.draws, path)
-        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
-        replace_outputs(Path(folder), writers)
+__all__ = ["fit", "model_of_law", "opened"]
 
 
 def fit(
@@ -147,93 +85,108 @@ def fit(
 
         return fitted_together(parted, of_joint, checkpoint)
     chosen = chosen_rigs(recording, rigs)
-    seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
-        with _timed(seconds, "reduce"):
-            data, law, analysis = opened(recording, analysis, chosen, baseline)
-            model = model_of_law(data, analysis, law)
-        # With the rigs' own priors, so that what is stored says all that was used.
-        attributes = provenance(
-            recording=RecordingId(
-                name=recording.name, title=recording.title, sha256=recording.sha256
-            ),
-            analysis=analysis,
-            created=recording.created,
+        return _fit_rigs(recording, chosen, baseline, analysis, progress, checkpoint)
+
+
+def _fit_rigs(
+    recording: Recording,
+    rigs: Sequence[str],
+    baseline: str,
+    analysis: Analysis,
+    progress: Progress | None,
+    checkpoint: Path | None,
+) -> Fit:
+    """Fit one law to the data of some rigs, stage by stage."""
+    seconds: dict[str, float] = {}
+    with _timed(seconds, "reduce"):
+        data, law, analysis = opened(recording, analysis, rigs, baseline)
+        model = model_of_law(data, analysis, law)
+    # The analysis with the rigs' own priors, so that the file holds all priors that were used.
+    attributes = provenance(
+        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
+        analysis=analysis,
+        created=recording.created,
+    )
+    machine = None if recording.axis is None else (recording.axis.joint, recording.rig)
+    key = ",".join([*rigs, baseline, str(machine)]) + attributes.model_dump_json()
+    with _timed(seconds, "draws"):
+        draws = draw_posterior(
+            model, analysis, progress, Checkpoint(checkpoint, key), recording=recording.name
         )
-        machine = None if recording.axis is None else (recording.axis.joint, recording.rig)
-        key = ",".join([*chosen, baseline, str(machine)]) + attributes.model_dump_json()
-        with _timed(seconds, "draws"):
-            draws = draw_posterior(
-                model, analysis, progress, Checkpoint(checkpoint, key), recording=recording.name
-            )
-        with _timed(seconds, "without_exclusions"):
-            whole, why = _all_that_can_enter(recording, data)
-            without = None
-            if whole is not None:
-                again = model_of_law(whole, analysis, law)
-                folder = None if checkpoint is None else checkpoint / "without-exclusions"
-                without = summarise_without_exclusions(
-                    _under_rules(whole),
-                    again,
-                    draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
-                )
-        with _timed(seconds, "without_stalls"):
-            moved, why_moved = _all_that_moved(data)
-            without_stalls = None
-            if moved is not None:
-                again = model_of_law(moved, analysis, law)
-                folder = None if checkpoint is None else checkpoint / "without-stalls"
-                without_stalls = summarise_without_exclusions(
-                    _under_rules(moved),
-                    again,
-                    draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
-                )
-        theta = model.natural(draws.z)
-        with _timed(seconds, "leave_out"):
-            trials = sum(len(rig.trials) for rig in model.likelihoods)
-            stored = Stored.of(draws.z, theta, draws.log_density, trials)
-            rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 5]))
-            start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
-            left_out = {
-                name: leave_out(model, rig, stored.flat, start, analysis.seed, rng)
-                for name, rig in zip(chosen, model.likelihoods, strict=True)
-            }
-            assemblies = {
-                name: assemblies_of(left_out[name], rig.setups, analysis.seed)
-                for name, rig in zip(chosen, model.likelihoods, strict=True)
-            }
-        with _timed(seconds, "predictive"):
-            predictive = predict(data, model, theta, left_out, assemblies, analysis, law)
-        with _timed(seconds, "summary"):
-            fields = {
-                "rigs": chosen,
-                "baseline": law.name,
-                "without_exclusions": without,
-                "without_exclusions_why": why,
-                "without_stalls": without_stalls,
-                "without_stalls_why": why_moved,
-                "prediction": predictions(left_out),
-                "uniformity": uniformities(left_out),
-                "assemblies": assembly_checks(assemblies),
-            }
-            summary = summarise(
-                attributes.model_dump() | fields,
-                recording,
-                data,
-                model,
-                draws,
-                theta,
-                covered(predictive),
-            )
-        with _timed(seconds, "inference_data"):
-            observed = {
-                one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()
-                for one in data.rigs
-            }
-            origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
-            origin |= tested_conditions(data, summary.pulleys)
-            tree = draws_of_fit(model, observed, stored, left_out, rng, origin)
+
+    def fit_again(other: Data | None, folder: str) -> WithoutExclusions | None:
+        kept = Checkpoint(None if checkpoint is None else checkpoint / folder, key)
+        return None if other is None else _fit_again(other, analysis, law, kept, progress)
+
+    fields: dict[str, Any] = {"rigs": rigs, "baseline": law.name}
+    with _timed(seconds, "without_exclusions"):
+        whole, fields["without_exclusions_why"] = _all_that_can_enter(recording, data)
+        fields["without_exclusions"] = fit_again(whole, "without-exclusions")
+    with _timed(seconds, "without_stalls"):
+        moved, fields["without_stalls_why"] = _all_that_moved(data)
+        fields["without_stalls"] = fit_again(moved, "without-stalls")
+    theta = model.natural(draws.z)
+    rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 5]))
+    with _timed(seconds, "leave_out"):
+        trials = sum(len(likelihood.trials) for likelihood in model.likelihoods)
+        stored = Stored.of(draws.z, theta, draws.log_density, trials)
+        left_out, assemblies = _leave_each_out(model, rigs, draws, stored.flat, analysis.seed, rng)
+    with _timed(seconds, "predictive"):
+        predictive = predict(data, model, theta, left_out, assemblies, analysis, law)
+    with _timed(seconds, "summary"):
+        fields["prediction"] = predictions(left_out)
+        fields["uniformity"] = uniformities(left_out)
+        fields["assemblies"] = assembly_checks(assemblies)
+        summary = summarise(
+            attributes.model_dump() | fields, recording, data, model, draws, theta,
+            covered(predictive),
+        )  # fmt: skip
+    with _timed(seconds, "inference_data"):
+        origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+        origin |= tested_conditions(data, summary.pulleys)
+        observed = _measured_friction(data, predictive)
+        tree = draws_of_fit(model, observed, stored, left_out, rng, origin)
     return Fit(identified(summary), tree, predictive, seconds)
+
+
+def _fit_again(
+    other: Data, analysis: Analysis, law: FrictionLaw, kept: Checkpoint, progress: Progress | None
+) -> WithoutExclusions:
+    """Return the coefficients that other trials of the same recording give."""
+    model = model_of_law(other, analysis, law)
+    draws = draw_posterior(model, analysis, progress, kept)
+    return summarise_without_exclusions(_under_rules(other), model, draws)
+
+
+def _leave_each_out(
+    model: Model,
+    rigs: Sequence[str],
+    draws: Draws,
+    stored: Array,
+    seed: int,
+    rng: np.random.Generator,
+) -> tuple[dict[str, LeftOut], dict[str, Assemblies | None]]:
+    """Return by rig the predictions of each trial, and of each assembly, from all others."""
+    start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
+    by_rig = dict(zip(rigs, model.likelihoods, strict=True))
+    left_out = {
+        name: leave_out(model, likelihood, stored, start, seed, rng)
+        for name, likelihood in by_rig.items()
+    }
+    assemblies = {
+        name: assemblies_of(left_out[name], likelihood.setups, seed)
+        for name, likelihood in by_rig.items()
+    }
+    return left_out, assemblies
+
+
+def _measured_friction(data: Data, predictive: xr.DataTree) -> dict[str, Array]:
+    """Return by rig the friction of its trials as measured [N], shape (N,)."""
+    return {
+        trials.rig.name: predictive[trials.rig.words.trials]["friction_n"].to_numpy()
+        for trials in data.rigs
+    }
 
 
 def opened(
@@ -248,7 +201,7 @@ def opened(
 
 
 def model_of_law(data: Data, analysis: Analysis, law: FrictionLaw) -> Model:
-    """Return the posterior of a law that nothing acts beside."""
+    """Return the posterior of a law without effects."""
     return Model([trials.likelihood(analysis, law) for trials in data.rigs])
 
 
@@ -259,7 +212,7 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
         return None, "no rule keeps a trial of these rigs from entering"
     if not any(trials.excluded for trials in ruled):
         return None, "no trial was left out"
-    whole = Data(open_rigs(recording, [one.rig.name for one in data.rigs], exclude=False))
+    whole = Data(open_rigs(recording, [trials.rig.name for trials in data.rigs], exclude=False))
     if _under_rules(whole) == _under_rules(data):
         return None, "no trial that was left out has a motion that can be computed"
     return whole, None
@@ -271,7 +224,7 @@ def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
     if not any(moved):
         return None, "all trials that enter moved all the way, or none did"
     kept = zip(moved, data.rigs, strict=True)
-    return Data(tuple(one if one is not None else whole for one, whole in kept)), None
+    return Data(tuple(moving if moving is not None else whole for moving, whole in kept)), None
 
 
 def _under_rules(data: Data) -> int:

@@ -75,7 +75,6 @@ def summarise(
     }
     for name, moved in _sensitivity(model, draws, theta).items():
         entries[name] = entries[name].model_copy(update=moved)
-    ensembles, kept, walkers, _ = theta.shape
     quality = _quality(recording, data)
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
@@ -100,27 +99,32 @@ def summarise(
         }
         | _of_kind(model, entries, "other"),
         paper_estimator={
-            size: found for one in data.rigs for size, found in one.paper_estimates().items()
+            size: estimate
+            for trials in data.rigs
+            for size, estimate in trials.paper_estimates().items()
         },
-        sampler=SamplerSummary(
-            ensembles=ensembles,
-            walkers=walkers,
-            steps=draws.steps,
-            thin=draws.thin,
-            extensions=draws.extensions,
-            draws=ensembles * kept * walkers,
-            acceptance=float(draws.acceptance.mean()),
-            autocorrelation_time=ensembles
-            * walkers
-            * draws.steps
-            / min(figures.ess_bulk for figures in convergence.values()),
-        ),
+        sampler=_sampler(draws, theta, min(figures.ess_bulk for figures in convergence.values())),
         data_quality=quality,
     )
 
 
+def _sampler(draws: Draws, theta: Array, least_ess: float) -> SamplerSummary:
+    """Return how the ensembles of walkers drew; `least_ess` is that of the slowest parameter."""
+    ensembles, kept, walkers, _ = theta.shape
+    return SamplerSummary(
+        ensembles=ensembles,
+        walkers=walkers,
+        steps=draws.steps,
+        thin=draws.thin,
+        extensions=draws.extensions,
+        draws=ensembles * kept * walkers,
+        acceptance=float(draws.acceptance.mean()),
+        autocorrelation_time=ensembles * walkers * draws.steps / least_ess,
+    )
+
+
 def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> WithoutExclusions:
-    """Return the coefficients of a fit that no rule kept a trial from.
+    """Return the coefficients of a fit to all trials, those that rules exclude among them.
 
     Parameters
     ----------
@@ -147,7 +151,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
 
 
 def _by_pulley(entries: Mapping[str, Summary]) -> dict[str, dict[str, Summary]]:
-    """Return what is known of the coefficients that the law has, by pulley size."""
+    """Return the summaries of the law's coefficients by pulley size."""
     return {
         size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS if f"{c}[{size}]" in entries}
         for size in sizes_of(entries)
@@ -163,7 +167,7 @@ def _of_kind(
 def parameter_summary(
     parameter: Parameter, draws: Array, figures: Convergence, informed: bool
 ) -> ParameterSummary:
-    """Return what is known of a parameter from draws of it, in any shape."""
+    """Summarise draws of a parameter, in any shape."""
     sd = prior_sd(parameter.prior)
     return ParameterSummary(
         **interval_of(draws).model_dump(),
@@ -193,7 +197,7 @@ def interval_of(draws: Array) -> Interval:
 
 
 def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float | None]]:
-    """Return how much each coefficient moves with the power of priors and likelihood."""
+    """Return the power-scaling sensitivity of each coefficient to priors and likelihood."""
     by_walker = draws.z.shape[:-1]
     prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
@@ -207,16 +211,16 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
         moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
     return {
         name: {
-            f"{key}_sensitivity{told}": value
-            for key, found in moved.items()
-            for told, value in (("", float(found[place])), ("_why", None))
+            f"{key}_sensitivity{suffix}": value
+            for key, sensitivities in moved.items()
+            for suffix, value in (("", float(sensitivities[place])), ("_why", None))
         }
         for place, name in enumerate(places)
     }
 
 
 def _quality(recording: Recording, data: Data) -> DataQuality:
-    """Return what entered, as each rig says."""
+    """Return counts of the trials that entered and were excluded, from all rigs."""
     fields: dict[str, Any] = {
         "trials": 0,
         "trials_used": 0,

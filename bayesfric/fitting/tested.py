@@ -1,4 +1,4 @@
-"""In which conditions a fit's friction was measured, and what the recording says of it."""
+"""The conditions in which the friction of a fit was measured, for whoever uses its draws."""
 
 from collections.abc import Mapping
 
@@ -41,13 +41,13 @@ def tested_conditions(
         if resting is not None:
             columns["tension_n"] = np.asarray(resting.tension_n, dtype=np.float64)
         for size in sorted(set(table["pulley_size"])):
-            here = (table["pulley_size"] == size).to_numpy()
+            at_size = (table["pulley_size"] == size).to_numpy()
             for axis, values in columns.items():
-                seen.setdefault(f"tested.{size}.{axis}", []).extend(values[here])
+                seen.setdefault(f"tested.{size}.{axis}", []).extend(values[at_size])
     ranges: dict[str, list[float] | str] = {
         key: [float(min(values)), float(max(values))] for key, values in seen.items()
     }
     return ranges | {
-        f"informed.{size}": " ".join(name for name, entry in one.items() if entry.informed)
-        for size, one in pulleys.items()
+        f"informed.{size}": " ".join(name for name, entry in entries.items() if entry.informed)
+        for size, entries in pulleys.items()
     }

@@ -25,6 +25,7 @@ from scipy.stats import rankdata
 from bayesfric.arrays import Array
 
 __all__ = [
+    "LARGEST_PARETO_K",
     "LIMITS",
     "Convergence",
     "batch_means_ess",
@@ -39,6 +40,8 @@ __all__ = [
 ]
 
 
+LARGEST_PARETO_K = 0.7
+"""Shape of the tail of importance weights above which they are not to be relied on."""
 LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""
 
@@ -143,15 +146,15 @@ def walkers_r_hat(draws: Array) -> float:
         1 or above; inf where no walker leaves its place.
     """
     half = draws.shape[1] // 2
-    found = []
+    r_hats = []
     for values in (draws, np.abs(draws - np.median(draws))):
         rank = rankdata(values.ravel()).reshape(draws.shape)
         normal = ndtri((rank - 3 / 8) / (draws.size + 1 / 4))
         first, second = (part.mean(axis=1).ravel() for part in (normal[:, :half], normal[:, half:]))
         places = max(float(np.cov(first, second)[0, 1]), 0.0)
         whole = float(normal.var())
-        found.append(np.sqrt(whole / (whole - places)) if places < whole else np.inf)
-    return float(max(found))
+        r_hats.append(np.sqrt(whole / (whole - places)) if places < whole else np.inf)
+    return float(max(r_hats))
 
 
 def batch_means_ess(draws: Array) -> float:
@@ -270,9 +273,9 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     log_weights : ndarray, shape (N,)
         Smoothed, on the scale of those given.
     pareto_k : float
-        Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
-        largest weights are all the same, inf where fewer than 25 are not zero or where a
-        quarter of the tail is one and the same draw or nothing beside the largest.
+        Shape of the tail: above :data:`LARGEST_PARETO_K` the weights are not to be relied on.
+        0 where the largest weights are all the same, inf where fewer than 25 are not zero or
+        where a quarter of the tail is one and the same draw or nothing beside the largest.
 
     References
     ----------
@@ -351,9 +354,9 @@ def _power_weights(log_component: Array, power: float) -> Array:
     plain = plain - logsumexp(plain)
     try:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            found = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
+            smoothed = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
     except ValueError as error:
         if "tail values are the same" not in str(error):
             raise
         return np.asarray(plain)
-    return np.asarray(found if np.isfinite(found).all() else plain)
+    return np.asarray(smoothed if np.isfinite(smoothed).all() else plain)

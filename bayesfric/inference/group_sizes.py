@@ -79,11 +79,11 @@ def drawn_in_groups(
     # The data as q readings of unit error.
     design = root[:, None] * (vectors[:, seen].T @ mixing)
     readings = vectors[:, seen].T @ slope / root
-    thin = [_thin(design[:, one.places]) for one in groups]
+    thin = [_thin(design[:, group.places]) for group in groups]
     chosen = [0] * len(groups)
     sd = np.empty(mixing.shape[1])
-    for one in groups:
-        sd[one.places] = one.sizes[0]
+    for group in groups:
+        sd[group.places] = group.sizes[0]
 
     def whitening() -> Array:
         wide = design * sd
@@ -92,31 +92,31 @@ def drawn_in_groups(
     def sweep() -> None:
         inverse = whitening()
         for place in rng.permutation(len(groups)):
-            one, columns = groups[place], thin[place]
+            group, columns = groups[place], thin[place]
             moved = inverse @ columns
-            told, axes = np.linalg.eigh(columns.T @ moved)
+            information, axes = np.linalg.eigh(columns.T @ moved)
             pull = axes.T @ (moved.T @ readings)
-            step = one.sizes**2 - one.sizes[chosen[place]] ** 2
-            spread = 1 + step[:, None] * told
+            step = group.sizes**2 - group.sizes[chosen[place]] ** 2
+            spread = 1 + step[:, None] * information
             gain = (step[:, None] * pull**2 / spread - np.log(spread)).sum(axis=1)
-            chances = softmax(one.log_weights + 0.5 * gain)
+            chances = softmax(group.log_weights + 0.5 * gain)
             number = int(rng.choice(chances.size, p=chances))
             if number != chosen[place]:
                 chosen[place] = number
-                sd[one.places] = one.sizes[number]
+                sd[group.places] = group.sizes[number]
                 turned = moved @ axes
                 inverse -= (turned * (step[number] / spread[number])) @ turned.T
 
     for _ in range(BURN_IN):
         sweep()
-    found = []
+    draws = []
     for start in range(0, count, TOGETHER):
         sweep()
         shape = (min(TOGETHER, count - start), sd.size)
         prior = sd * rng.standard_normal(shape)
         off = readings - prior @ design.T - rng.standard_normal((shape[0], readings.size))
-        found.append(prior + sd**2 * (off @ whitening() @ design))
-    return np.concatenate(found)
+        draws.append(prior + sd**2 * (off @ whitening() @ design))
+    return np.concatenate(draws)
 
 
 def _thin(columns: Array) -> Array:

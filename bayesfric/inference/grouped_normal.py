@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from bayesfric.arrays import Array
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.quadratic import eliminate, gram, matrices
 
 __all__ = ["LOG_2PI", "Grouped", "GroupedNormal", "Groups"]
 
-LOG_2PI = float(np.log(2 * np.pi))
 LARGEST_CONDITION = 1e12  # of the curve's precision; rounding would be felt beyond
 
 
@@ -67,12 +67,12 @@ class _Sums(NamedTuple):
         if not shared:
             whole = self.size * LOG_2PI + self.log_determinant + self.form[-1]
             return np.asarray(-0.5 * whole)
-        form, known = self._known(shared)
+        form, invertible = self._invertible_form(shared)
         square, of_curve = eliminate(form, [1.0] * shared)
         density = -0.5 * (self.size * LOG_2PI + self.log_determinant + of_curve + square[-1])
-        return np.where(known, density, np.nan)
+        return np.where(invertible, density, np.nan)
 
-    def _known(self, shared: int) -> tuple[Array, NDArray[np.bool_]]:
+    def _invertible_form(self, shared: int) -> tuple[Array, NDArray[np.bool_]]:
         """Return the form, and where the curve's precision can be inverted; zeros elsewhere.
 
         Few measurements leave a part of the curve to its prior, whose 1 is lost beside
@@ -81,8 +81,8 @@ class _Sums(NamedTuple):
         finite = np.isfinite(self.form).all(axis=0)
         form = np.where(finite, self.form, 0.0)
         values = np.linalg.eigvalsh(np.eye(shared) + matrices(form)[..., :shared, :shared])
-        known = finite & (values[..., -1] < LARGEST_CONDITION * values[..., 0])
-        return np.where(known, form, 0.0), known
+        invertible = finite & (values[..., -1] < LARGEST_CONDITION * values[..., 0])
+        return np.where(invertible, form, 0.0), invertible
 
 
 @dataclass(frozen=True)
@@ -178,12 +178,12 @@ class GroupedNormal(Grouped):
         whole = matrices(form)  # of the curve, of what the number moves, and of the residual
         square, score = whole[..., -2, -2], whole[..., -2, -1]
         if shared:
-            known = np.eye(shared) + whole[..., :shared, :shared].sum(axis=-3)
+            curve_precision = np.eye(shared) + whole[..., :shared, :shared].sum(axis=-3)
             seen = whole[..., :shared, -1].sum(axis=-2)
             across = whole[..., :shared, -2]
-            score = score - (across @ np.linalg.solve(known, seen[..., None]))[..., 0]
+            score = score - (across @ np.linalg.solve(curve_precision, seen[..., None]))[..., 0]
             square = square - np.einsum(
-                "...gk,...kl,...gl->...g", across, np.linalg.inv(known), across
+                "...gk,...kl,...gl->...g", across, np.linalg.inv(curve_precision), across
             )
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray(ndtr(np.where(square > 0, score / np.sqrt(square), np.nan)))
@@ -223,12 +223,12 @@ class GroupedNormal(Grouped):
         rank = len(self.moved)
         whole = matrices(form)
         precision = np.eye(rank) + whole[..., :rank, :rank]
-        finite = np.isfinite(precision).all(axis=(-2, -1))
+        finite = np.asarray(np.isfinite(precision).all(axis=(-2, -1)))
         precision = np.where(finite[..., None, None], precision, np.eye(rank))
         values = np.linalg.eigvalsh(precision)
-        known = finite & (values[..., -1] < LARGEST_CONDITION * values[..., 0])
-        precision = np.where(known[..., None, None], precision, np.eye(rank))
-        covariance = np.where(known[..., None, None], np.linalg.inv(precision), np.nan)
+        invertible = finite & (values[..., -1] < LARGEST_CONDITION * values[..., 0])
+        precision = np.where(invertible[..., None, None], precision, np.eye(rank))
+        covariance = np.where(invertible[..., None, None], np.linalg.inv(precision), np.nan)
         mean = (covariance @ whole[..., :rank, rank:])[..., 0]
         return np.asarray(mean), np.asarray(covariance)
 

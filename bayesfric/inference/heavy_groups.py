@@ -46,7 +46,7 @@ class HeavyGroups(Grouped):
 
     def single_cdf(self) -> Array:
         """Return the probability of less of each measurement given its group's others, (W, M)."""
-        below = np.stack([one.single_cdf() for one in self._normals])
+        below = np.stack([normal.single_cdf() for normal in self._normals])
         return np.asarray((self._given_the_rest() * below).sum(axis=0))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
@@ -58,7 +58,7 @@ class HeavyGroups(Grouped):
             Source of randomness.
         """
         node = drawn_node(self._given_the_rest(), rng)
-        again = np.stack([one.draw_again(rng) for one in self._normals])
+        again = np.stack([normal.draw_again(rng) for normal in self._normals])
         return np.asarray(np.take_along_axis(again, node, axis=0)[0])
 
     @cached_property
@@ -97,4 +97,4 @@ class HeavyGroups(Grouped):
     @property
     def _single(self) -> Array:
         """Log density of each measurement and node given its group's others, (Q, W, M)."""
-        return np.stack([one.single_log_density() for one in self._normals])
+        return np.stack([normal.single_log_density() for normal in self._normals])

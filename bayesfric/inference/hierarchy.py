@@ -198,9 +198,9 @@ def second_stage(log_weight: Array, rng: np.random.Generator) -> NDArray[np.intp
     threshold = np.log(rng.uniform(size=log_weight.shape))
     at = np.zeros(log_weight.shape, dtype=np.intp)
     for row, weights in enumerate(log_weight):
-        here = 0  # with a weight of −inf it leaves for any that is finite
+        current = 0  # with a weight of −inf it leaves for any that is finite
         for step in range(1, len(weights)):
-            if weights[step] - threshold[row, step] > weights[here]:
-                here = step
-            at[row, step] = here
+            if weights[step] - threshold[row, step] > weights[current]:
+                current = step
+            at[row, step] = current
     return at

@@ -50,13 +50,15 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
     values, vectors = np.linalg.eigh(curvature)
     # A likelihood is not curved upwards at its own top; away from it, and by rounding, it may be.
-    known = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    posterior = np.linalg.inv(known + np.eye(z.size))
+    information = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    posterior = np.linalg.inv(information + np.eye(z.size))
     informed = 1 / np.diag(posterior) - 1 > 1
     if own.any():
         rest = ~own
-        across = known[np.ix_(own, rest)]
-        taken = across @ np.linalg.solve(known[np.ix_(rest, rest)] + np.eye(rest.sum()), across.T)
-        values, vectors = np.linalg.eigh(known[np.ix_(own, own)] - taken)
+        across = information[np.ix_(own, rest)]
+        taken = across @ np.linalg.solve(
+            information[np.ix_(rest, rest)] + np.eye(rest.sum()), across.T
+        )
+        values, vectors = np.linalg.eigh(information[np.ix_(own, own)] - taken)
         informed[own] = (vectors**2 / np.maximum(values, OPEN)).sum(axis=1) < 1
     return np.asarray(informed)

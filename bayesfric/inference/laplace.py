@@ -89,7 +89,7 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
             del u
             return kept
 
-        found = optimize.minimize(
+        minimum = optimize.minimize(
             objective,
             np.zeros_like(point),
             method="trust-exact",
@@ -97,9 +97,9 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
             hess=hessian,
             options={"gtol": 1e-3, "maxiter": STEPS, "max_trust_radius": 100.0},
         )
-        gain = -found.fun - best
+        gain = -minimum.fun - best
         if gain > 0:
-            point, best = point + found.x * steps, -float(found.fun)
+            point, best = point + minimum.x * steps, -float(minimum.fun)
         if gain < 1e-4:
             break
     values, vectors = np.linalg.eigh(bent)
@@ -198,9 +198,9 @@ def curvature_steps(
             second = np.abs(value[1 : size + 1] - 2 * value[0] + value[size + 1 :]) / steps**2
             wanted = 1 / np.sqrt(second)
         # Beyond an edge of the density a difference is not finite: come closer.
-        found = np.where(np.isfinite(second), np.minimum(wanted, scale), 0.1 * steps)
-        settled = bool((np.abs(np.log(found / steps)) < SETTLED).all())
-        steps = found
+        changed = np.where(np.isfinite(second), np.minimum(wanted, scale), 0.1 * steps)
+        settled = bool((np.abs(np.log(changed / steps)) < SETTLED).all())
+        steps = changed
         if settled:
             break
     return steps

@@ -66,8 +66,8 @@ def smallest_found(error: float, prior: Prior, threshold: float, probability: fl
     most = 1.0  # far out of a narrow prior the nodes around an estimate no longer reach it
     while most < LARGEST and beyond(most) <= 0:
         most *= 2
-    found = 0.0 if beyond(0.0) > 0 else float(brentq(beyond, 0.0, most))
-    return error * max(found + float(ndtri(probability)), 0.0)
+    smallest = 0.0 if beyond(0.0) > 0 else float(brentq(beyond, 0.0, most))
+    return error * max(smallest + float(ndtri(probability)), 0.0)
 
 
 def amplitude_error(draws: Array, prior: Prior) -> float | None:

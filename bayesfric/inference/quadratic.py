@@ -105,23 +105,23 @@ def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
     """
     first, second = vectors
     size, count = side(triangle), len(first)
-    found, start = [], 0
+    entries, start = [], 0
     for length in range(size, count, -1):
         row = triangle[start : start + length]
-        found += [*row[:-count], *(_dot(row[-count:], vector) for vector in vectors)]
+        entries += [*row[:-count], *(_dot(row[-count:], vector) for vector in vectors)]
         start += length
     squares = np.zeros((3, *triangle.shape[1:]))
     for place in range(count):
         row = triangle[start : start + count - place]
-        one, other = first[place], second[place]
+        first_share, second_share = first[place], second[place]
         # What stands on the diagonal is met once, all else in either order.
         along, across = _dot(row, first[place:]), _dot(row, second[place:])
-        before = along - row[0] * one
-        squares[0] += one * (along + before)
-        squares[1] += one * across + other * before
-        squares[2] += other * (2 * across - row[0] * other)
+        before = along - row[0] * first_share
+        squares[0] += first_share * (along + before)
+        squares[1] += first_share * across + second_share * before
+        squares[2] += second_share * (2 * across - row[0] * second_share)
         start += count - place
-    return np.stack([*found, *squares])
+    return np.stack([*entries, *squares])
 
 
 def _dot(row: Array, vector: Array) -> Array:

@@ -15,17 +15,15 @@ L. Tierney, "Markov chains for exploring posterior distributions", Annals of
 Statistics 22 (1994), on independence chains.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import emcee
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Sampler
 from bayesfric.arrays import Array
-from bayesfric.checkpoint import Checkpoint
+from bayesfric.checkpoint import Arrays, Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
@@ -40,7 +38,6 @@ from bayesfric.inference.proposals import (
 __all__ = ["Draws", "SamplingError", "sample"]
 
 Progress = Callable[[int, int], None]
-Arrays = dict[str, NDArray[Any]]
 
 PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to
 PIECE_STEPS = 50  # steps between two checkpoints
@@ -128,11 +125,7 @@ def sample(
         Too few points around the mode have a finite density.
     """
     size = laplace.mode.size
-    walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
-    if walkers < 2 * size:  # each half of an ensemble is moved along differences of the other
-        expected = f"at least {2 * size}, twice the number of parameters of this recording"
-        fault = Fault("analysis", expected, column="sampler.walkers", value=str(walkers))
-        raise InputError([fault])
+    walkers = _walkers(settings, size)
     of_points, *of_pilots = np.random.SeedSequence(seed).spawn(1 + PILOTS + settings.ensembles)
     of_ensembles = of_pilots[PILOTS:]
     total_steps = settings.burn + settings.steps  # of an ensemble
@@ -167,15 +160,7 @@ def sample(
             runs.run(f"ensemble-{place}", proposal, total_steps, child)
             for place, child in enumerate(of_ensembles)
         ]
-        kept = slice(total_steps - steps + thin - 1, None, thin)
-        draws = Draws(
-            np.stack([ensemble["chain"][kept] for ensemble in ensembles]),
-            np.stack([ensemble["log_density"][kept] for ensemble in ensembles]),
-            np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / total_steps,
-            steps,
-            thin,
-            extensions,
-        )
+        draws = _draws(ensembles, steps, thin, extensions)
         if extensions == settings.extensions or converged is None or converged(draws.z):
             return draws
         proposal = Proposal.around(draws.z.reshape(-1, size), chart)
@@ -184,6 +169,30 @@ def sample(
         extensions += 1
         total_steps += steps
         total += settings.ensembles * steps
+
+
+def _walkers(settings: Sampler, size: int) -> int:
+    """Return how many walkers an ensemble has for so many parameters."""
+    walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
+    if walkers < 2 * size:  # each half of an ensemble is moved along differences of the other
+        expected = f"at least {2 * size}, twice the number of parameters of this recording"
+        fault = Fault("analysis", expected, column="sampler.walkers", value=str(walkers))
+        raise InputError([fault])
+    return walkers
+
+
+def _draws(ensembles: Sequence[Arrays], steps: int, thin: int, extensions: int) -> Draws:
+    """Return each `thin`-th of the last steps of ensembles, as :meth:`_Runs.run` returns them."""
+    length = len(ensembles[0]["chain"])
+    kept = slice(length - steps + thin - 1, None, thin)
+    return Draws(
+        np.stack([ensemble["chain"][kept] for ensemble in ensembles]),
+        np.stack([ensemble["log_density"][kept] for ensemble in ensembles]),
+        np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / length,
+        steps,
+        thin,
+        extensions,
+    )
 
 
 class _Runs:
@@ -235,16 +244,16 @@ class _Runs:
     def _fresh(self, proposal: Proposal, seed: np.random.SeedSequence) -> emcee.State:
         """Return starts of finite density, wider than the posterior."""
         rng = np.random.RandomState(np.random.MT19937(seed))
-        found: list[Array] = []
+        starts: list[Array] = []
         for _ in range(START_TRIES):
             z, possible = proposal.draw(2 * self._walkers, rng, START_INFLATION)
             z = z[possible]
-            found.extend(z[np.isfinite(self._log_density(z))])
-            if len(found) >= self._walkers:
-                start = np.array(found[: self._walkers])
+            starts.extend(z[np.isfinite(self._log_density(z))])
+            if len(starts) >= self._walkers:
+                start = np.array(starts[: self._walkers])
                 return emcee.State(start, random_state=rng.get_state())
         raise SamplingError(
-            f"only {len(found)} of {2 * self._walkers * START_TRIES} points around "
+            f"only {len(starts)} of {2 * self._walkers * START_TRIES} points around "
             f"{np.array2string(proposal.student.location, precision=4)} have a finite density"
         )
 

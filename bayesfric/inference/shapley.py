@@ -60,9 +60,9 @@ def explained_by_subsets(
     ndarray, shape (2^P, S)
         Of the subset whose regressors are the bits that are set in the row's number.
     """
-    found = np.zeros((1, response.shape[1]))
+    explained = np.zeros((1, response.shape[1]))
     if not blocks:
-        return np.repeat(found, 2**players, axis=0)
+        return np.repeat(explained, 2**players, axis=0)
     ordered = sorted(blocks, key=lambda block: max(block.players))
     columns = np.concatenate([block.columns for block in ordered], axis=1)
     widths = [block.columns.shape[1] for block in ordered]
@@ -75,8 +75,8 @@ def explained_by_subsets(
         rest_gram, rest_slope, gain = _eliminated(gram, slope, entering, ridge)
         gram = np.concatenate([gram[:, width:, width:], rest_gram])
         slope = np.concatenate([slope[:, width:], rest_slope])
-        found = np.concatenate([found, found + gain])
-    return found
+        explained = np.concatenate([explained, explained + gain])
+    return explained
 
 
 def _entering(partner: Whole, player: int) -> Flags:

@@ -45,9 +45,9 @@ class Span:
     logarithmic: bool = False
 
     @classmethod
-    def of(cls, *found: Array) -> "Span":
+    def of(cls, *arrays: Array) -> "Span":
         """Return the span of arrays; NaN is nowhere."""
-        whole = np.concatenate([np.ravel(one) for one in found])
+        whole = np.concatenate([np.ravel(values) for values in arrays])
         whole = whole[np.isfinite(whole)]
         if not whole.size:
             return cls(0.0, 0.0)

@@ -86,12 +86,12 @@ class GroupedStudent(Grouped):
         """
         log_weight, single, _ = self._on_grid(SINGLE_NODES[len(self.moved)], leave_out=True)
         together = (log_weight + self.groups.total(single))[..., self.groups.of_each]
-        found = log_density_given(together, single)
+        density = log_density_given(together, single)
         groups = self.groups
         alone = np.flatnonzero(np.diff(groups.starts, append=groups.count) == 1)
         if alone.size:
-            found[..., groups.starts[alone]] = self.group_log_density()[..., alone]
-        return found
+            density[..., groups.starts[alone]] = self.group_log_density()[..., alone]
+        return density
 
     def single_cdf(self) -> Array:
         """Return the probability of less of each measurement given its group's others, (W, M)."""
@@ -159,8 +159,12 @@ class GroupedStudent(Grouped):
             information = np.eye(len(moved)) + matrix[..., :-1, :-1]
             centre = np.linalg.solve(information, matrix[..., :-1, -1:])[..., 0]
         if leave_out:
-            told = weight * (moved**2).sum(axis=0)
-            most = np.maximum.reduceat(told, groups.starts, axis=-1)[..., groups.of_each]
-            rest = gram(list(moved), np.where(told == most, 0.0, weight), groups.total)
+            information_of_each = weight * (moved**2).sum(axis=0)
+            most = np.maximum.reduceat(information_of_each, groups.starts, axis=-1)[
+                ..., groups.of_each
+            ]
+            rest = gram(
+                list(moved), np.where(information_of_each == most, 0.0, weight), groups.total
+            )
             information = np.eye(len(moved)) + matrices(rest)
         return centre, information

@@ -80,8 +80,8 @@ def to_tails(prior: Family, value: Array) -> Pair:
         case TruncatedNormal(mean=mean, sd=sd):
             sign, start, end = _ends(prior)
             first, last = special.ndtr(start), special.ndtr(end)
-            here = special.ndtr(np.clip(sign * (value - mean) / sd, start, end))
-            tails = ((here - first) / (last - first), (last - here) / (last - first))
+            probability = special.ndtr(np.clip(sign * (value - mean) / sd, start, end))
+            tails = ((probability - first) / (last - first), (last - probability) / (last - first))
             return tails if sign > 0 else tails[::-1]
     raise AssertionError(f"{type(prior).__name__} has closed forms of its own")
 

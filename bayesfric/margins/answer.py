@@ -174,9 +174,9 @@ def against_the_spec(
         Of the file.
     """
     chances = {
-        " ".join(filter(None, (one.name, one.direction))): chance_told(one)
-        for one in metrics
-        if one.spec is not None
+        " ".join(filter(None, (metric.name, metric.direction))): chance_told(metric)
+        for metric in metrics
+        if metric.spec is not None
     }
     chances.pop("gamma_hunting", None)
     chances[HUNTS] = stated_of_draws(float(now.mean()), now.size)
@@ -186,12 +186,12 @@ def against_the_spec(
             f"{1 - max(spec.violation_probability_max, spec.limit_cycle_probability_max):.0%} or "
             "more."
         )
-    told = (
+    likeliest = (
         f"{name.replace('_', ' ')} ("
         + ("no draw has one)" if (chance := chances[name]) is None else f"{_equals(chance)})")
         for name in missed
     )
-    return f"Misses {len(missed)} of {len(chances)} specs: {', '.join(told)}."
+    return f"Misses {len(missed)} of {len(chances)} specs: {', '.join(likeliest)}."
 
 
 def _equals(chance: str) -> str:
@@ -203,7 +203,7 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     of_friction = shares.get("gamma_necessary") or shares.get("steady_error_servo") or {}
     own = {key: share for key, share in of_friction.items() if "." in key}
     if own:
-        key = max(own, key=lambda one: own[one])
+        key = max(own, key=lambda group: own[group])
         if own[key] >= DECIDES:
             yield (
                 f"{own[key]:.0%} of the variance of the friction is the assumed {key}: "

@@ -78,8 +78,8 @@ class Assembly:
         return replace(
             self,
             coefficients={
-                size: Coefficients(*(np.asarray(part)[rows] for part in one))
-                for size, one in self.coefficients.items()
+                size: Coefficients(*(np.asarray(part)[rows] for part in law))
+                for size, law in self.coefficients.items()
             },
             factor=tuple(part[rows] for part in self.factor),
             numbers={key: values[rows] for key, values in self.numbers.items()},
@@ -89,16 +89,16 @@ class Assembly:
 
 def _quantities(loop: Loop) -> dict[str, object]:
     """Return every number of a loop file that may be uncertain, by its dotted key."""
-    found: dict[str, object] = {"stiction_ratio": loop.stiction_ratio}
+    numbers: dict[str, object] = {"stiction_ratio": loop.stiction_ratio}
     sections: dict[str, BaseModel] = {
         name: getattr(loop, name)
         for name in ("joint", "drive", "cable", "controller", "compensation", "kick", "tool")
     }
     for key, run in loop.every_run:
-        found[f"{key}.tension_n"] = run.tension_n
+        numbers[f"{key}.tension_n"] = run.tension_n
     if loop.coupling is not None:
         others = enumerate(loop.coupling.others)
-        sections |= {f"coupling.others.{place}": one for place, one in others}
+        sections |= {f"coupling.others.{place}": other for place, other in others}
     if loop.second_stage is not None:
         sections |= {
             "second_stage": loop.second_stage,
@@ -108,8 +108,8 @@ def _quantities(loop: Loop) -> dict[str, object]:
         for key, value in section:
             number = isinstance(value, float | int) and not isinstance(value, bool)
             if number or is_uncertain(value):
-                found[f"{name}.{key}"] = value
-    return found
+                numbers[f"{name}.{key}"] = value
+    return numbers
 
 
 def draw_assembly(
@@ -157,8 +157,8 @@ def draw_assembly(
 
     order = generator("order").permutation(n) if stream else np.arange(n)
     coefficients = {
-        size: Coefficients(*(np.asarray(part)[order] for part in one))
-        for size, one in posterior.coefficients.items()
+        size: Coefficients(*(np.asarray(part)[order] for part in law))
+        for size, law in posterior.coefficients.items()
     }
     rig = discrepancy.sd * generator("rig").standard_normal(n)
     factor = tuple(
@@ -183,8 +183,8 @@ def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
     """Return one draw: posterior means, no scatter nor effects, medians of uncertain numbers."""
     return Assembly(
         {
-            size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in one))
-            for size, one in posterior.coefficients.items()
+            size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in law))
+            for size, law in posterior.coefficients.items()
         },
         tuple(np.ones(1) for _ in loop.every_run),
         {key: np.array([central(value)]) for key, value in _quantities(loop).items()},  # type: ignore[arg-type]

@@ -113,20 +113,20 @@ def run_friction(
     angles = np.asarray(run.angles_deg)
     a = losses(coefficients, factor, angles)
     sides = 2.0 if run.topology == "antagonist-pair" else 1.0
-    each = a * tension[:, None] + c2[:, None]
+    by_pulley = a * tension[:, None] + c2[:, None]
     pulling = in_a_row(a, c2)
     # The load pulls at its own end, so its cable meets the pulleys in the other order.
     giving = in_a_row(a[:, ::-1], c2)
     recursive = sides / 2 * (_friction(pulling, run, tension, "driving")
                              + _friction(giving, run, tension, "overhauling"))  # fmt: skip
-    nominal = sides * each.sum(axis=1)
+    nominal = sides * by_pulley.sum(axis=1)
     chosen = recursive if run.model == "recursive" else nominal
     place = length[:, None] * (np.arange(run.count) + 0.5)[None, :] / run.count
     if run.distance_m is not None:
-        place = np.broadcast_to(np.asarray(run.distance_m)[None, :], each.shape)
+        place = np.broadcast_to(np.asarray(run.distance_m)[None, :], by_pulley.shape)
     # Friction of the pulleys shares out as eq. (15) has it; of a pair, each side counts once.
-    share = np.divide(each, each.sum(axis=1, keepdims=True), out=np.zeros_like(each),
-                      where=each.sum(axis=1, keepdims=True) != 0)  # fmt: skip
+    share = np.divide(by_pulley, by_pulley.sum(axis=1, keepdims=True), out=np.zeros_like(by_pulley),
+                      where=by_pulley.sum(axis=1, keepdims=True) != 0)  # fmt: skip
     lost = chosen / sides * (share * place).sum(axis=1)
     return RunFriction(nominal, recursive, chosen, 1 - pulling.share, lost)
 

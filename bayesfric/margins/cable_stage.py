@@ -85,8 +85,8 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
     whole = in_series(list(stiff.values()))
     # in proportion to stiffness, so that in a row the ringing of both ends is damped alike
     damping = {
-        cable: 2 * given[f"{cable}.damping_ratio"] * np.sqrt(whole * reduced) * (one / whole)
-        for cable, one in stiff.items()
+        cable: 2 * given[f"{cable}.damping_ratio"] * np.sqrt(whole * reduced) * (k / whole)
+        for cable, k in stiff.items()
     }
     return tuple(
         _stage(loop, given, factors, cable, rho, stiff[cable], damping[cable])
@@ -135,7 +135,7 @@ def in_series(stiffness: Sequence[Array]) -> Array:
     """Return the stiffness of springs in a row [N·m/rad]."""
     if len(stiffness) == 1:
         return stiffness[0]
-    return np.asarray(1 / sum(1 / one for one in stiffness))
+    return np.asarray(1 / sum(1 / k for k in stiffness))
 
 
 def lost_motion(stages: Sequence[Stage], shaft_friction: Array, joint_friction: Array) -> Array:
@@ -149,9 +149,11 @@ def lost_motion(stages: Sequence[Stage], shaft_friction: Array, joint_friction: 
         Of the shaft between two cables, and of the joint's own [N·m].
     """
     first, *second = stages
-    beyond = joint_friction + sum((one.friction + shaft_friction for one in second), 0.0)
+    beyond = joint_friction + sum((stage.friction + shaft_friction for stage in second), 0.0)
     total = first.lost + beyond / first.stiffness
-    return np.asarray(total + sum((one.lost + joint_friction / one.stiffness for one in second), 0))
+    return np.asarray(
+        total + sum((stage.lost + joint_friction / stage.stiffness for stage in second), 0)
+    )
 
 
 def train_modes(
@@ -170,8 +172,12 @@ def train_modes(
     stiffness : tuple of ndarray, each of shape (draws,)
         [N·m/rad].
     """
-    (one, two, three), (near, far) = inertias, stiffness
-    half = (near / one + (near + far) / two + far / three) / 2
-    last = near * far * (1 / (two * three) + 1 / (one * three) + 1 / (one * two))
+    (first, middle, last_inertia), (near, far) = inertias, stiffness
+    half = (near / first + (near + far) / middle + far / last_inertia) / 2
+    last = (
+        near
+        * far
+        * (1 / (middle * last_inertia) + 1 / (first * last_inertia) + 1 / (first * middle))
+    )
     upper = half + np.sqrt(np.maximum(half**2 - last, 0.0))
     return np.sqrt(last / upper), np.sqrt(upper)

@@ -112,8 +112,8 @@ def largest_slope(shaft: LoopAtShaft) -> Array:
     for direction in shaft.directions:
         loop = OpenLoop(shaft, direction)
         omega = loop.frequencies(POINTS)
-        found = _largest(loop, omega, rigid=shaft.cable is None)
-        slope = np.minimum(slope, np.where(is_stable(loop, omega), found, 0.0))
+        certified = _largest(loop, omega, rigid=shaft.cable is None)
+        slope = np.minimum(slope, np.where(is_stable(loop, omega), certified, 0.0))
     return slope
 
 
@@ -171,9 +171,9 @@ def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, s
     gamma = certified_gain(some, slope)
     now = (slope > 0) & ((gamma >= some.gamma) if follows else True)
     low, high = jeffreys(int(now.sum()), count)
-    told = f"γ = {np.median(some.gamma):.3g}" if follows else "any γ, which is not in the loop"
+    gain = f"γ = {np.median(some.gamma):.3g}" if follows else "any γ, which is not in the loop"
     sentence = (
-        f"Circle criterion with Popov multipliers: at {told}, the loop is certified not to hunt "
+        f"Circle criterion with Popov multipliers: at {gain}, the loop is certified not to hunt "
         f"in {now.sum()} of {count} draws (95 %: {low:.2g} to {high:.2g})"
     )
     if follows:

@@ -97,11 +97,11 @@ class Margins:
         if not self.ensembles:
             expected = "margins that compute_margins has returned; margins.json holds no draws"
             raise InputError([Fault("to_control", expected)])
-        found = [one for one in self.ensembles if loop in (one.name, None)]
-        if len(found) != 1:
-            names = ", ".join(one.name for one in self.ensembles)
+        chosen = [ensemble for ensemble in self.ensembles if loop in (ensemble.name, None)]
+        if len(chosen) != 1:
+            names = ", ".join(ensemble.name for ensemble in self.ensembles)
             raise InputError([Fault("to_control", f"one of {names}", column="loop", value=loop)])
-        return found[0].to_control(draws, direction)
+        return chosen[0].to_control(draws, direction)
 
 
 def compute_margins(
@@ -164,10 +164,10 @@ def compute_margins(
     posterior = chosen.posterior
     for loop in read:
         _refuse_unstable(loop, posterior, ensembles)
-    found, loops_drawn = [], []
+    margins, loops_drawn = [], []
     for place, loop in enumerate(read):
         progress(place, len(read))
-        shaft, told = loop_margins(
+        shaft, margins_of_loop = loop_margins(
             loop,
             posterior,
             discrepancy,
@@ -178,7 +178,7 @@ def compute_margins(
             ensembles,
             max(simulated, 2),
         )
-        found.append(told)
+        margins.append(margins_of_loop)
         nominal = at_shaft(loop, nominal_assembly(loop, posterior), float(shaft.estimate.mean()))
         loops_drawn.append(Ensemble(nominal, shaft))
     progress(len(read), len(read))
@@ -195,8 +195,8 @@ def compute_margins(
         rig_discrepancy=discrepancy.sd,
         rig_discrepancy_source=discrepancy.source,
         law=chosen.used,
-        attention=of_margins(chosen.used, found, _fit_of(path)),
-        loops=tuple(found),
+        attention=of_margins(chosen.used, margins, _fit_of(path)),
+        loops=tuple(margins),
     )
     return Margins(identified(summary), tuple(loops_drawn))
 
@@ -210,9 +210,9 @@ def _fit_of(draws: Path) -> FitFile | None:
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
     read: list[Loop] = []
     faults: list[Fault] = []
-    for one in loops:
+    for source in loops:
         try:
-            read.append(one if isinstance(one, Loop) else read_loop(Path(one)))
+            read.append(source if isinstance(source, Loop) else read_loop(Path(source)))
         except InputError as error:
             faults += error.faults
     names = [loop.name for loop in read]
@@ -243,8 +243,8 @@ def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
             f"computes it as it is. {plant_of(shaft).sentence.removesuffix('.')}",
             column="controller",
         )
-        for direction, one in linear_of(shaft).items()
-        if not one.stable.all() and not loop.controller.relies_on_friction
+        for direction, linear in linear_of(shaft).items()
+        if not linear.stable.all() and not loop.controller.relies_on_friction
     ]
     if faults:
         raise InputError(faults)

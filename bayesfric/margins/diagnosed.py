@@ -93,14 +93,14 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
         np.resize(np.arange(table.sizes["draw"]), fitted.count)
     )
     table = table.isel(draw=order)
-    told = [one.effect for one in (*record.causes, *record.present, *record.possible)]
+    named = [entry.effect for entry in (*record.causes, *record.present, *record.possible)]
     acting, left_out = [], []
-    for name in told:
-        one = drawn_effect(table, name, all_effects())
-        if isinstance(one, str):
-            left_out.append(f"{name}: {one}")
+    for name in named:
+        effect = drawn_effect(table, name, all_effects())
+        if isinstance(effect, str):
+            left_out.append(f"{name}: {effect}")
         else:
-            acting.append(one)
+            acting.append(effect)
     posterior = replace(_refitted(table, fitted), acting=tuple(acting), refitted=True)
     return Diagnosed(posterior, tuple(acting), tuple(left_out))
 
@@ -169,8 +169,8 @@ def with_effects(
     rho, rest = shaft.cable_per_rad, np.zeros(given.draws)
     top = np.maximum(shaft.peak_velocity * rho, LEAST_SPEED)
     rising, falling, slope = np.zeros((3, given.draws))
-    for one in acting:
-        low, high, fallen_at = _curve(partial(_force, one, shaft, given), top)
+    for effect in acting:
+        low, high, fallen_at = _curve(partial(_force, effect, shaft, given), top)
         rest += np.minimum(low, high)
         rising += np.maximum(high - low, 0.0) / (top / rho)
         fall = np.maximum(low - high, 0.0)
@@ -183,7 +183,8 @@ def with_effects(
     before = np.divide(cable, shaft.cable_friction, out=np.ones_like(cable),
                        where=shaft.cable_friction > 0.0)  # fmt: skip
     stages = tuple(
-        replace(one, friction=one.friction * before, lost=one.lost * before) for one in shaft.stages
+        replace(stage, friction=stage.friction * before, lost=stage.lost * before)
+        for stage in shaft.stages
     )
     after = replace(
         shaft,
@@ -218,7 +219,7 @@ def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, A
     return low, high, fallen_at
 
 
-def _force(one: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
+def _force(effect: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
     """Return what an effect adds to friction, as a force of the motor's cable at its speed [N]."""
     total = np.zeros(given.draws)
     per_rad = {key: stage.per_rad for stage in shaft.stages for key in stage.keys}
@@ -226,10 +227,10 @@ def _force(one: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Array) 
         ratio = per_rad[key] / shaft.cable_per_rad
         sides = 2 if run.topology == "antagonist-pair" else 1
         law = given.coefficients[run.pulley_size]
-        here = Coefficients(*(np.asarray(part) * factor for part in law))
+        slowed = Coefficients(*(np.asarray(part) * factor for part in law))
         tension = given[f"{key}.tension_n"]
         state = State.of(
-            here, run.count, float(np.mean(run.angles_deg)), tension, ratio * speed, steady=True
+            slowed, run.count, float(np.mean(run.angles_deg)), tension, ratio * speed, steady=True
         )
-        total += ratio * sides * one.force(state)
+        total += ratio * sides * effect.force(state)
     return total

@@ -22,7 +22,7 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
         if isinstance(joint, RevoluteJoint)
         else (joint.transmission_rad_per_m, "m")
     )
-    found = {
+    numbers = {
         "natural_frequency_hz": _median(omega) / (2 * np.pi),
         "damping_ratio": _median(zeta),
         "resonance_hz": _median(shaft.ringing) / (2 * np.pi),
@@ -32,13 +32,14 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
         "tip_m_per_rad": _median(shaft.tip_per_rad),
     }
     sentence = (
-        f"At the motor's shaft: ω_n {found['natural_frequency_hz']:.3g} Hz, ζ "
-        f"{found['damping_ratio']:.2g}, both ends ring on the cable at {found['resonance_hz']:.3g} "
-        f"Hz; inertia of motor {found['motor_inertia_kg_m2']:.2g} and joint "
-        f"{found['load_inertia_kg_m2']:.2g} kg·m². A turn of the motor is "
+        f"At the motor's shaft: ω_n {numbers['natural_frequency_hz']:.3g} Hz, ζ "
+        f"{numbers['damping_ratio']:.2g}, both ends ring on the cable at "
+        f"{numbers['resonance_hz']:.3g} Hz; inertia of motor "
+        f"{numbers['motor_inertia_kg_m2']:.2g} and joint "
+        f"{numbers['load_inertia_kg_m2']:.2g} kg·m². A turn of the motor is "
         f"1/{central(shaft.loop.drive.gearbox_ratio):.4g} of the capstan, "
-        f"{2e3 * np.pi * found['cable_m_per_rad']:.3g} mm of cable and "
-        f"{2e3 * np.pi * found['tip_m_per_rad']:.3g} mm at the tip; the joint has "
+        f"{2e3 * np.pi * numbers['cable_m_per_rad']:.3g} mm of cable and "
+        f"{2e3 * np.pi * numbers['tip_m_per_rad']:.3g} mm at the tip; the joint has "
         f"{central(whole):.4g} rad of it per {way}."
     )
     if len(shaft.stages) == 2:
@@ -54,7 +55,7 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
     if (shaft.backlash > 0).any():
         at_tip = 1e3 * _median(shaft.backlash * shaft.tip_per_rad)
         sentence += f" The gearbox plays by {at_tip:.3g} mm at the tip."
-    return Plant(**found, sentence=sentence)
+    return Plant(**numbers, sentence=sentence)
 
 
 def _median(values: Array) -> float:

@@ -203,8 +203,8 @@ class Ends:
     def stands(self) -> Flags:
         """Where all ends stand still, shape (draws,)."""
         stand, *others = self.speeds == 0.0
-        for one in others:
-            stand = stand & one
+        for part in others:
+            stand = stand & part
         return np.asarray(stand)
 
     def withstands(self) -> tuple[Array, Array]:

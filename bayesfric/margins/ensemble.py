@@ -72,9 +72,9 @@ class Ensemble:
         along = has[0] if direction is None else direction
         nominal, drawn = OpenLoop(self.nominal, along), OpenLoop(self.drawn, along)
         rows = self.some(draws)
-        found = [state_space(nominal, 0), *(state_space(drawn, int(row)) for row in rows)]
+        systems = [state_space(nominal, 0), *(state_space(drawn, int(row)) for row in rows)]
         names = ["nominal", *(f"draw {row}" for row in rows)]
         return [
-            control.ss(*one, name=f"{self.name} {name}", inputs="error", outputs="angle")
-            for one, name in zip(found, names, strict=True)
+            control.ss(*system, name=f"{self.name} {name}", inputs="error", outputs="angle")
+            for system, name in zip(systems, names, strict=True)
         ]

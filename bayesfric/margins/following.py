@@ -11,6 +11,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault
+from bayesfric.margins.bode import SHOWN_QUANTILES
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -29,7 +30,6 @@ __all__ = ["band_of", "follow_all", "needs_motion", "observers", "strokes", "wit
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5
 """Of the disturbance observer's low-pass, over the loop's natural frequency √(kp/J)."""
-LEVELS = (0.05, 0.5, 0.95)
 POINTS = 121
 """Of a band over time."""
 ALIKE = 0.02
@@ -42,7 +42,7 @@ BAND = 2.0
 
 def fastest(shaft: LoopAtShaft) -> float:
     """Return the fastest reference of those at which hunting is looked for [rad/s]."""
-    return max(float(np.median(one.speed_of(shaft))) for one in speeds_of(shaft))
+    return max(float(np.median(condition.speed_of(shaft))) for condition in speeds_of(shaft))
 
 
 def needs_motion(shaft: LoopAtShaft) -> list[Fault]:
@@ -155,8 +155,8 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         (signal, with_compensator(some, signal).taken(each_run), None) for signal in SIGNALS
     ]
     plain = runs[0][1]
-    runs += [(name, plain, one) for name, one in observers(some.taken(each_run)).items()]
-    found: dict[Compensator, tuple[Array, Array, Array]] = {}
+    runs += [(name, plain, observed) for name, observed in observers(some.taken(each_run)).items()]
+    by_signal: dict[Compensator, tuple[Array, Array, Array]] = {}
     for signal, loop, observer in runs:
         errors = follow(loop, together, 3 * rest, observer)
         errors = errors.reshape(-1, len(paths), n) * some.tip_per_rad
@@ -165,11 +165,11 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         rms = np.sqrt((errors**2).mean(axis=0, where=judged))
         peak = np.abs(errors).max(axis=0, where=judged, initial=0.0)
         shown = errors[np.minimum(at, errors.shape[0] - 1), :, np.arange(n)]
-        found[signal] = rms, peak, np.quantile(shown, LEVELS, axis=1)
-    least = np.min([rms for rms, _, _ in found.values()], axis=0)
+        by_signal[signal] = rms, peak, np.quantile(shown, SHOWN_QUANTILES, axis=1)
+    least = np.min([rms for rms, _, _ in by_signal.values()], axis=0)
     trajectories = []
     for row, (name, (_, words)) in enumerate(paths.items()):
-        each = tuple(
+        compensators = tuple(
             FollowedWith(
                 compensator=signal,
                 rms_m=interval_of(rms[row]),
@@ -177,11 +177,17 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
                 least=float((rms[row] <= (1 + ALIKE) * least[row]).mean()),
                 **dict(zip(("q05_m", "q50_m", "q95_m"), bands[:, :, row].tolist(), strict=True)),
             )
-            for signal, (rms, peak, bands) in found.items()
+            for signal, (rms, peak, bands) in by_signal.items()
         )
-        highest = max(one.least for one in each)
-        best = tuple(one.compensator for one in each if one.least > highest - CLOSE)
-        trajectories.append(Trajectory(name=name, sentence=words, best=best, compensators=each))
+        highest = max(compensator.least for compensator in compensators)
+        best = tuple(
+            compensator.compensator
+            for compensator in compensators
+            if compensator.least > highest - CLOSE
+        )
+        trajectories.append(
+            Trajectory(name=name, sentence=words, best=best, compensators=compensators)
+        )
     return Following(
         draws=n,
         settling_s=rest,
@@ -200,11 +206,16 @@ def _parts(path: Stroke) -> tuple[Array, ...]:
 def _answer(trajectories: Sequence[Trajectory]) -> str:
     """Return which compensator follows best, trajectory by trajectory."""
     said = []
-    for one in trajectories:
-        rms = {each.compensator: 1e3 * each.rms_m.q50 for each in one.compensators}
-        words = f"{one.name}: {' or '.join(one.best)}, {rms[one.best[0]]:.2g} mm"
-        if "none" not in one.best:
+    for trajectory in trajectories:
+        rms = {
+            compensator.compensator: 1e3 * compensator.rms_m.q50
+            for compensator in trajectory.compensators
+        }
+        words = (
+            f"{trajectory.name}: {' or '.join(trajectory.best)}, {rms[trajectory.best[0]]:.2g} mm"
+        )
+        if "none" not in trajectory.best:
             words += f" in place of {rms['none']:.2g} mm with none"
-        most = max(each.least for each in one.compensators)
+        most = max(compensator.least for compensator in trajectory.compensators)
         said.append(f"{words} (in {most:.0%} of the draws)")
     return f"Compensators with the least rms error at the tip, medians: {'; '.join(said)}."

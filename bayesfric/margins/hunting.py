@@ -14,7 +14,7 @@ moves so slowly that most samples read no motion, shafts slip and stick at γ be
 Only the simulation knows these.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -161,7 +161,7 @@ def hunting_threshold(
     duration: float | None = None,
     gammas: Sequence[float] = EVERY_TENTH,
     tolerance: float = 0.01,
-    known: ArrayLike = np.inf,
+    hunts_at: ArrayLike = np.inf,
     expected: int = TRIED_AT_ONCE,
 ) -> Thresholds:
     """Return the smallest compensation gain γ at which each draw hunts in any condition.
@@ -185,7 +185,7 @@ def hunting_threshold(
         The γ that are tried first, increasing from 0.
     tolerance : float
         Width to which the bisection goes, and a share :data:`WITHIN` of smaller thresholds.
-    known : array_like
+    hunts_at : array_like
         γ at which each draw hunts in another condition, a scalar or (draws,): none above is tried.
     expected : int
         Place in `gammas` by which most draws hunt, so that none beyond is tried along in vain;
@@ -207,7 +207,7 @@ def hunting_threshold(
     if not (grid.size and grid[0] == 0.0 and (np.diff(grid) > 0.0).all()):
         raise ValueError(f"gammas: expected numbers that increase from 0, got {gammas}")
     kicks, speeds = (
-        np.atleast_2d(np.asarray(one, dtype=np.float64)) for one in (kick, reference_speed)
+        np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (kick, reference_speed)
     )
     shape = np.broadcast_shapes(kicks.shape, speeds.shape, (1, loop.draws))
     kicks, speeds = np.broadcast_to(kicks, shape), np.broadcast_to(speeds, shape)
@@ -218,7 +218,7 @@ def hunting_threshold(
         tried = replace(loop.taken(rows), compensation_gain=np.tile(gamma, shape[0]))
         speed = speeds[:, index].ravel()
         length = run_length(tried, speed)
-        found = simulate(
+        motion = simulate(
             tried,
             kick=kicks[:, index].ravel(),
             duration=length.duration if duration is None else duration,
@@ -226,11 +226,11 @@ def hunting_threshold(
             lasts=length.lasts,
             reference_speed=speed,
         ).hunts
-        return found.reshape(shape[0], index.size)
+        return motion.reshape(shape[0], index.size)
 
     threshold, below = np.full(loop.draws, np.inf), np.zeros(loop.draws)
     condition = np.full(loop.draws, -1, dtype=np.intp)
-    most = loop.per_draw("known", known)
+    most = loop.per_draw("hunts_at", hunts_at)
     before = np.concatenate([[-1.0], grid[:-1]])
     # a loop that hunts without compensation needs no more than the first
     first_group = 1 + min(max(expected, 1), TRIED_AT_ONCE)
@@ -244,16 +244,39 @@ def hunting_threshold(
         table = np.zeros((shape[0], *some.shape), dtype=bool)
         table[:, needed] = hunts(left[np.nonzero(needed)[1]], some[needed])
         any_hunts = table.any(axis=0)
-        found, at = any_hunts.any(axis=0), any_hunts.argmax(axis=0)
-        rows, first = left[found], begin + at[found]
+        newly, at = any_hunts.any(axis=0), any_hunts.argmax(axis=0)
+        rows, first = left[newly], begin + at[newly]
         threshold[rows] = np.minimum(grid[first], most[rows])
         below[rows] = grid[np.maximum(first - 1, 0)]
-        condition[rows] = table[:, at[found], np.flatnonzero(found)].argmax(axis=0)
+        condition[rows] = table[:, at[newly], np.flatnonzero(newly)].argmax(axis=0)
+    return _bisect(Thresholds(threshold, condition), below, hunts, tolerance)
+
+
+def _bisect(
+    thresholds: Thresholds,
+    below: Array,
+    hunts: Callable[[Whole, Array], Flags],
+    tolerance: float,
+) -> Thresholds:
+    """Bring thresholds as near to where hunting begins as is asked, and share :data:`WITHIN`.
+
+    Parameters
+    ----------
+    thresholds : Thresholds
+        At which draws hunt; changed in place.
+    below : ndarray, shape (draws,)
+        Gains below at which they do not; changed in place.
+    hunts : callable
+        Places of draws and a gain for each to whether each condition hunts.
+    tolerance : float
+        Width to which the bisection goes.
+    """
+    threshold, condition = thresholds.gamma, thresholds.condition
     while True:
         near = np.minimum(tolerance, np.maximum(WITHIN * threshold, FINEST))
         wide = np.isfinite(threshold) & (threshold - below > near)
         if not wide.any():
-            return Thresholds(threshold, condition)
+            return thresholds
         index = np.flatnonzero(wide)
         middle = (threshold[index] + below[index]) / 2.0
         table = hunts(index, middle)

@@ -36,7 +36,9 @@ def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
             continue
         asked = {"wrap_angle": run.angles_deg, "tension": (tension,)}
         for name, (axis, coefficient) in AXES.items():
-            outside = axis not in tested or any(_outside(one, tested[axis]) for one in asked[name])
+            outside = axis not in tested or any(
+                _outside(value, tested[axis]) for value in asked[name]
+            )
             if coefficient in informed or not outside or name in loop.extrapolate:
                 continue
             yield Fault(
@@ -49,9 +51,9 @@ def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
 
 def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) -> tuple[str, ...]:
     """Return what of a loop lies outside of the tested conditions, counted, in words."""
-    found = []
+    sentences = []
     where = [
-        (stage, one) for stage, cable in enumerate(shaft.stages) for one in range(len(cable.runs))
+        (stage, run) for stage, cable in enumerate(shaft.stages) for run in range(len(cable.runs))
     ]
     for (_, run), (stage, place) in zip(shaft.loop.every_run, where, strict=True):
         name = f"run {place + 1}" + (" of the second stage" if stage else "")
@@ -61,36 +63,36 @@ def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) 
             low, high = tested["wrap_angle_deg"]
             count = int(_outside(angles, (low, high)).sum())
             if count:
-                found.append(f"{count} of {run.count} pulleys of {name} are wrapped by "
+                sentences.append(f"{count} of {run.count} pulleys of {name} are wrapped by "
                              f"{angles.min():g}° to {angles.max():g}°, "
                              f"tested {low:g}° to {high:g}°")  # fmt: skip
         if "n_pulleys" in tested and run.count > tested["n_pulleys"][1]:
-            found.append(f"{name} has {run.count} pulleys, tested up to "
+            sentences.append(f"{name} has {run.count} pulleys, tested up to "
                          f"{tested['n_pulleys'][1]:g}")  # fmt: skip
         if "tension_n" in tested:
-            found += _tensions(shaft, stage, place, name, tested["tension_n"])
+            sentences += _tensions(shaft, stage, place, name, tested["tension_n"])
         law = given.coefficients[run.pulley_size]
         share = losses(law, np.ones(given.draws), angles, clipped=False)
         negative = float((share < 0).any(axis=1).mean())
         if negative > 0:
-            found.append(f"in {negative:.1%} of the draws the law says negative friction for a "
+            sentences.append(f"in {negative:.1%} of the draws the law says negative friction for a "
                          f"pulley of {name}, which is taken as none")  # fmt: skip
-    return tuple(found)
+    return tuple(sentences)
 
 
 def _tensions(
     shaft: LoopAtShaft, stage: int, place: int, name: str, tested: Range
 ) -> Iterator[str]:
     low, high = tested
-    known = float(_outside(shaft.stages[stage].tension[place], tested).mean())
+    static = float(_outside(shaft.stages[stage].tension[place], tested).mean())
     least, largest = shaft.side_tension_of(stage)
     peak = float((largest > high + ROOM).mean())
-    if known > 0:
+    if static > 0:
         yield (
             f"the tension of {name} is outside of the tested {low:.0f} to {high:.0f} N in "
-            f"{known:.0%} of the draws"
+            f"{static:.0%} of the draws"
         )
-    if peak > known:
+    if peak > static:
         yield (
             f"the tension of {name} peaks above {high:.0f} N in the fastest motion in "
             f"{peak:.0%} of the draws"

@@ -77,8 +77,8 @@ def choose_law(
         return _fitted(posterior, why, warning=f"{why[:1].upper()}{why[1:]}")
     names = ", ".join(cause.effect for cause in record.causes)
     if asked == "refitted" or (names and asked is None):
-        found = read_diagnosed(path, posterior, seed)
-        return ChosenLaw(found.posterior, _refitted(path, record, found, names))
+        diagnosed = read_diagnosed(path, posterior, seed)
+        return ChosenLaw(diagnosed.posterior, _refitted(path, record, diagnosed, names))
     beside = None if diagnosis is None else read_diagnosed(path, posterior, seed)
     if not names:
         return _fitted(posterior, f"{path.name} names no cause", beside)
@@ -98,14 +98,16 @@ def _fitted(
     return ChosenLaw(posterior, used, beside)
 
 
-def _refitted(path: Path, record: DiagnosisFile, found: Diagnosed, names: str) -> LawUsed:
+def _refitted(path: Path, record: DiagnosisFile, diagnosed: Diagnosed, names: str) -> LawUsed:
     what = f"{names}, which {path.name} names" if names else f"what {path.name} finds possible"
-    left_out = f" Left with the board: {'; '.join(found.left_out)}." if found.left_out else ""
+    left_out = (
+        f" Left with the board: {'; '.join(diagnosed.left_out)}." if diagnosed.left_out else ""
+    )
     return LawUsed(
         used="refitted",
         causes=tuple(cause.effect for cause in record.causes),
-        effects=tuple(one.effect.name for one in found.acting),
-        left_out=found.left_out,
+        effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
+        left_out=diagnosed.left_out,
         sentence=f"Margins of the law refitted with {what}; --law fitted is the law alone."
         f"{left_out}",
     )

@@ -180,8 +180,8 @@ def _root(function: Callable[[Array, Rows], Array], omega: Array, rows: Rows, at
         return function(np.exp(log_omega), row.astype(np.intp))
 
     find: Any = elementwise.find_root
-    found = find(of_log, ends, args=(rows.astype(float),))
-    return np.asarray(np.exp(found.x))
+    root = find(of_log, ends, args=(rows.astype(float),))
+    return np.asarray(np.exp(root.x))
 
 
 def _smallest(values: Array, places: Array, rows: Rows, loops: int) -> tuple[Array, Array]:
@@ -204,7 +204,7 @@ def peaks(response: Response, omega: Array, on_grid: Complex | None = None) -> t
     """
     value = on_a_grid(response, omega) if on_grid is None else on_grid
     apart, _ = _least(response, omega, value, _squared)
-    inverse, _ = _least(response, omega, value, lambda one: _squared(one) / _size(one))
+    inverse, _ = _least(response, omega, value, lambda z: _squared(z) / _size(z))
     return 1 / np.sqrt(apart), 1 / np.sqrt(inverse)
 
 
@@ -219,7 +219,7 @@ def _size(value: Complex) -> Array:
 def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Array]:
     """Return min over ω of 2|1 + L|/|1 − L|, and where."""
     least, where = _least(
-        response, omega, value, lambda one: _squared(one) / np.maximum(_squared(-one), 1e-300)
+        response, omega, value, lambda z: _squared(z) / np.maximum(_squared(-z), 1e-300)
     )
     return 2 * np.sqrt(least), where
 
@@ -244,8 +244,8 @@ def _least(
             return margin(response(np.exp(log_omega), row.astype(np.intp)))
 
         find: Any = elementwise.find_minimum
-        found = find(of_log, triple, args=(rows.astype(float),))
-        refined, place = _smallest(np.asarray(found.f_x), np.exp(found.x), rows, len(omega))
+        minimum = find(of_log, triple, args=(rows.astype(float),))
+        refined, place = _smallest(np.asarray(minimum.f_x), np.exp(minimum.x), rows, len(omega))
         better = refined < least
         least, where = np.where(better, refined, least), np.where(better, place, where)
     return least, where

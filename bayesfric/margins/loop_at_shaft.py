@@ -219,8 +219,8 @@ class LoopAtShaft:
         pair = self.directions == (None,)
         load = np.asarray(np.abs(self.load_torque) / stage.per_rad)
         asked = (load if pair else 0.0) + swing / stage.per_rad
-        each = (asked + stage.force) / (2 if pair else 1)
-        return np.min(stage.tension, axis=0) - each, np.max(stage.tension, axis=0) + each
+        change = (asked + stage.force) / (2 if pair else 1)
+        return np.min(stage.tension, axis=0) - change, np.max(stage.tension, axis=0) + change
 
     @property
     def side_tension(self) -> tuple[Array, Array]:
@@ -234,7 +234,7 @@ class LoopAtShaft:
         if self.directions != (None,):
             return np.ones(self.friction.shape, dtype=bool)
         load = np.abs(self.load_torque)
-        held = [np.min(one.tension, axis=0) > load / one.per_rad / 2 for one in self.stages]
+        held = [np.min(stage.tension, axis=0) > load / stage.per_rad / 2 for stage in self.stages]
         return np.asarray(np.logical_and.reduce(held))
 
     def taken(self, rows: Whole) -> "LoopAtShaft":
@@ -246,7 +246,7 @@ class LoopAtShaft:
             if isinstance(values, Stage | RunFriction | Wrist):
                 return type(values)(*(some(getattr(values, f.name)) for f in fields(values)))  # type: ignore[arg-type]
             if isinstance(values, tuple):
-                return tuple(some(one) for one in values)
+                return tuple(some(value) for value in values)
             return values
 
         parts: Any = {field.name: some(getattr(self, field.name)) for field in fields(self)}

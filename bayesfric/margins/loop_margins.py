@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -122,32 +123,15 @@ def loop_margins(
     allowed, draws = loop.spec.limit_cycle_probability_max, posterior.effective_draws
     judged = Judged.of(shaft, loop.spec, simulated, draws)
     hunting, safe = judged.hunting, judged.safe
-    estimate = float(shaft.estimate.mean())
-    some = np.arange(min(SHARED, given.draws))
-    other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
-
-    def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
-        one = reflected(loop, assembly, estimate=estimate)
-        return closed_forms(one, linear_of(one))
-
+    shares = _variance_shares(loop, posterior, discrepancy, seed, shaft, given)
     beyond = beyond_the_draws(shaft, given, posterior)
-    shares = variance_shares(evaluate, given.taken(some), other.taken(some))
     together = meets_all_now(shaft, hunting)
     certificate, no_certificate = certify(shaft, hunting)
-    told = LoopMargins(
+    summary = LoopMargins(
         name=loop.name,
         title=loop.title,
         loop_sha256=loop_sha256(loop),
-        answer=" ".join(
-            [
-                against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec),
-                "All at once are met with probability "
-                f"{stated_of_draws(together, hunting.now.size)}.",
-                *([f"Beyond what was measured: {'; '.join(beyond)}."] if beyond else []),
-                which_gain(shaft, hunting, safe, allowed),
-                *what_to_measure(shares),
-            ]
-        ),
+        answer=_answer(shaft, judged, together, beyond, shares),
         plant=plant_of(shaft),
         compensation_signal=loop.compensation.signal,
         compensation_gain=float(np.median(shaft.gamma)),
@@ -162,43 +146,92 @@ def loop_margins(
         largest_safe_compensation_gain_why=safe.why,
         largest_safe_compensation_gain_se=safe.se,
         hunting_map=_map(hunting, shaft),
-        hunting_map_why="the file's reference rests, and a formula holds"
-        if not hunting.map
-        else None,
+        hunting_map_why=None if hunting.map else "the file's reference rests, and a formula holds",
         not_examined=hunting.not_examined,
         variance_share=shares,
-        verification=verify_draws(shaft, hunting, verify) if verify else None,
-        verification_why=None if verify else "it was not asked for (--verify N)",
         with_effects=None
         if diagnosed is None or not diagnosed.finds_something
         else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
         with_effects_why=_why_without(diagnosed, posterior),
         meets_all=together,
-        tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
-        tuning_why=None if tune else "it was not asked for (--tune)",
         certificate=certificate,
         certificate_why=no_certificate,
-        following=follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
-        following_why=_why_not_followed(shaft, moves),
         nyquist=nyquist_fans(shaft),
         bode=bode_bands(shaft),
         warnings=loop_warnings(shaft, given, judged.linear, discrepancy, posterior),
         beyond=beyond,
+        **_on_request(shaft, hunting, verify, tune, moves, simulated),
     )
-    return shaft, told
+    return shaft, summary
+
+
+def _variance_shares(
+    loop: Loop,
+    posterior: Posterior,
+    discrepancy: RigDiscrepancy,
+    seed: int,
+    shaft: LoopAtShaft,
+    given: Assembly,
+) -> dict[str, dict[str, float]]:
+    """Return which of the uncertain numbers each metric's spread comes from."""
+    estimate = float(shaft.estimate.mean())
+    some = np.arange(min(SHARED, given.draws))
+    other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
+
+    def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
+        shaft_tried = reflected(loop, assembly, estimate=estimate)
+        return closed_forms(shaft_tried, linear_of(shaft_tried))
+
+    return variance_shares(evaluate, given.taken(some), other.taken(some))
+
+
+def _answer(
+    shaft: LoopAtShaft,
+    judged: Judged,
+    together: float,
+    beyond: tuple[str, ...],
+    shares: Mapping[str, Mapping[str, float]],
+) -> str:
+    """Return what the margins come to, in a few sentences."""
+    spec = shaft.loop.spec
+    sentences = [
+        against_the_spec(judged.rows, judged.missed, judged.hunting.now, spec),
+        "All at once are met with probability "
+        f"{stated_of_draws(together, judged.hunting.now.size)}.",
+    ]
+    if beyond:
+        sentences.append(f"Beyond what was measured: {'; '.join(beyond)}.")
+    limit = spec.limit_cycle_probability_max
+    sentences.append(which_gain(shaft, judged.hunting, judged.safe, limit))
+    return " ".join([*sentences, *what_to_measure(shares)])
+
+
+def _on_request(
+    shaft: LoopAtShaft, hunting: Hunting, verify: int, tune: bool, moves: bool, simulated: int
+) -> dict[str, Any]:
+    """Return the fields that take long and are computed only where they are asked for."""
+    limit = shaft.loop.spec.violation_probability_max
+    return {
+        "verification": verify_draws(shaft, hunting, verify) if verify else None,
+        "verification_why": None if verify else "it was not asked for (--verify N)",
+        "tuning": find_gains(shaft, limit) if tune else None,
+        "tuning_why": None if tune else "it was not asked for (--tune)",
+        "following": follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
+        "following_why": _why_not_followed(shaft, moves),
+    }
 
 
 def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
     chart = hunting.map
     if chart is None:
         return None
-    speeds = [one.speed_of(shaft) for one in chart.speeds]
+    speeds = [condition.speed_of(shaft) for condition in chart.speeds]
     tip = float(np.median(shaft.tip_per_rad))
     return HuntingMap(
         draws=chart.hunts.shape[2],
         gamma=chart.gammas,
-        speed_rad_s=tuple(float(np.median(one)) for one in speeds),
-        speed_tip_m_s=tuple(float(np.median(one * shaft.tip_per_rad)) for one in speeds),
+        speed_rad_s=tuple(float(np.median(speed)) for speed in speeds),
+        speed_tip_m_s=tuple(float(np.median(speed * shaft.tip_per_rad)) for speed in speeds),
         probability=_rows(chart.hunts.mean(axis=2)),
         rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
     )
@@ -231,7 +264,7 @@ def _with_effects(
     after = reflected(loop, given)
     judged = Judged.of(after, loop.spec, simulated, diagnosed.posterior.effective_draws)
     return WithEffects(
-        effects=tuple(one.effect.name for one in diagnosed.acting),
+        effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
         left_out=diagnosed.left_out,
         answer=" ".join(
             [

@@ -28,8 +28,8 @@ def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
         As read.
     """
     return [
-        Fault(file, expected, column=key, value=f"{found:.4g}")
-        for key, found, expected in (*_ratio(loop), *_units(loop))
+        Fault(file, expected, column=key, value=f"{value:.4g}")
+        for key, value, expected in (*_ratio(loop), *_units(loop))
     ]
 
 
@@ -67,9 +67,9 @@ def _ratio(loop: Loop) -> Iterator[tuple[str, float, str]]:
 def _units(loop: Loop) -> Iterator[tuple[str, float, str]]:
     drive, controller = loop.drive, loop.controller
     for key in ("sample_time_s", "delay_s"):
-        if (found := central(getattr(controller, key))) > SLOWEST_SAMPLED_S:
+        if (value := central(getattr(controller, key))) > SLOWEST_SAMPLED_S:
             expected = f"at most {SLOWEST_SAMPLED_S:g} s (is it in milliseconds?)"
-            yield f"controller.{key}", found, expected
+            yield f"controller.{key}", value, expected
     torque = central(drive.torque_constant_n_m_per_a) * central(drive.current_limit_a)
     pull = torque * central(drive.gearbox_ratio) / central(drive.capstan_radius_m)
     stretch = pull / central(loop.cable.axial_stiffness_n)

@@ -69,7 +69,9 @@ def write_mat(path: Path, ensembles: Sequence[Ensemble]) -> None:
     InputError
         The folder cannot be written.
     """
-    entries = [_entry(one, along) for one in ensembles for along in one.drawn.directions]
+    entries = [
+        _entry(ensemble, along) for ensemble in ensembles for along in ensemble.drawn.directions
+    ]
     cells = np.empty(len(entries), dtype=object)
     cells[:] = entries
 

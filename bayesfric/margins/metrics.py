@@ -52,7 +52,7 @@ def linear_of(shaft: LoopAtShaft, *, with_peaks: bool = False) -> dict[Direction
     with_peaks : bool
         Whether to look for the peaks of S and T, too, which takes as long again.
     """
-    found: dict[Direction | None, Linear] = {}
+    by_direction: dict[Direction | None, Linear] = {}
     for direction in shaft.directions:
         loop = OpenLoop(shaft, direction)
         omega = loop.frequencies()
@@ -68,8 +68,8 @@ def linear_of(shaft: LoopAtShaft, *, with_peaks: bool = False) -> dict[Direction
         if with_peaks:
             for name, peak in zip(PEAKS, peaks(loop, omega, on_grid), strict=True):
                 values[name] = np.where(stable, peak, np.inf)
-        found[direction] = Linear(values, stable, margins.phase_frequency, margins.crossings)
-    return found
+        by_direction[direction] = Linear(values, stable, margins.phase_frequency, margins.crossings)
+    return by_direction
 
 
 def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) -> dict[Key, Array]:
@@ -114,8 +114,8 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     if shaft.wrist is not None:
         values |= _of_the_wrist(shaft, shaft.wrist)
         del values["smallest_step", None]
-    for direction, one in linear.items():
-        values |= {(name, direction): each for name, each in one.values.items()}
+    for direction, linear_along in linear.items():
+        values |= {(name, direction): value for name, value in linear_along.values.items()}
     return values
 
 
@@ -132,8 +132,8 @@ def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
         lost_motion=lost_motion(shaft.stages, shaft.shaft_friction, none),
     )
     motors = [replace(alone, load_torque=load) for load in wrist.load]
-    stuck, unseen = [steady_error(alone)] * len(motors), [one.unseen_motion for one in motors]
-    turned = [2 * (steady_error(alone) + one) for one in unseen]
+    stuck, unseen = [steady_error(alone)] * len(motors), [motor.unseen_motion for motor in motors]
+    turned = [2 * (steady_error(alone) + unseen_of_motor) for unseen_of_motor in unseen]
     rubs = wrist.under_friction()
     own_rubs = abs(wrist.compliance[wrist.axis]) * wrist.joint_friction[wrist.axis]
     servo, cable = shaft.stiction_ratio / shaft.kp, 1 / shaft.stiffness
@@ -173,10 +173,10 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
     missed = {}
     for rule in RULES:
         spec = spec_of(rule, shaft)
-        for (name, direction), found in values.items():
+        for (name, direction), value in values.items():
             if name != rule.name or spec is None:
                 continue
-            beyond = found < spec if rule.sense == "at least" else found > spec
+            beyond = value < spec if rule.sense == "at least" else value > spec
             slack = ~shaft.taut if name in TAUT else np.zeros_like(beyond)
             missed[" ".join(filter(None, (name, direction)))] = np.asarray(beyond | slack)
     return missed

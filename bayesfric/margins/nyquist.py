@@ -37,13 +37,13 @@ def nyquist_fans(shaft: LoopAtShaft) -> tuple[NyquistFan, ...]:
         shown = (size > SMALLEST) & (size < LARGEST)
         for what, values in (("loop", response), ("seen-by-friction", seen)):
             used = shown if what == "loop" else np.full(shown.shape, True)
-            picked = [_thinned(one[use]) for one, use in zip(values, used, strict=True)]
+            picked = [_thinned(curve[use]) for curve, use in zip(values, used, strict=True)]
             fans.append(
                 NyquistFan(
                     what=what,
                     direction=direction,
-                    real=tuple(tuple(_short(one.real)) for one in picked),
-                    imag=tuple(tuple(_short(one.imag)) for one in picked),
+                    real=tuple(tuple(_short(curve.real)) for curve in picked),
+                    imag=tuple(tuple(_short(curve.imag)) for curve in picked),
                 )
             )
     return tuple(fans)

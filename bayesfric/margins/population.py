@@ -95,6 +95,6 @@ def _widest(
     boards: Sequence[Mapping[str, tuple[float, float]]],
 ) -> dict[str, tuple[float, float]]:
     """Return by axis the range that any board was tested in."""
-    axes = dict.fromkeys(axis for one in boards for axis in one)
-    ends = {axis: [one[axis] for one in boards if axis in one] for axis in axes}
+    axes = dict.fromkeys(axis for ranges in boards for axis in ranges)
+    ends = {axis: [ranges[axis] for ranges in boards if axis in ranges] for axis in axes}
     return {axis: (min(a for a, _ in e), max(b for _, b in e)) for axis, e in ends.items()}

@@ -137,8 +137,8 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
         size: f"omega[{size}]" if f"omega[{size}]" in omegas else "omega" for size in coefficients
     }
     omega = {size: _flat(few, omegas.get(own[size], own[size]), size) for size in coefficients}
-    values = [*omega.values(), *(np.asarray(c) for one in coefficients.values() for c in one)]
-    if not all(np.isfinite(one).all() for one in values):
+    values = [*omega.values(), *(np.asarray(c) for law in coefficients.values() for c in law)]
+    if not all(np.isfinite(part).all() for part in values):
         raise InputError([Fault(path.name, "draws that are finite numbers")])
     attributes = tree.attrs
     return Posterior(
@@ -188,14 +188,14 @@ def _flat(table: xr.Dataset, name: str, size: str) -> Array:
 
 def _tested(attributes: Mapping[Any, Any]) -> dict[str, dict[str, tuple[float, float]]]:
     """Return the tested ranges by size and axis, from the attributes of ``draws.nc``."""
-    found: dict[str, dict[str, tuple[float, float]]] = {}
+    ranges: dict[str, dict[str, tuple[float, float]]] = {}
     for key, value in attributes.items():
         head, _, rest = str(key).partition(".")
         if head == "tested":
             size, _, axis = rest.rpartition(".")
-            low, high = (float(one) for one in np.asarray(value, dtype=np.float64))
-            found.setdefault(size, {})[axis] = (low, high)
-    return found
+            low, high = (float(end) for end in np.asarray(value, dtype=np.float64))
+            ranges.setdefault(size, {})[axis] = (low, high)
+    return ranges
 
 
 def effective_draws(table: xr.Dataset) -> float:
@@ -206,11 +206,11 @@ def effective_draws(table: xr.Dataset) -> float:
     for name in Coefficients._fields:
         column = table[name].transpose("pulley", "chain", "draw").to_numpy()
         chains, steps = column.shape[1:]
-        for one in column:
+        for draws in column:
             if steps < 20 or chains % count:
-                least = min(least, one.size)
+                least = min(least, draws.size)
                 continue
-            least = min(least, mean_ess(one.reshape(count, -1, steps).transpose(0, 2, 1)))
+            least = min(least, mean_ess(draws.reshape(count, -1, steps).transpose(0, 2, 1)))
     return float(least)
 
 

@@ -1,5 +1,7 @@
 """A loop file and its numbers, reflected to the motor's shaft."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from bayesfric.arrays import Array
@@ -8,9 +10,53 @@ from bayesfric.margins.cable_stage import in_series, lost_motion, stages_of
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
-from bayesfric.margins.wrist import wrist_of
+from bayesfric.margins.wrist import Wrist, wrist_of
 
 __all__ = ["at_shaft"]
+
+
+class _JointKeys(NamedTuple):
+    """Keys of a loop file that hold what a joint is, in the units of its kind."""
+
+    transmission: str
+    friction: str
+    inertia: str
+    viscous: str
+    load: str
+    peak_velocity: str
+    peak_acceleration: str
+
+
+REVOLUTE = _JointKeys(
+    "joint.transmission_rad_per_rad",
+    "joint.friction_n_m",
+    "joint.inertia_kg_m2",
+    "joint.viscous_n_m_s",
+    "joint.load_n_m",
+    "joint.peak_velocity_rad_s",
+    "joint.peak_acceleration_rad_s2",
+)
+PRISMATIC = _JointKeys(
+    "joint.transmission_rad_per_m",
+    "joint.friction_n",
+    "joint.mass_kg",
+    "joint.viscous_n_s_per_m",
+    "joint.load_n",
+    "joint.peak_velocity_m_s",
+    "joint.peak_acceleration_m_s2",
+)
+
+
+class _JointAtShaft(NamedTuple):
+    """A joint as the motor's shaft sees it, arrays of shape (draws,)."""
+
+    friction: Array  # N·m
+    inertia: Array  # kg·m²
+    viscous: Array  # N·m·s/rad
+    load: Array  # N·m
+    net_load: Array  # N·m, of which gravity compensation has taken its share
+    peak_velocity: Array  # rad/s
+    peak_acceleration: Array  # rad/s²
 
 
 def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
@@ -31,108 +77,134 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         Of as many draws.
     """
     revolute = loop.joint.kind == "revolute"
-    ratio = given["joint.transmission_rad_per_rad" if revolute else "joint.transmission_rad_per_m"]
-    gear = given["drive.gearbox_ratio"]
-    rho = given["drive.capstan_radius_m"] / gear
-    drive = given["drive.friction_n_m"]
+    ratio = given[(REVOLUTE if revolute else PRISMATIC).transmission]
+    rho = given["drive.capstan_radius_m"] / given["drive.gearbox_ratio"]
     wrist = wrist_of(loop, given)
-    own = given[f"joint.{'friction_n_m' if revolute else 'friction_n'}"] / ratio
-    stiction = np.maximum(given["stiction_ratio"], 1.0)
-    pair = loop.runs[0].topology == "antagonist-pair"
-    load_inertia = given["joint.inertia_kg_m2" if revolute else "joint.mass_kg"] / ratio**2
-    if wrist is not None:
-        own, load_inertia = wrist.friction, wrist.inertia
+    joint = _joint_at_shaft(loop, given, wrist)
     motor_inertia = given["drive.inertia_kg_m2"]
-    reduced = load_inertia * motor_inertia / (load_inertia + motor_inertia)
+    reduced = joint.inertia * motor_inertia / (joint.inertia + motor_inertia)
     stages = stages_of(loop, given, reduced)
-    shaft_inertia, shaft_friction = np.zeros((2, given.draws))
-    if loop.second_stage is not None:
-        turns = given["second_stage.driven_radius_m"] / rho  # of the motor, one of the shaft
-        shaft_inertia = given["second_stage.shaft_inertia_kg_m2"] / turns**2
-        shaft_friction = given["second_stage.shaft_friction_n_m"] / turns
-    friction = sum(one.friction for one in stages) + drive + own + shaft_friction
-    stiffness = in_series([one.stiffness for one in stages])
-    to_shaft = _to_shaft(loop, gear, ratio)
-    signal = loop.compensation.signal
-    joint = {
-        name: given[f"joint.{key[0] if revolute else key[1]}"]
-        for name, key in {
-            "viscous": ("viscous_n_m_s", "viscous_n_s_per_m"),
-            "load": ("load_n_m", "load_n"),
-            "velocity": ("peak_velocity_rad_s", "peak_velocity_m_s"),
-            "acceleration": ("peak_acceleration_rad_s2", "peak_acceleration_m_s2"),
-        }.items()
-    }
-    share = given["controller.gravity_compensation"]
-    seen = {
-        "load_viscous": joint["viscous"] / ratio**2,
-        "load_torque": joint["load"] / ratio,
-        "net_load": (joint["load"] - share * _expected_load(loop)) / ratio,
-        "peak_velocity": joint["velocity"] * ratio,
-        "peak_acceleration": joint["acceleration"] * ratio,
-    }
-    if wrist is not None:
-        seen = {
-            "load_viscous": wrist.viscous,
-            "load_torque": wrist.load[wrist.axis],
-            "net_load": wrist.net_load,
-            "peak_velocity": wrist.peak_velocity,
-            "peak_acceleration": wrist.peak_acceleration,
-        }
-    constant = given["drive.torque_constant_n_m_per_a"]
-    continuous = given.numbers.get("drive.continuous_current_a")
-    corners = (given.numbers.get(f"controller.{of}_cutoff_hz") for of in ("velocity", "position"))
-    cutoff, position_cutoff = (None if one is None else 2 * np.pi * one for one in corners)
-    guess = given.numbers.get("compensation.estimate_n_m")
-    if guess is None:
-        guess = np.full(given.draws, float(friction.mean()) if estimate is None else estimate)
+    shaft_inertia, shaft_friction = _between_two_cables(loop, given, rho)
+    drive = given["drive.friction_n_m"]
+    friction = sum(stage.friction for stage in stages) + drive + joint.friction + shaft_friction
+    stiffness = in_series([stage.stiffness for stage in stages])
+    damping = sum(stage.damping * (stiffness / stage.stiffness) ** 2 for stage in stages)
+    stiction = np.maximum(given["stiction_ratio"], 1.0)
+    kp = _to_shaft(loop, given, ratio) * given["controller.kp_n_m_per_rad"]
+    pair = loop.runs[0].topology == "antagonist-pair"
+    efficiency = [np.ones(given.draws)] if pair else [run.efficiency for run in stages[0].runs]
+    tip = (given["tool.lever_m"] if revolute else 1.0) / ratio
     return LoopAtShaft(
         loop=loop,
         motor_inertia=motor_inertia,
-        load_inertia=load_inertia,
+        load_inertia=joint.inertia,
         motor_viscous=given["drive.viscous_n_m_s"],
+        load_viscous=joint.viscous,
         stiffness=stiffness,
-        damping=np.asarray(sum(one.damping * (stiffness / one.stiffness) ** 2 for one in stages)),
+        damping=np.asarray(damping),
         friction=friction,
         drive_friction=drive,
         shaft_friction=shaft_friction,
-        joint_friction=own,
+        joint_friction=joint.friction,
         shaft_inertia=shaft_inertia,
         stiction_ratio=stiction,
         falling=np.zeros(given.draws),
         falling_speed=np.ones(given.draws),
-        kp=to_shaft * given["controller.kp_n_m_per_rad"],
-        kd=to_shaft * given["controller.kd_n_m_s_per_rad"],
-        ki=to_shaft * given["controller.ki_n_m_per_rad_s"],
-        sample_time=given["controller.sample_time_s"],
-        delay=given["controller.delay_s"],
-        cutoff=cutoff,
-        position_cutoff=position_cutoff,
-        counts=given["controller.encoder_counts_per_revolution"]
-        / (ratio if loop.controller.encoder_at == "joint" else 1.0),
-        clip=constant * given["drive.current_limit_a"],
-        continuous=None if continuous is None else constant * continuous,
-        estimate=guess,
-        gamma=given["compensation.gain"],
-        boundary=given[f"compensation.boundary_{'rad' if signal == 'error' else 'rad_s'}"],
-        efficiency=np.ones(given.draws)
-        if pair
-        else np.prod([run.efficiency for run in stages[0].runs], axis=0),
+        load_torque=joint.load,
+        net_load=joint.net_load,
+        peak_velocity=joint.peak_velocity,
+        peak_acceleration=joint.peak_acceleration,
+        efficiency=np.prod(efficiency, axis=0),
         cable_per_rad=rho,
-        tip_per_rad=(given["tool.lever_m"] if revolute else 1.0) / ratio
+        tip_per_rad=tip
         if wrist is None
         else given["tool.lever_m"] * abs(wrist.own_row[wrist.axis]),
-        lost_motion=lost_motion(stages, shaft_friction, own),
+        lost_motion=lost_motion(stages, shaft_friction, joint.friction),
         backlash=given["drive.backlash_rad"],
-        kick=given["kick.over_stuck_band"]
-        * stiction
-        * friction
-        / (to_shaft * given["controller.kp_n_m_per_rad"]),
+        kick=given["kick.over_stuck_band"] * stiction * friction / kp,
         reference_speed=given["kick.reference_speed_rad_s"],
         stages=stages,
         wrist=wrist,
-        **seen,
+        **_controller(loop, given, ratio),
+        **_limits(given),
+        **_compensation(loop, given, float(friction.mean()) if estimate is None else estimate),
     )
+
+
+def _joint_at_shaft(loop: Loop, given: Assembly, wrist: Wrist | None) -> _JointAtShaft:
+    """Reflect the joint to the motor's shaft; one that shares motors with others is a wrist's."""
+    if wrist is not None:
+        return _JointAtShaft(
+            friction=wrist.friction,
+            inertia=wrist.inertia,
+            viscous=wrist.viscous,
+            load=wrist.load[wrist.axis],
+            net_load=wrist.net_load,
+            peak_velocity=wrist.peak_velocity,
+            peak_acceleration=wrist.peak_acceleration,
+        )
+    keys = REVOLUTE if loop.joint.kind == "revolute" else PRISMATIC
+    ratio, load = given[keys.transmission], given[keys.load]
+    compensated = given["controller.gravity_compensation"] * _expected_load(loop)
+    return _JointAtShaft(
+        friction=given[keys.friction] / ratio,
+        inertia=given[keys.inertia] / ratio**2,
+        viscous=given[keys.viscous] / ratio**2,
+        load=load / ratio,
+        net_load=(load - compensated) / ratio,
+        peak_velocity=given[keys.peak_velocity] * ratio,
+        peak_acceleration=given[keys.peak_acceleration] * ratio,
+    )
+
+
+def _between_two_cables(loop: Loop, given: Assembly, rho: Array) -> tuple[Array, Array]:
+    """Return inertia and friction of a shaft between two cables [kg·m², N·m]; 0 without."""
+    if loop.second_stage is None:
+        return np.zeros(given.draws), np.zeros(given.draws)
+    turns = given["second_stage.driven_radius_m"] / rho  # of the motor, one of the shaft
+    inertia = given["second_stage.shaft_inertia_kg_m2"] / turns**2
+    return inertia, given["second_stage.shaft_friction_n_m"] / turns
+
+
+def _controller(loop: Loop, given: Assembly, ratio: Array) -> dict[str, Any]:
+    """Return the fields of a loop that are its controller's."""
+    to_shaft = _to_shaft(loop, given, ratio)
+    velocity = given.numbers.get("controller.velocity_cutoff_hz")
+    position = given.numbers.get("controller.position_cutoff_hz")
+    counts = given["controller.encoder_counts_per_revolution"]
+    return {
+        "kp": to_shaft * given["controller.kp_n_m_per_rad"],
+        "kd": to_shaft * given["controller.kd_n_m_s_per_rad"],
+        "ki": to_shaft * given["controller.ki_n_m_per_rad_s"],
+        "sample_time": given["controller.sample_time_s"],
+        "delay": given["controller.delay_s"],
+        "cutoff": None if velocity is None else 2 * np.pi * velocity,
+        "position_cutoff": None if position is None else 2 * np.pi * position,
+        "counts": counts / (ratio if loop.controller.encoder_at == "joint" else 1.0),
+    }
+
+
+def _limits(given: Assembly) -> dict[str, Any]:
+    """Return the fields of a loop that limit its torque [N·m]."""
+    constant = given["drive.torque_constant_n_m_per_a"]
+    continuous = given.numbers.get("drive.continuous_current_a")
+    return {
+        "clip": constant * given["drive.current_limit_a"],
+        "continuous": None if continuous is None else constant * continuous,
+    }
+
+
+def _compensation(loop: Loop, given: Assembly, mean_friction: float) -> dict[str, Array]:
+    """Return the fields of a loop that compensate for friction."""
+    estimate = given.numbers.get("compensation.estimate_n_m")
+    if estimate is None:
+        estimate = np.full(given.draws, mean_friction)
+    unit = "rad" if loop.compensation.signal == "error" else "rad_s"
+    return {
+        "estimate": estimate,
+        "gamma": given["compensation.gain"],
+        "boundary": given[f"compensation.boundary_{unit}"],
+    }
 
 
 def _expected_load(loop: Loop) -> float:
@@ -141,7 +213,8 @@ def _expected_load(loop: Loop) -> float:
     return central(joint.load_n_m if isinstance(joint, RevoluteJoint) else joint.load_n)
 
 
-def _to_shaft(loop: Loop, gear: Array, ratio: Array) -> Array:
+def _to_shaft(loop: Loop, given: Assembly, ratio: Array) -> Array:
     """Return what turns a gain of the file's frames into one at the motor's shaft."""
+    gear = given["drive.gearbox_ratio"]
     per = {"motor": np.ones_like(gear), "gearbox-output": gear, "joint": ratio}
     return 1 / (per[loop.controller.torque_at] * per[loop.controller.angle_of])

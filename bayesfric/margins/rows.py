@@ -61,8 +61,8 @@ def metric_rows(
     for rule in RULES:
         directions = shaft.directions if rule.name in LINEAR else (None,)
         for direction in directions:
-            found = simulated.get(rule.name, values.get((rule.name, direction)))
-            rows.append(_row(rule, direction, found, shaft, linear, hunting, effective_draws))
+            value = simulated.get(rule.name, values.get((rule.name, direction)))
+            rows.append(_row(rule, direction, value, shaft, linear, hunting, effective_draws))
     return tuple(rows)
 
 
@@ -85,7 +85,7 @@ def standard_error(probability: float, draws: float) -> float:
 def _row(
     rule: Rule,
     direction: Direction | None,
-    found: Array | None,
+    value: Array | None,
     shaft: LoopAtShaft,
     linear: Mapping[Direction | None, Linear],
     hunting: Hunting,
@@ -104,12 +104,12 @@ def _row(
         "sense": rule.sense,
         "spec": spec,
     }
-    missing = _missing(rule.name, found, shaft, hunting)
+    missing = _missing(rule.name, value, shaft, hunting)
     if rule.name in LINEAR and not linear[direction].stable.any():
-        found, missing = None, "the loop is unstable without friction, in every draw"
-    if found is not None and slack:
-        found, missing = found[taut], "a side of the pair goes slack in every draw"
-    if found is None or found.size == 0:
+        value, missing = None, "the loop is unstable without friction, in every draw"
+    if value is not None and slack:
+        value, missing = value[taut], "a side of the pair goes slack in every draw"
+    if value is None or value.size == 0:
         return Metric(
             **fields,
             interval=None,
@@ -117,16 +117,12 @@ def _row(
             probability_of_violation_why=missing,
             monte_carlo_se_why=missing,
         )
-    draws = min(effective_draws, float(found.size))
-    probability = None
-    if spec is not None:
-        below = hunting.now if rule.name == "gamma_hunting" else found < spec
-        violated = below if rule.sense == "at least" else found > spec
-        probability = float((violated.sum() + slack) / (violated.size + slack))
-    finite = found[np.isfinite(found)]
+    draws = min(effective_draws, float(value.size))
+    probability = _probability_of_violation(rule, spec, value, hunting, slack)
+    finite = value[np.isfinite(value)]
     # a swing exists in some draws only; of all others a missing value leaves no distribution
     conditional = rule.name in ("amplitude_margin", *HUNTING)
-    shown = finite if conditional or finite.size == found.size else finite[:0]
+    shown = finite if conditional or finite.size == value.size else finite[:0]
     interval = interval_of(shown) if shown.size else None
     error = None
     if probability is not None:
@@ -142,8 +138,19 @@ def _row(
         probability_of_violation_why=None if probability is not None else "nothing is asked for",
         monte_carlo_se=error,
         monte_carlo_se_why=None if error is not None else missing,
-        note=_note(rule, direction, interval, found, finite, shaft, linear, hunting),
+        note=_note(rule, direction, interval, value, finite, shaft, linear, hunting),
     )
+
+
+def _probability_of_violation(
+    rule: Rule, spec: float | None, value: Array, hunting: Hunting, slack: int
+) -> float | None:
+    """Return how probably a spec is missed; draws in which a side goes slack miss it."""
+    if spec is None:
+        return None
+    below = hunting.now if rule.name == "gamma_hunting" else value < spec
+    violated = below if rule.sense == "at least" else value > spec
+    return float((violated.sum() + slack) / (violated.size + slack))
 
 
 def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
@@ -155,7 +162,7 @@ def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
     return tuple(map(float, np.quantile(values, LEVELS)))
 
 
-def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:
+def _missing(name: str, value: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:
     """Return why a metric has no interval."""
     if name == "smallest_step" and shaft.wrist is not None:
         return "not examined: a step of a coupled joint is one of several motors at once"
@@ -173,9 +180,9 @@ def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Huntin
         return f"none of {looked}, at γ = {np.median(shaft.gamma):.3g}"
     if name == "amplitude_margin":
         return "kd + b − kp τ is positive in every draw: the loop is damped without friction"
-    if name in PEAKS and found is not None:
-        return f"{np.mean(~np.isfinite(found)):.1%} of the draws are unstable without friction"
-    share = 0.0 if found is None else float(np.mean(~np.isfinite(found)))
+    if name in PEAKS and value is not None:
+        return f"{np.mean(~np.isfinite(value)):.1%} of the draws are unstable without friction"
+    share = 0.0 if value is None else float(np.mean(~np.isfinite(value)))
     return f"{share:.1%} of the draws have no such crossing"
 
 
@@ -183,7 +190,7 @@ def _note(
     rule: Rule,
     direction: Direction | None,
     interval: Interval | None,
-    found: Array,
+    value: Array,
     finite: Array,
     shaft: LoopAtShaft,
     linear: Mapping[Direction | None, Linear],
@@ -215,12 +222,12 @@ def _note(
                 notes.append("without the compensator, which may be off or wrong at rest")
         case "gamma_hunting" | "limit_cycle_amplitude" | "limit_cycle_frequency":
             notes.append(hunting.note)
-            if rule.name == "gamma_hunting" and finite.size < found.size:
-                notes.append(f"{1 - finite.size / found.size:.1%} of the draws do not hunt up to "
+            if rule.name == "gamma_hunting" and finite.size < value.size:
+                notes.append(f"{1 - finite.size / value.size:.1%} of the draws do not hunt up to "
                              f"γ = {GAMMA_MAX:g} and are left out")  # fmt: skip
             elif rule.name != "gamma_hunting" and finite.size:
                 notes.append(
-                    f"in the {finite.size / found.size:.1%} of the draws that hunt for "
+                    f"in the {finite.size / value.size:.1%} of the draws that hunt for "
                     f"{LEAST_CYCLES:g} cycles at γ = {np.median(shaft.gamma):.3g}"
                 )
         case "amplitude_margin" if finite.size:
@@ -231,7 +238,9 @@ def _note(
     return "; ".join(notes)
 
 
-def _linear_notes(one: Linear, interval: Interval | None, direction: Direction | None) -> list[str]:
+def _linear_notes(
+    linear: Linear, interval: Interval | None, direction: Direction | None
+) -> list[str]:
     notes = []
     if interval is not None and interval.sd == 0:
         notes.append(
@@ -242,9 +251,9 @@ def _linear_notes(one: Linear, interval: Interval | None, direction: Direction |
         notes.append("its spread is that of the loop's own numbers: Coulomb friction is not in it")
     elif direction is not None:
         notes.append("in an open run friction counts the load side 1/η or η, so c1 and c3 move it")
-    if not one.stable.all():
-        notes.append(f"{1 - one.stable.mean():.1%} of the draws are unstable without friction and "
-                     "count as none")  # fmt: skip
-    if (one.crossings[one.stable] > 1).any():
+    if not linear.stable.all():
+        notes.append(f"{1 - linear.stable.mean():.1%} of the draws are unstable without friction "
+                     "and count as none")  # fmt: skip
+    if (linear.crossings[linear.stable] > 1).any():
         notes.append("the smallest of several gain crossings counts")
     return notes

@@ -117,9 +117,9 @@ class SampledLoop:
     cable: Cable | None = None
 
     def __post_init__(self) -> None:
-        for name, known in _CHOICES.items():
-            if getattr(self, name) not in known:
-                raise ValueError(f"{name}: expected one of {known}, got {getattr(self, name)!r}")
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                raise ValueError(f"{name}: expected one of {choices}, got {getattr(self, name)!r}")
         lengths = set()
         for name in self.numbers():
             value = np.asarray(getattr(self, name), dtype=np.float64)

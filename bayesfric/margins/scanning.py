@@ -73,10 +73,18 @@ def speeds_of(shaft: LoopAtShaft) -> tuple[Condition, ...]:
         if high == 0.0:
             return (REST, *own)
         steps = np.geomspace(low or high / 100, high, OF_A_RANGE if high > low else 1)
-        return (REST, *(Condition(speed=float(one)) for one in steps), *own)
+        return (REST, *(Condition(speed=float(speed)) for speed in steps), *own)
     peak = float(np.median(shaft.peak_velocity)) or np.inf
     count = float(np.median(2 * np.pi / shaft.counts / shaft.sample_time))
-    return (REST, *(Condition(counts=one) for one in COUNTS_A_SAMPLE if one * count <= peak), *own)
+    return (
+        REST,
+        *(
+            Condition(counts=counts_a_sample)
+            for counts_a_sample in COUNTS_A_SAMPLE
+            if counts_a_sample * count <= peak
+        ),
+        *own,
+    )
 
 
 @dataclass(frozen=True)
@@ -120,8 +128,8 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
     """
     loop = shaft.sampled(gamma)
     loop = loop.taken(np.tile(np.arange(loop.draws), len(conditions)))
-    speed = np.concatenate([one.speed_of(shaft) for one in conditions])
-    kick = np.concatenate([one.kick_of(shaft) for one in conditions])
+    speed = np.concatenate([condition.speed_of(shaft) for condition in conditions])
+    kick = np.concatenate([condition.kick_of(shaft) for condition in conditions])
     length = run_length(loop, speed)
     return simulate(
         loop,
@@ -165,15 +173,15 @@ def look(
     rows = np.concatenate([np.tile(few, len(gammas)), np.arange(draws)])
     gamma = np.concatenate([np.repeat(gammas, few.size), shaft.gamma])
     motion = run(shaft.taken(rows), speeds, gamma)
-    told = {
+    arrays = {
         field.name: getattr(motion, field.name).reshape(len(speeds), -1)
         for field in fields(motion)
         if field.name != "traces"
     }
 
     def chart(name: str) -> NDArray[Any]:
-        table = told[name][:, :mapped].reshape(len(speeds), len(gammas), few.size)
+        table = arrays[name][:, :mapped].reshape(len(speeds), len(gammas), few.size)
         return np.asarray(table.swapaxes(0, 1))
 
-    own = LoopMotion(**{name: values[:, mapped:] for name, values in told.items()})
+    own = LoopMotion(**{name: values[:, mapped:] for name, values in arrays.items()})
     return HuntingMap(speeds, gammas, chart("hunts"), chart("rms_error")), own

@@ -154,7 +154,7 @@ def simulate(
             over = run.k >= run.swing.end
             if over.sum() > 0.1 * over.size or over.all():
                 run.retire(over)
-    return LoopMotion(**run.found, traces=None if record is None else record.traces())
+    return LoopMotion(**run.results, traces=None if record is None else record.traces())
 
 
 def follow(
@@ -238,8 +238,8 @@ class _Run:
         self.moving = np.zeros(loop.draws, dtype=np.intp)  # samples since the shaft stood for long
         self.rows = np.arange(loop.draws)
         names = ("amplitude", "frequency", "cycles", "final_error", "rms_error", "twist")
-        self.found: dict[str, NDArray[Any]] = {name: np.zeros(loop.draws) for name in names}
-        self.found["hunts"] = np.zeros(loop.draws, dtype=bool)
+        self.results: dict[str, NDArray[Any]] = {name: np.zeros(loop.draws) for name in names}
+        self.results["hunts"] = np.zeros(loop.draws, dtype=bool)
 
     def advance(self, record: Record | None) -> None:
         """Go from one sample to the next."""
@@ -339,7 +339,7 @@ class _Run:
             "twist": self.plant.twist,
         }
         for name, value in values.items():
-            self.found[name][self.rows[over]] = value[over]
+            self.results[name][self.rows[over]] = value[over]
         kept = np.flatnonzero(~over)
         self.controller.keep(kept)
         self.swing.keep(kept)
@@ -357,7 +357,7 @@ class _Run:
 def _plant(loop: SampledLoop, position: Array, speed: Array) -> StiffShaft | Ends:
     """Return what the motor drives, found with a position and a speed."""
     falling, falling_speed = loop.array("falling"), loop.array("falling_speed")
-    friction, viscous, load = (loop.array(one) for one in ("friction", "viscous", "load_torque"))
+    friction, viscous, load = (loop.array(name) for name in ("friction", "viscous", "load_torque"))
     common = {"falling": falling, "falling_speed": falling_speed, "load": load,
               "position": position.copy(), "speed": speed.copy()}  # fmt: skip
     if loop.cable is None:

@@ -32,13 +32,13 @@ def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[s
         Metrics by name, an open run's with its direction behind it; :data:`HUNTS` for hunting.
     """
     missed = [
-        " ".join(filter(None, (one.name, one.direction)))
-        for one in metrics
-        if one.spec is not None
-        and one.name != "gamma_hunting"  # it says once more how probable hunting is
+        " ".join(filter(None, (metric.name, metric.direction)))
+        for metric in metrics
+        if metric.spec is not None
+        and metric.name != "gamma_hunting"  # it says once more how probable hunting is
         and (
-            one.probability_of_violation is None
-            or one.probability_of_violation > spec.violation_probability_max
+            metric.probability_of_violation is None
+            or metric.probability_of_violation > spec.violation_probability_max
         )
     ]
     if hunts > spec.limit_cycle_probability_max:

@@ -71,8 +71,8 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
         feedback = _in_series(feedback, _low_pass(of(loop.cutoff)))
     feedback = (*feedback[:3], feedback[3] + of(loop.kp))
     if loop.integral:
-        zero, one = np.zeros((1, 1)), np.eye(1)
-        feedback = _side_by_side((zero, one, of(loop.ki) * one, zero), feedback)
+        zero, unit = np.zeros((1, 1)), np.eye(1)
+        feedback = _side_by_side((zero, unit, of(loop.ki) * unit, zero), feedback)
     if loop.position_cutoff is not None:
         feedback = _in_series(feedback, _low_pass(of(loop.position_cutoff)))
     return _in_series(_in_series(feedback, _delay(of(loop.lag))), plant)
@@ -131,8 +131,8 @@ def _in_series(first: Matrices, second: Matrices) -> Matrices:
     return a, np.vstack([b2 @ d1, b1]), np.hstack([c2, d2 @ c1]), d2 @ d1
 
 
-def _side_by_side(one: Matrices, other: Matrices) -> Matrices:
-    a1, b1, c1, d1 = one
-    a2, b2, c2, d2 = other
+def _side_by_side(first: Matrices, second: Matrices) -> Matrices:
+    a1, b1, c1, d1 = first
+    a2, b2, c2, d2 = second
     a = np.block([[a1, np.zeros((len(a1), len(a2)))], [np.zeros((len(a2), len(a1))), a2]])
     return a, np.vstack([b1, b2]), np.hstack([c1, c2]), d1 + d2

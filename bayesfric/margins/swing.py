@@ -136,13 +136,13 @@ class Swing:
             self._first[fresh] = k[fresh] * self._period[fresh]
             self._last[rows] = k[rows] * self._period[rows]
             self._reversals[rows] += 1
-            here, there = error[rows], self._turned_at[rows]
+            error_now, there = error[rows], self._turned_at[rows]
             low, high = np.fmin(self._low[rows], there), np.fmax(self._high[rows], there)
-            self._rise[rows] = np.maximum(self._rise[rows], here - low)
-            self._fall[rows] = np.maximum(self._fall[rows], high - here)
-            way = np.abs(here - there)
+            self._rise[rows] = np.maximum(self._rise[rows], error_now - low)
+            self._fall[rows] = np.maximum(self._fall[rows], high - error_now)
+            way = np.abs(error_now - there)
             self._widest[rows] = np.fmax(self._widest[rows], way)
-            self._turned_at[rows] = here
+            self._turned_at[rows] = error_now
 
     def pass_over(self, rows: Whole, samples: Whole, k: Whole, before: Array, after: Array) -> None:
         """Take note of shafts that stood still while the error went from one value to another.

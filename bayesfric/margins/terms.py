@@ -39,13 +39,13 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
     metric : Metric
         As stored, in SI.
     """
-    found = TURNED.get(metric.name)
-    if found is None:
+    turning = TURNED.get(metric.name)
+    if turning is None:
         return None
-    unit, turned = found
+    unit, turned = turning
     interval = metric.interval
     if interval is not None:
-        low, middle, high = (turned(one) for one in (interval.q05, interval.q50, interval.q95))
+        low, middle, high = (turned(value) for value in (interval.q05, interval.q50, interval.q95))
         interval = Interval(
             mean=middle, sd=(high - low) / NORMAL_WIDTH, q05=low, q50=middle, q95=high
         )
@@ -54,7 +54,7 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
             "unit": unit,
             "interval": interval,
             "spec": None if metric.spec is None else turned(metric.spec),
-            "quantiles": tuple(turned(one) for one in metric.quantiles),
+            "quantiles": tuple(turned(value) for value in metric.quantiles),
         }
     )
 
@@ -67,18 +67,18 @@ def certificate_told(loop: LoopMargins) -> str | None:
     return why and f"Circle criterion: not applicable, since {why}."
 
 
-def tuning_told(found: Tuning) -> str:
+def tuning_told(tuning: Tuning) -> str:
     """Return a setting that meets all specs at once, or that there is none, in a sentence."""
-    chance = f"{found.probability:.2g} (± {found.probability_se:.1g})"
-    if found.kp_scale is None or found.kd_scale is None:
-        return f"No setting: {found.why}; all are met at once with probability {chance}."
-    edge = ", the largest that was looked at" if found.stiffest_looked_at else ""
+    chance = f"{tuning.probability:.2g} (± {tuning.probability_se:.1g})"
+    if tuning.kp_scale is None or tuning.kd_scale is None:
+        return f"No setting: {tuning.why}; all are met at once with probability {chance}."
+    edge = ", the largest that was looked at" if tuning.stiffest_looked_at else ""
     gain = (
-        f"no γ, since {found.compensation_gain_why}"  # in files of earlier versions
-        if found.compensation_gain is None
-        else f"γ = {found.compensation_gain:.2f}"
+        f"no γ, since {tuning.compensation_gain_why}"  # in files of earlier versions
+        if tuning.compensation_gain is None
+        else f"γ = {tuning.compensation_gain:.2f}"
     )
     return (
-        f"Stiffest setting that meets all specs at once: kp × {found.kp_scale:.3g}{edge}, kd × "
-        f"{found.kd_scale:.3g}, {gain}: with probability {chance}."
+        f"Stiffest setting that meets all specs at once: kp × {tuning.kp_scale:.3g}{edge}, kd × "
+        f"{tuning.kd_scale:.3g}, {gain}: with probability {chance}."
     )

@@ -126,13 +126,13 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     wide = np.where(often, motion.amplitude, -1.0)
     widest = wide.argmax(axis=0), np.arange(rows.size)
     swings = often.any(axis=0)
-    conditions, found = _thresholds(some, few, chart, hunts, allowed)
+    conditions, thresholds = _thresholds(some, few, chart, hunts, allowed)
     return Hunting(
         "simulation",
         rows,
-        found.gamma,
+        thresholds.gamma,
         conditions,
-        found.condition,
+        thresholds.condition,
         hunts,
         np.where(swings, wide[widest], np.nan),
         np.where(swings, motion.frequency[widest], np.nan),
@@ -179,9 +179,11 @@ def _thresholds(
     draws = some.friction.size
     conditions: tuple[Condition, ...] = ()
     fresh = _earliest(chart)
-    found = Thresholds(np.full(draws, np.inf), np.full(draws, -1, dtype=np.intp))
+    thresholds = Thresholds(np.full(draws, np.inf), np.full(draws, -1, dtype=np.intp))
     checked = tuple(
-        Condition(one.counts, one.speed, kick) for one in chart.speeds for kick in OTHER_KICKS
+        Condition(condition.counts, condition.speed, kick)
+        for condition in chart.speeds
+        for kick in OTHER_KICKS
     )
     grid = np.asarray(chart.gammas)
     hunting = chart.hunts.any(axis=1)
@@ -190,33 +192,35 @@ def _thresholds(
         if fresh:
             more = hunting_threshold(
                 some.sampled(),
-                kick=np.array([one.kick_of(some) for one in fresh]),
-                reference_speed=np.array([one.speed_of(some) for one in fresh]),
+                kick=np.array([condition.kick_of(some) for condition in fresh]),
+                reference_speed=np.array([condition.speed_of(some) for condition in fresh]),
                 gammas=chart.gammas,
-                known=found.gamma,
+                hunts_at=thresholds.gamma,
                 expected=expected,
             )
-            first = more.gamma < found.gamma
-            place = np.where(first, more.condition + len(conditions), found.condition)
-            found = Thresholds(np.minimum(more.gamma, found.gamma), place)
+            first = more.gamma < thresholds.gamma
+            place = np.where(first, more.condition + len(conditions), thresholds.condition)
+            thresholds = Thresholds(np.minimum(more.gamma, thresholds.gamma), place)
             conditions += fresh
-        earlier = chart.hunts & (grid[:, None, None] < found.gamma[few])
-        own = hunts & (some.gamma < found.gamma)
+        earlier = chart.hunts & (grid[:, None, None] < thresholds.gamma[few])
+        own = hunts & (some.gamma < thresholds.gamma)
         missed = np.asarray(earlier.any(axis=(0, 2)) | own.any(axis=1))
-        missing = {one for one, does in zip(chart.speeds, missed, strict=True) if does}
+        missing = {condition for condition, does in zip(chart.speeds, missed, strict=True) if does}
         missing -= set(conditions)
-        safe = np.sort(found.gamma)[int(allowed * draws)]
+        safe = np.sort(thresholds.gamma)[int(allowed * draws)]
         if not missing and safe > 0.0:
             tried = some.taken(few)
             gamma = np.full(few.size, min(max(safe - 0.01, 0.0), GAMMA_MAX))
             after = run(tried, checked, gamma).hunts.reshape(len(checked), -1).mean(axis=1)
             most = allowed + 2 * np.sqrt(allowed * (1 - allowed) / few.size)
-            missing = {one for one, share in zip(checked, after, strict=True) if share > most}
+            missing = {
+                condition for condition, share in zip(checked, after, strict=True) if share > most
+            }
             missing -= set(conditions)
         if not missing:
             break
         fresh = tuple(sorted(missing, key=repr))
-    return conditions, found
+    return conditions, thresholds
 
 
 def _earliest(chart: HuntingMap) -> tuple[Condition, ...]:
@@ -232,7 +236,8 @@ def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[st
     """Return what could hunt and was not looked at."""
     missing = []
     wanted = np.max(
-        [run_length(shaft.sampled(), one.speed_of(shaft)).wanted for one in speeds], axis=0
+        [run_length(shaft.sampled(), condition.speed_of(shaft)).wanted for condition in speeds],
+        axis=0,
     )
     slow = float((wanted > LONGEST_S).mean())
     if slow > 0:

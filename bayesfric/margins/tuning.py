@@ -76,15 +76,19 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
     """
     feeds = shaft.loop.compensation.signal in ("measured", "error")
     share = allowed * (1 - LEFT_TO_GAIN) if feeds else allowed
-    few, many = _evenly(shaft, FEW), _evenly(shaft, MANY)
+    few, enough = _evenly(shaft, FEW), _evenly(shaft, MANY)
     grid = _Grid.of(few)
     tried = []
-    for kp, kd in islice(grid.stiffest(many, share), TRIED):
-        found = _with_gain(shaft, kp, kd, allowed, feeds)
-        if found.why is None:
-            return found
-        tried.append(found)
-    return max(tried, key=lambda one: one.probability) if tried else _none(grid, many)
+    for kp, kd in islice(grid.stiffest(enough, share), TRIED):
+        tuning = _with_gain(shaft, kp, kd, allowed, feeds)
+        if tuning.why is None:
+            return tuning
+        tried.append(tuning)
+    return (
+        max(tried, key=lambda tuning_tried: tuning_tried.probability)
+        if tried
+        else _none(grid, enough)
+    )
 
 
 def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: bool) -> Tuning:
@@ -132,22 +136,22 @@ class _Grid:
 
     scales: Array
     missed: Array
-    each: dict[str, Array]
+    missed_alone: dict[str, Array]
 
     @classmethod
     def of(cls, shaft: LoopAtShaft) -> "_Grid":
         scales = np.geomspace(1 / WIDEST, WIDEST, STEPS)
-        found = [
+        missed_by_spec = [
             [_each_missed(scaled(shaft, float(kp), float(kd))) for kd in scales] for kp in scales
         ]
-        missed = [[_any(each, shaft).mean() for each in row] for row in found]
+        missed = [[_any(flags, shaft).mean() for flags in row] for row in missed_by_spec]
         alone = {
-            name: np.array([[each[name].mean() for each in row] for row in found])
-            for name in found[0][0]
+            name: np.array([[flags[name].mean() for flags in row] for row in missed_by_spec])
+            for name in missed_by_spec[0][0]
         }
         return cls(scales, np.array(missed), alone)
 
-    def stiffest(self, many: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
+    def stiffest(self, enough: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
         """Yield settings at which no more than a share of many draws misses, the stiffest first."""
         missed = self.missed.min(axis=1)
         chance = 2 * np.sqrt(share * (1 - share) / FEW)
@@ -155,23 +159,23 @@ class _Grid:
             equals = np.flatnonzero(self.missed[place] == missed[place])
             kd = float(self.scales[equals[equals.size // 2]])
             low = float(self.scales[place])
-            if _missed(scaled(many, low, kd)).mean() <= share:
+            if _missed(scaled(enough, low, kd)).mean() <= share:
                 high = float(self.scales[min(place + 1, self.scales.size - 1)])
-                yield _largest_kp(many, low, high, kd, share), kd
+                yield _largest_kp(enough, low, high, kd, share), kd
 
 
-def _none(grid: _Grid, many: LoopAtShaft) -> Tuning:
+def _none(grid: _Grid, enough: LoopAtShaft) -> Tuning:
     """Return that no setting will do, and which spec stands in the way of all of them."""
     best = np.unravel_index(grid.missed.argmin(), grid.missed.shape)
     kp, kd = grid.scales[list(best)]
-    missed = float(_missed(scaled(many, float(kp), float(kd))).mean())
-    name = max(grid.each, key=lambda one: grid.each[one].min())
+    missed = float(_missed(scaled(enough, float(kp), float(kd))).mean())
+    name = max(grid.missed_alone, key=lambda spec: grid.missed_alone[spec].min())
     why = (
         f"no kp and kd from 1/{WIDEST:g} to {WIDEST:g} times those of the file meet all specs; "
-        f"{name.replace('_', ' ')} is missed with probability {grid.each[name].min():.2g} at the "
-        "best of them"
+        f"{name.replace('_', ' ')} is missed with probability "
+        f"{grid.missed_alone[name].min():.2g} at the best of them"
     )
-    return _no_setting(why, missed, standard_error(missed, float(many.gamma.size)))
+    return _no_setting(why, missed, standard_error(missed, float(enough.gamma.size)))
 
 
 def _no_setting(why: str, missed: float, error: float) -> Tuning:
@@ -209,10 +213,10 @@ def _missed(shaft: LoopAtShaft) -> Flags:
     return _any(_each_missed(shaft), shaft)
 
 
-def _any(each: dict[str, Flags], shaft: LoopAtShaft) -> Flags:
+def _any(flags: dict[str, Flags], shaft: LoopAtShaft) -> Flags:
     """Return which draws miss any spec."""
     none = np.zeros(shaft.gamma.shape, dtype=bool)
-    return np.asarray(np.logical_or.reduce([none, *each.values()]))
+    return np.asarray(np.logical_or.reduce([none, *flags.values()]))
 
 
 def _evenly(shaft: LoopAtShaft, count: int) -> LoopAtShaft:

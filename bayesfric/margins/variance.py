@@ -47,12 +47,16 @@ def variance_shares(
     shares: dict[str, dict[str, float]] = {}
     for (name, direction), values in base.items():
         label = name if direction is None else f"{name} ({direction})"
-        others = {group: one[name, direction] for group, one in shared.items()}
+        others = {
+            group: values_of_group[name, direction] for group, values_of_group in shared.items()
+        }
         without = apart[name, direction]
         everything = np.array([values, without, *others.values()])
         if not np.isfinite(everything).all() or _still(everything):
             continue
-        shares[label] = {group: _share(values, without, one) for group, one in others.items()}
+        shares[label] = {
+            group: _share(values, without, of_group) for group, of_group in others.items()
+        }
     return shares
 
 

@@ -104,8 +104,8 @@ def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Arr
     usual = int(np.bincount(decided).argmax()) if decided.size else 0
     own = np.where(own >= 0, own, usual)
     draws = np.arange(own.size)
-    speed = np.array([one.speed_of(some) for one in conditions])[own, draws]
-    kick = np.array([one.kick_of(some) for one in conditions])[own, draws]
+    speed = np.array([condition.speed_of(some) for condition in conditions])[own, draws]
+    kick = np.array([condition.kick_of(some) for condition in conditions])[own, draws]
     predicted = hunting.threshold[places]
     top = np.where(np.isfinite(predicted), predicted, GAMMA_MAX / SHARES[-1])
     wanted = run_length(some.sampled(), speed).wanted
@@ -125,24 +125,24 @@ def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
 
     Swings are compared at the speed at which the loop of the search swings most widely.
     """
-    wanted = {one: run_length(some.sampled(), one.speed_of(some)).wanted.max()
-              for one in hunting.speeds}  # fmt: skip
-    short = tuple(one for one, length in wanted.items() if length <= LONGEST_S)
+    wanted = {condition: run_length(some.sampled(), condition.speed_of(some)).wanted.max()
+              for condition in hunting.speeds}  # fmt: skip
+    short = tuple(condition for condition, length in wanted.items() if length <= LONGEST_S)
     if not short:
         yield _held("hunting at the file's γ", np.zeros(0, dtype=bool), None, TOO_LONG)
         return
     shape = (len(short), some.gamma.size)
-    speeds = np.array([one.speed_of(some) for one in short])
-    found = _run(some, np.tile(some.gamma, (shape[0], 1)), np.tile(some.kick, (shape[0], 1)),
-                 speeds, max(wanted[one] for one in short))  # fmt: skip
+    speeds = np.array([condition.speed_of(some) for condition in short])
+    slow = _run(some, np.tile(some.gamma, (shape[0], 1)), np.tile(some.kick, (shape[0], 1)),
+                 speeds, max(wanted[condition] for condition in short))  # fmt: skip
     quick = run(some, short, some.gamma)
-    own, theirs = quick.hunts.reshape(shape), found.hunts.reshape(shape)
+    own, theirs = quick.hunts.reshape(shape), slow.hunts.reshape(shape)
     yield _held("hunting at the file's γ", own.any(axis=0) == theirs.any(axis=0), None, "")
     wide = np.where(own & theirs, quick.amplitude.reshape(shape), -1.0)
     at = wide.argmax(axis=0), np.arange(shape[1])
     both = wide[at] > 0
     for what in ("amplitude", "frequency"):
-        values, other = (getattr(one, what).reshape(shape)[at][both] for one in (quick, found))
+        values, other = (getattr(motion, what).reshape(shape)[at][both] for motion in (quick, slow))
         ratio = other / values
         yield _held(f"limit cycle, {what}", np.abs(ratio - 1) <= TOLERANCE, ratio,
                     "no draw hunts in both")  # fmt: skip
@@ -158,12 +158,12 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
     none = np.zeros(shape)
     alone = replace(some, ki=none[0])
     wanted = run_length(alone.sampled(none[0])).wanted
-    found = _run(alone, none, np.array(KICKS)[:, None] * some.kick, none,
+    motion = _run(alone, none, np.array(KICKS)[:, None] * some.kick, none,
                  min(float(wanted.max()), LONGEST_S))  # fmt: skip
-    farthest = np.abs(found.final_error).reshape(shape).max(axis=0)
+    farthest = np.abs(motion.final_error).reshape(shape).max(axis=0)
     band = steady_error(some)
     within = farthest <= band + 2 * np.pi / some.counts
-    stored = found.twist - np.tile(some.load_torque / some.stiffness, shape[0])
+    stored = motion.twist - np.tile(some.load_torque / some.stiffness, shape[0])
     twisted = np.abs(stored).reshape(shape).max(axis=0)
     there = (some.lost_motion > 0) & (some.cable is not None) & (some.backlash == 0)
     ratio = twisted[there] / some.lost_motion[there]

@@ -64,7 +64,7 @@ def _beyond_the_data(shaft: LoopAtShaft, given: Assembly) -> Iterator[str]:
     cables = [loop.cable]
     if loop.second_stage is not None and loop.second_stage.runs:
         cables.append(loop.second_stage.cable)
-    for size in sorted({one.diameter_mm for one in cables} - {MEASURED_DIAMETER_MM}):
+    for size in sorted({cable.diameter_mm for cable in cables} - {MEASURED_DIAMETER_MM}):
         yield (
             f"c1, c2 and c3 were measured with {MEASURED_DIAMETER_MM:g} mm cable; this one has "
             f"{size:g} mm, and its friction is an extrapolation."
@@ -84,7 +84,7 @@ def _beyond_the_data(shaft: LoopAtShaft, given: Assembly) -> Iterator[str]:
         if run.count > tested["n_pulleys_max"]:
             most = tested["n_pulleys_max"]
             yield f"{key}: {run.count} pulleys are more than the {most:g} of Table II."
-    fastest = np.max([one.per_rad for one in shaft.stages], axis=0)
+    fastest = np.max([stage.per_rad for stage in shaft.stages], axis=0)
     speed = float(np.median(shaft.peak_velocity * fastest))
     if speed > tested["velocity_max_m_s"]:
         most = tested["velocity_max_m_s"]
@@ -134,15 +134,16 @@ def _beyond_the_models(
             "Open run: friction grows with the load, so the load side counts 1/η when the motor "
             "pulls and η when the load does; hunting is looked at with the mean friction of both."
         )
-    for direction, one in linear.items():
+    for direction, linear_along in linear.items():
         where = "" if direction is None else f" ({direction})"
-        if not one.stable.all():
+        if not linear_along.stable.all():
             yield (
-                f"{1 - one.stable.mean():.1%} of the draws{where} are unstable without friction."
+                f"{1 - linear_along.stable.mean():.1%} of the draws{where} are unstable without "
+                "friction."
             )
-        stable = one.stable & np.isfinite(one.crossover)
+        stable = linear_along.stable & np.isfinite(linear_along.crossover)
         if stable.any():
-            angle = float(np.median((one.crossover * shaft.sample_time)[stable]))
+            angle = float(np.median((linear_along.crossover * shaft.sample_time)[stable]))
             if angle > FASTEST_SAMPLED:
                 yield (
                     f"The gain crosses 1 at {angle:.2f} rad a sample{where}: sampling is more than "

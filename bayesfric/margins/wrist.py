@@ -111,7 +111,7 @@ def wrist_of(loop: Loop, given: Assembly) -> Wrist | None:
     d, k = np.linalg.inv(c), coupling.axis - 1
     keys = [f"coupling.others.{place}" for place in range(len(coupling.others))]
     keys.insert(k, "joint")
-    loads = [one.load_n_m for one in coupling.others]
+    loads = [other_joint.load_n_m for other_joint in coupling.others]
     loads.insert(k, joint.load_n_m)
 
     def of_joints(name: str) -> list[Array]:
@@ -120,12 +120,14 @@ def wrist_of(loop: Loop, given: Assembly) -> Wrist | None:
     inertia, viscous = of_joints("inertia_kg_m2"), of_joints("viscous_n_m_s")
     friction, load = of_joints("friction_n_m"), of_joints("load_n_m")
     speed, pull = of_joints("peak_velocity_rad_s"), of_joints("peak_acceleration_rad_s2")
-    expected = [central(one) for one in loads]
+    expected = [central(load_of_joint) for load_of_joint in loads]
     share = given["controller.gravity_compensation"]
-    net = tuple(one - share * mean for one, mean in zip(load, expected, strict=True))
+    net = tuple(
+        load_of_joint - share * mean for load_of_joint, mean in zip(load, expected, strict=True)
+    )
     asked = [
-        one * rise + drag * fast
-        for one, rise, drag, fast in zip(inertia, pull, viscous, speed, strict=True)
+        inertia_of_joint * rise + drag * fast
+        for inertia_of_joint, rise, drag, fast in zip(inertia, pull, viscous, speed, strict=True)
     ]
     turned = np.abs(d[:, k])
     return Wrist(

@@ -88,8 +88,10 @@ class SizeIndex:
     @classmethod
     def of(cls, pulley_size: "pd.Series[str]") -> "SizeIndex":
         """Index a column of sizes."""
-        known = {size: place for place, size in enumerate(PAPER_SIZES)}
-        sizes = sorted(set(pulley_size), key=lambda size: (known.get(size, len(known)), size))
+        paper_places = {size: place for place, size in enumerate(PAPER_SIZES)}
+        sizes = sorted(
+            set(pulley_size), key=lambda size: (paper_places.get(size, len(paper_places)), size)
+        )
         return cls(tuple(sizes), pd.Index(sizes).get_indexer(pd.Index(pulley_size)))
 
     def spread(self, theta: Mapping[str, Array], name: str) -> Array:
@@ -147,12 +149,12 @@ class SizeIndex:
             c1, c2, c3 = (float(value) for value in scaled / width)
             by_c1, by_c2 = np.sqrt((columns[rows, :2] ** 2).mean(axis=0))
             least = LEAST_PART * float(np.sqrt((friction**2).mean()))
-            found = Coefficients(
+            bounded = Coefficients(
                 max(c1, least / by_c1 if by_c1 else 0.0),
                 max(c2, least / by_c2 if by_c2 else 0.0),
                 c3,
             )
-            for name, value in found._asdict().items():
+            for name, value in bounded._asdict().items():
                 rough[coefficient_name(name, size)] = 0.0 if name in without else value
         return rough
 
@@ -185,6 +187,6 @@ def coefficient_parameters(
             override = getattr(priors.pulleys.get(size), name, None)
             prior = override or getattr(priors, name)
             called = coefficient_name(name, size)
-            here = force_unit if name == FORCE else unit
-            parameters.append(Parameter(called, here, prior, "coefficient", power=1.0))
+            coefficient_unit = force_unit if name == FORCE else unit
+            parameters.append(Parameter(called, coefficient_unit, prior, "coefficient", power=1.0))
     return tuple(parameters)

@@ -36,4 +36,4 @@ class AxisLaw(NamedTuple):
     @classmethod
     def of(cls, law: Coefficients) -> "AxisLaw":
         """Return the law whose numbers stand where a diagnosis has c1, c2 and c3."""
-        return cls(*(float(np.asarray(one)) for one in law))
+        return cls(*(float(np.asarray(coefficient)) for coefficient in law))

@@ -167,7 +167,7 @@ def in_a_row(shares: ArrayLike, constant_n: ArrayLike) -> TensionLoss:
 
 
 def recursive_friction(
-    loss: TensionLoss, tension_n: ArrayLike, known: Literal["drive", "load", "mean"]
+    loss: TensionLoss, tension_n: ArrayLike, tension_at: Literal["drive", "load", "mean"]
 ) -> NDArray[np.float64]:
     """Return the friction of a run of pulleys, T_drive − T_load, from one known tension.
 
@@ -177,8 +177,8 @@ def recursive_friction(
         Of the run.
     tension_n : array_like
         The known tension [N].
-    known : {"drive", "load", "mean"}
-        Where it is known: at the end that pulls, at the end that is pulled, or as
+    tension_at : {"drive", "load", "mean"}
+        Where that tension is: at the end that pulls, at the end that is pulled, or as
         the mean of both.
 
     Returns
@@ -187,14 +187,14 @@ def recursive_friction(
         Friction [N].
     """
     at_drive = loss.share * _floats(tension_n) + loss.constant_n
-    match known:
+    match tension_at:
         case "drive":
             return at_drive
         case "load":
             return at_drive / (1 - loss.share)
         case "mean":
             return at_drive / (1 - loss.share / 2)
-    raise ValueError(f"known is {known!r}; it is 'drive', 'load' or 'mean'")
+    raise ValueError(f"tension_at is {tension_at!r}; it is 'drive', 'load' or 'mean'")
 
 
 def _floats(values: ArrayLike) -> NDArray[np.float64]:

@@ -62,11 +62,11 @@ def behind(
     damping : float
         Of the spring, over what is critical.
     """
-    each = slows / heavy
+    slowing = slows / heavy
     if held == "play":
-        return through_play(path, interval_s, each, length)
-    pull = 2 * np.where(each > 0, each, slows) / length
-    return on_spring(path, interval_s, each, pull, damping)
+        return through_play(path, interval_s, slowing, length)
+    pull = 2 * np.where(slowing > 0, slowing, slows) / length
+    return on_spring(path, interval_s, slowing, pull, damping)
 
 
 def through_play(

@@ -71,10 +71,10 @@ class SteppedMotion:
         for _ in range(NEWTON_STEPS):
             curved = 3 * rise - 2 * slope0 - slope1
             cubic = slope0 + slope1 - 2 * rise
-            here = share * (slope0 + share * (curved + share * cubic))
+            rise_so_far = share * (slope0 + share * (curved + share * cubic))
             gradient = slope0 + share * (2 * curved + share * 3 * cubic)
             safe = np.where(gradient > 0, gradient, np.inf)
-            share = np.clip(share - (here - (wanted - start)) / safe, 0, 1)
+            share = np.clip(share - (rise_so_far - (wanted - start)) / safe, 0, 1)
         return np.where(wanted <= position[-1], step * (left + share), np.inf)
 
 

@@ -9,11 +9,10 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, figure, key, size_styles
 
 __all__ = ["assemblies_left_out", "has_assemblies"]
 
-NORMAL_90 = 1.6449  # half the width of a standard normal's 90 % interval
 NAMED = 6  # far assemblies that carry their name
 CROWD = 100  # points that are drawn small
 CROWDED = 6  # conditions beyond which their names stand upright
@@ -22,7 +21,7 @@ CELL = ("n_pulleys", "wrap_angle_deg")
 
 def has_assemblies(predictive: xr.DataTree) -> bool:
     """Tell whether any rig's assemblies were left out one at a time."""
-    return any(one.assemblies is not None for one in rig_tables(predictive))
+    return any(rig.assemblies is not None for rig in rig_tables(predictive))
 
 
 def assemblies_left_out(predictive: xr.DataTree) -> Figure:
@@ -40,12 +39,12 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
         scores over those expected of their rank, and those of its trials, each given the others
         of its assembly; scores by condition.
     """
-    tables = [(one, one.assemblies) for one in rig_tables(predictive) if one.assemblies is not None]
+    tables = [(rig, rig.assemblies) for rig in rig_tables(predictive) if rig.assemblies is not None]
     with figure(height=4.0 + 106.0 * len(tables)) as fig:
         grid = fig.add_gridspec(2 * len(tables), 6)
-        for place, (one, table) in enumerate(tables):
-            title = plain(one.title)
-            own = one.checks is not None and "score" in one.checks
+        for place, (rig, table) in enumerate(tables):
+            title = plain(rig.title)
+            own = rig.checks is not None and "score" in rig.checks
             wide = 2 if own else 3
             _distribution(fig.add_subplot(grid[2 * place, :wide]), table, title)
             _ranked(
@@ -53,13 +52,13 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
                 table["z"],
                 table["expected"],
                 title,
-                f"one {plain(one.group)}",
+                f"one {plain(rig.group)}",
             )
-            if one.checks is not None and own:
-                of_trials = one.checks["score"], one.checks["score_expected"]
+            if rig.checks is not None and own:
+                of_trials = rig.checks["score"], rig.checks["score_expected"]
                 axes = fig.add_subplot(grid[2 * place, 4:])
-                _ranked(axes, *of_trials, title, f"a {plain(one.trial)}")
-            _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title, plain(one.group))
+                _ranked(axes, *of_trials, title, f"a {plain(rig.trial)}")
+            _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title, plain(rig.group))
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], marker="o", markersize=3, label="this recording"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % or 90 % by chance"),
@@ -94,24 +93,26 @@ def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str,
 
 def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     z, names = table["z"].to_numpy(), table["assembly"].to_numpy()
-    sizes = [str(one) for one in table["pulley_size"].to_numpy()] if "pulley_size" in table else []
+    sizes = (
+        [str(size) for size in table["pulley_size"].to_numpy()] if "pulley_size" in table else []
+    )
     own = [tuple(float(table[c].to_numpy()[k]) for c in CELL if c in table) for k in range(z.size)]
-    known = ordered_sizes(sizes) or [title]
+    groups = ordered_sizes(sizes) or [title]
     sizes = sizes or [title] * z.size
-    cells = sorted(set(zip(sizes, own, strict=True)), key=lambda c: (known.index(c[0]), c[1]))
+    cells = sorted(set(zip(sizes, own, strict=True)), key=lambda c: (groups.index(c[0]), c[1]))
     several = len(cells) > 1
-    place = np.array([cells.index(one) for one in zip(sizes, own, strict=True)])
+    place = np.array([cells.index(cell) for cell in zip(sizes, own, strict=True)])
     if not several:  # one condition of all says nothing: side by side, in their order
         place = np.arange(z.size)
     axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
     far = float(table["far"])
     for sign in (-1, 1):
         axes.axhline(sign * far, color=COLORS["black"], linewidth=0.9, linestyle=":")
-    for size, look in size_styles(known).items():
-        here = np.array(sizes) == size
+    for size, look in size_styles(groups).items():
+        of_size = np.array(sizes) == size
         axes.plot(
-            place[here],
-            z[here],
+            place[of_size],
+            z[of_size],
             look.marker,
             color="white",
             markersize=3.6,

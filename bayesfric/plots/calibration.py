@@ -12,12 +12,12 @@ from bayesfric.schemas import CalibrationFile
 __all__ = ["rank_differences"]
 
 
-def rank_differences(found: CalibrationFile) -> Figure:
+def rank_differences(calibration: CalibrationFile) -> Figure:
     """Draw the difference of distribution functions, a panel a quantity.
 
     Parameters
     ----------
-    found : CalibrationFile
+    calibration : CalibrationFile
         ``calibration.json``.
 
     Returns
@@ -25,19 +25,21 @@ def rank_differences(found: CalibrationFile) -> Figure:
     Figure
         A step line in a band; one that leaves it is vermilion.
     """
-    names = [one.name for one in found.quantities]
+    names = [quantity.name for quantity in calibration.quantities]
     columns = columns_of(len(names))
     rows = -(-len(names) // columns)
-    low, high = np.array(found.low), np.array(found.high)
-    at = np.array(found.probability)
+    low, high = np.array(calibration.low), np.array(calibration.high)
+    at = np.array(calibration.probability)
     with figure(height=18.0 * rows + 14.0) as fig:
         panels = np.reshape(fig.subplots(rows, columns, sharex=True, sharey=True), (rows, columns))
-        for place, (panel, one) in enumerate(zip(panels.flat, found.quantities, strict=False)):
+        for place, (panel, quantity) in enumerate(
+            zip(panels.flat, calibration.quantities, strict=False)
+        ):
             panel.fill_between(at, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
             panel.axhline(0.0, color=NEUTRAL, linewidth=0.6)
-            color = COLORS["blue" if one.inside else "vermilion"]
-            panel.step(at, one.difference, where="mid", color=color, linewidth=0.9)
-            panel.set_title(parameter_label(one.name))
+            color = COLORS["blue" if quantity.inside else "vermilion"]
+            panel.step(at, quantity.difference, where="mid", color=color, linewidth=0.9)
+            panel.set_title(parameter_label(quantity.name))
             panel.set_xticks([0, 0.5, 1], ["0", "0.5", "1"])
             panel.tick_params(labelbottom=place + columns >= len(names))
         for panel in panels.flat[len(names) :]:

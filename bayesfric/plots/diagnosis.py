@@ -170,27 +170,27 @@ def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:
     practical_share : float
         Of rms friction: what is below matters to nobody.
     """
-    shown = [one for k, one in enumerate(effects) if k < FEWEST or one.probability > RARE]
+    shown = [effect for k, effect in enumerate(effects) if k < FEWEST or effect.probability > RARE]
     shown = shown[:EFFECTS]
     with figure(height=17.0 + 4.0 * max(len(shown), FEWEST)) as fig:
         left, right = fig.subplots(1, 2, sharey=True, width_ratios=(1, 1))
-        for row, one in enumerate(shown):
-            left.barh(row, one.probability, height=0.66, color=COLORS["blue"])
-            label = left.text(one.probability + 0.02, row, stated(one.probability))
+        for row, effect in enumerate(shown):
+            left.barh(row, effect.probability, height=0.66, color=COLORS["blue"])
+            label = left.text(effect.probability + 0.02, row, stated(effect.probability))
             label.set(va="center", fontsize=7, zorder=3)
             label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.5})
-            if one.strength is None:
+            if effect.strength is None:
                 continue
             low, middle, high = (
-                100 * q for q in (one.strength.q05, one.strength.q50, one.strength.q95)
+                100 * q for q in (effect.strength.q05, effect.strength.q50, effect.strength.q95)
             )
-            faint = 1.0 if one.probability >= 0.5 else 0.4
+            faint = 1.0 if effect.probability >= 0.5 else 0.4
             right.plot([low, high], [row, row], color=COLORS["blue"], linewidth=2.0, alpha=faint)
             right.plot(middle, row, "o", color=COLORS["blue"], alpha=faint)
         for mark in (0.1, 0.9):
             left.axvline(mark, color=NEUTRAL, linewidth=0.8, linestyle=":")
         right.axvline(100 * practical_share, color=COLORS["black"], linewidth=0.9, linestyle="--")
-        left.set_yticks(range(len(shown)), [plain(one.effect) for one in shown])
+        left.set_yticks(range(len(shown)), [plain(effect.effect) for effect in shown])
         left.set_ylim(len(shown) - 0.4, -0.6)
         left.set_xlim(0.0, 1.25)
         left.set_xticks([0.0, 0.5, 1.0])

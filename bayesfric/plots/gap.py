@@ -65,7 +65,7 @@ def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
     names = []
     ends = [0.0]
     numbers = {name: getattr(row, name, None) for name in BARS if name != "after" or named}
-    shown = {name: one for name, one in numbers.items() if one is not None}
+    shown = {name: number for name, number in numbers.items() if number is not None}
     for place, (name, number) in enumerate(shown.items()):
         words, color = BARS[name]
         names.append(words)
@@ -88,13 +88,14 @@ def _paths(right: SubFigure, trajectories: xr.Dataset, named: bool) -> None:
     grid = right.subplots(2, count, sharex="col", height_ratios=(2, 3), squeeze=False)
     below = grid[1]
     for place in range(count):
-        one = trajectories.isel(example=place)
-        seen = np.isfinite(one["time_s"].to_numpy())
+        example = trajectories.isel(example=place)
+        seen = np.isfinite(example["time_s"].to_numpy())
         time, measured, before, after = (
-            one[name].to_numpy()[seen] for name in ("time_s", "measured_m", "before_m", "after_m")
+            example[name].to_numpy()[seen]
+            for name in ("time_s", "measured_m", "before_m", "after_m")
         )
         grid[0, place].plot(time, measured, color=COLORS["black"], linewidth=1.0)
-        grid[0, place].set_title(plain(str(one["trial"].item())), fontsize=8)
+        grid[0, place].set_title(plain(str(example["trial"].item())), fontsize=8)
         panel = below[place]
         panel.axhline(0.0, color=COLORS["black"], linewidth=0.7)
         panel.plot(
@@ -105,8 +106,8 @@ def _paths(right: SubFigure, trajectories: xr.Dataset, named: bool) -> None:
                 time, 1e3 * (after - measured), color=COLORS["blue"], label="with the effect"
             )
         panel.set_xlabel("time [s]", labelpad=1.5)
-        for each in (grid[0, place], panel):
-            each.tick_params(labelsize=6.5)
+        for axes in (grid[0, place], panel):
+            axes.tick_params(labelsize=6.5)
     grid[0, 0].set_ylabel("path\n[m]", fontsize=7.5)
     below[0].set_ylabel("simulated −\nmeasured [mm]", fontsize=7.5)
     handles = [

@@ -57,7 +57,7 @@ def sizes_of(law: Iterable[str]) -> tuple[str, ...]:
     law : iterable of str
         Names of coefficients, as ``c1[small]``.
     """
-    return tuple(found[1] for name in law if (found := OF_A_SIZE.fullmatch(name)))
+    return tuple(match[1] for name in law if (match := OF_A_SIZE.fullmatch(name)))
 
 
 def parameter_label(name: str) -> str:
@@ -150,9 +150,9 @@ class CommonFactor(ScalarFormatter):  # type: ignore[misc, unused-ignore]
 
 def ordered_sizes(names: Iterable[str]) -> list[str]:
     """Return each pulley size once: small, medium, large, then others as they come."""
-    known = ("small", "medium", "large")
-    found = [str(name) for name in dict.fromkeys(names)]
-    return [size for size in known if size in found] + [s for s in found if s not in known]
+    usual = ("small", "medium", "large")
+    sizes = [str(name) for name in dict.fromkeys(names)]
+    return [size for size in usual if size in sizes] + [s for s in sizes if s not in usual]
 
 
 def plain(text: str) -> str:

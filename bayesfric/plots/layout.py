@@ -108,8 +108,8 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
         box = parent.bbox
         for owner, legend, side in self._keys:
             if owner is parent:
-                found = legend.get_window_extent(renderer)
-                reach = found.y1 - box.y0 if side == "below" else box.y1 - found.y0
+                legend_extent = legend.get_window_extent(renderer)
+                reach = legend_extent.y1 - box.y0 if side == "below" else box.y1 - legend_extent.y0
                 taken[side] = max(taken[side], reach)
         for side, text in _titles(parent):
             size = text.get_window_extent(renderer)
@@ -139,10 +139,10 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
             "y": y.away + axes.yaxis.labelpad,
         }
         for text in axes.texts:
-            found = text.get_window_extent(renderer)
-            needs["left"] = max(needs["left"], box.x0 - found.x0)
-            needs["right"] = max(needs["right"], found.x1 - box.x1)
-            needs["above"] = max(needs["above"], found.y1 - box.y1)
+            extent = text.get_window_extent(renderer)
+            needs["left"] = max(needs["left"], box.x0 - extent.x0)
+            needs["right"] = max(needs["right"], extent.x1 - box.x1)
+            needs["above"] = max(needs["above"], extent.y1 - box.y1)
         return needs
 
     def _words(self, axis: Axis, length: float, *, sideways: bool) -> Words:

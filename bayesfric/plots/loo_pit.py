@@ -15,7 +15,7 @@ __all__ = ["has_probabilities", "leave_one_out_probabilities"]
 def has_probabilities(predictive: xr.DataTree) -> bool:
     """Tell whether any rig's trials were left out one at a time."""
     return any(
-        one.checks is not None and "pit_difference" in one.checks for one in rig_tables(predictive)
+        rig.checks is not None and "pit_difference" in rig.checks for rig in rig_tables(predictive)
     )
 
 
@@ -33,9 +33,9 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
         A step line, and the band that 95 % of recordings made again stay within.
     """
     tables = {
-        f"{plain(one.title)}, {plain(one.trials)}": one.checks
-        for one in rig_tables(predictive)
-        if one.checks is not None and "pit_difference" in one.checks
+        f"{plain(rig.title)}, {plain(rig.trials)}": rig.checks
+        for rig in rig_tables(predictive)
+        if rig.checks is not None and "pit_difference" in rig.checks
     }
     with figure(height=46.0) as fig:
         panels = fig.subplots(1, len(tables), squeeze=False, sharey=True)[0]

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import numbers, plain
-from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
+from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
 __all__ = [
@@ -19,7 +19,6 @@ __all__ = [
     "nyquist_fan",
 ]
 
-SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple", "orange", "sky"))
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
 HEADROOMS = ("headroom_clip", "headroom_continuous")
 WORDS = {
@@ -83,8 +82,8 @@ def hunting_over_speed(chart: HuntingMap) -> Figure:
     chart : HuntingMap
         Cells in the order of the file, evenly spaced: neither axis is a scale.
     """
-    speeds = [f"{1e3 * one:.2g}" for one in chart.speed_tip_m_s]
-    gammas = [f"{one:g}" for one in chart.gamma]
+    speeds = [f"{1e3 * speed:.2g}" for speed in chart.speed_tip_m_s]
+    gammas = [f"{gamma:g}" for gamma in chart.gamma]
     hunts, errors = np.array(chart.probability), 1e3 * np.array(chart.rms_error_m)
     panels = [(errors, "rms error at the tip [mm]", float(errors.max()))]
     if hunts.any():
@@ -116,7 +115,9 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
     with figure(height=76.0) as fig:
         left, right = fig.subplots(1, 2)
         for axes, what in ((left, "loop"), (right, "seen-by-friction")):
-            for place, fan in enumerate(one for one in fans if one.what == what):
+            for place, fan in enumerate(
+                fan_of_kind for fan_of_kind in fans if fan_of_kind.what == what
+            ):
                 for number, (real, imag) in enumerate(zip(fan.real, fan.imag, strict=True)):
                     axes.plot(
                         real,
@@ -213,7 +214,9 @@ def error_and_headroom(loops: Sequence[LoopMargins]) -> Figure:
 
 
 def _picked(loop: LoopMargins, names: Sequence[str]) -> list[Metric]:
-    return [one for one in loop.metrics if one.name in names and one.interval is not None]
+    return [
+        metric for metric in loop.metrics if metric.name in names and metric.interval is not None
+    ]
 
 
 def _bars(axes: Axes, loops: Sequence[LoopMargins], names: Sequence[str], scale: float) -> None:

@@ -124,34 +124,9 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
         mark if mark is not None and low < mark < high else None
         for mark, (low, high) in zip(marks, ranges, strict=True)
     ]
-    look = size_styles([size])[size]
-    with (
-        warnings.catch_warnings(),
-        figure(PAIRS_SHARE * TEXT_WIDTH, 60.0, room=False) as fig,
-    ):
-        # Of ArviZ 0.23, which corner imports where it is installed.
-        warnings.simplefilter("ignore", FutureWarning)
-        import corner
-
-        corner.corner(
-            points,
-            fig=fig,
-            bins=30,
-            range=ranges,
-            labels=[label for _, label in printed.values()],
-            color=look.color,
-            levels=(1 - np.exp(-0.5), 1 - np.exp(-2.0)),
-            plot_datapoints=False,
-            plot_density=False,
-            fill_contours=True,
-            smooth=1.0,
-            contour_kwargs={"linewidths": 0.9},
-            hist_kwargs={"linewidth": 1.0},
-            label_kwargs={"fontsize": 8},
-        )
-        corner.overplot_lines(
-            fig, shown, color=COLORS["black"], linewidth=0.9, linestyle="--", zorder=5
-        )
+    color = size_styles([size])[size].color
+    with figure(PAIRS_SHARE * TEXT_WIDTH, 60.0, room=False) as fig:
+        _corner(fig, points, ranges, [label for _, label in printed.values()], shown, color)
         for axes in fig.axes:
             axes.grid(visible=False)
             for axis in (axes.xaxis, axes.yaxis):
@@ -163,7 +138,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             axes.yaxis.set_label_coords(-0.38, 0.5)
         fig.subplots_adjust(left=0.15, bottom=0.17, right=0.98, top=0.98, wspace=0.1, hspace=0.1)
         fig.legend(
-            handles=_keys(look.color, shown, marks),
+            handles=_keys(color, shown, marks),
             loc="upper right",
             bbox_to_anchor=(0.98, 0.98),
             title=f"{plain(size)} pulley",
@@ -171,6 +146,40 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             alignment="left",
         )
         return fig
+
+
+def _corner(
+    fig: Figure,
+    points: np.ndarray,
+    ranges: list[tuple[float, float]],
+    labels: list[str],
+    marks: list[float | None],
+    color: str,
+) -> None:
+    """Draw histograms and contours of points, shape (N, coefficients), and lines at marks."""
+    with warnings.catch_warnings():
+        # Of ArviZ 0.23, which corner imports where it is installed.
+        warnings.simplefilter("ignore", FutureWarning)
+        import corner
+
+        corner.corner(
+            points,
+            fig=fig,
+            bins=30,
+            range=ranges,
+            labels=labels,
+            color=color,
+            levels=(1 - np.exp(-0.5), 1 - np.exp(-2.0)),
+            plot_datapoints=False,
+            plot_density=False,
+            fill_contours=True,
+            smooth=1.0,
+            contour_kwargs={"linewidths": 0.9},
+            hist_kwargs={"linewidth": 1.0},
+            label_kwargs={"fontsize": 8},
+        )
+        lines = {"color": COLORS["black"], "linewidth": 0.9, "linestyle": "--", "zorder": 5}
+        corner.overplot_lines(fig, marks, **lines)
 
 
 def _range(draws: np.ndarray, mark: float | None) -> tuple[float, float]:

@@ -37,9 +37,9 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
     with figure(height=74.0) as fig:
         panels = fig.subplots(1, len(sizes), squeeze=False, sharey=True)[0]
         for axes, size in zip(panels, sizes, strict=True):
-            here = np.flatnonzero(table["pulley_size"].to_numpy() == size)
-            here = here[np.argsort(measured[here], kind="stable")]
-            _draw(axes, table.isel(condition=here))
+            of_size = np.flatnonzero(table["pulley_size"].to_numpy() == size)
+            of_size = of_size[np.argsort(measured[of_size], kind="stable")]
+            _draw(axes, table.isel(condition=of_size))
             axes.set_yscale("symlog", linthresh=least, linscale=0.4)
             axes.yaxis.set_major_formatter(powers())
             axes.set_title(f"{plain(size)} pulley")

@@ -10,11 +10,10 @@ from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure, key, size_styles
 
 __all__ = ["residuals_by_order"]
 
-NORMAL_90 = 1.6449
 """Half the width of a standard normal's 90 % interval, the unit of the stored z."""
 
 NAMED = 6  # outliers that carry their id; more would hide the points
@@ -36,13 +35,13 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         outliers dotted; outliers are ringed and named.
     """
     tables = rig_tables(predictive)
-    names = [name for one in tables for name in one.sizes]
+    names = [name for rig in tables for name in rig.sizes]
     styles = size_styles(ordered_sizes(names))
     with figure(height=10.0 + 48.0 * len(tables)) as fig:
         panels = fig.subplots(len(tables), squeeze=False)[:, 0]
-        for axes, one in zip(panels, tables, strict=True):
-            _draw(axes, one, styles)
-            axes.set_title(f"{plain(one.title)}, {plain(one.trials)}")
+        for axes, rig in zip(panels, tables, strict=True):
+            _draw(axes, rig, styles)
+            axes.set_title(f"{plain(rig.title)}, {plain(rig.trials)}")
             axes.set_ylabel("z of friction")
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         panels[-1].set_xlabel("order of measuring")
@@ -65,13 +64,13 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         return fig
 
 
-def _draw(axes: Axes, one: RigTable, styles: dict[str, SizeStyle]) -> None:
-    table = one.table
+def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:
+    table = rig.table
     axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
     for sign in (-1, 1):
         limit = sign * float(table["z_limit"])
         axes.axhline(limit, color=COLORS["black"], linewidth=LINE, linestyle=":")
-    sizes = np.array(one.sizes)
+    sizes = np.array(rig.sizes)
     order, z = table["order"].to_numpy(), table["z"].to_numpy()
     for size, look in styles.items():
         axes.plot(
@@ -93,7 +92,7 @@ def _draw(axes: Axes, one: RigTable, styles: dict[str, SizeStyle]) -> None:
         markerfacecolor="none",
     )
     for place in far if len(far) <= NAMED else ():
-        name = plain(str(table[one.id].to_numpy()[place]))
+        name = plain(str(table[rig.id].to_numpy()[place]))
         axes.annotate(name, (order[place], z[place]), (5, 3), textcoords="offset points")
 
 

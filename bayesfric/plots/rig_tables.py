@@ -64,7 +64,7 @@ def rig_tables(predictive: xr.DataTree) -> tuple[RigTable, ...]:
     predictive : DataTree
         ``predictive.nc``.
     """
-    found = []
+    tables = []
     for name in predictive.children:
         table = predictive[name].to_dataset()
         if "rig" not in table.attrs:
@@ -75,7 +75,7 @@ def rig_tables(predictive: xr.DataTree) -> tuple[RigTable, ...]:
             predictive[group].to_dataset() if group in predictive.children else None
             for group in (f"{words['trial']}_checks", f"{words['trial']}_assemblies")
         )
-        found.append(
+        tables.append(
             RigTable(
                 **words,
                 table=table,
@@ -83,4 +83,4 @@ def rig_tables(predictive: xr.DataTree) -> tuple[RigTable, ...]:
                 assemblies=assemblies,
             )
         )
-    return tuple(found)
+    return tuple(tables)

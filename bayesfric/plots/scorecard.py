@@ -66,14 +66,14 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
 
 def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:
     panel.plot([0, 1], [0, 1], color=NEUTRAL, linewidth=0.8, zorder=1)
-    most = max((one.cases for one in bins), default=1)
-    for one in bins:
-        assert one.correct.rate is not None
-        x, color = one.probability, COLORS["blue"] if one.inside else COLORS["vermilion"]
-        panel.plot([x, x], list(one.band), color="#c9c9c9", linewidth=6, solid_capstyle="butt")
-        size = SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * np.sqrt(one.cases / most)
-        panel.plot(x, one.correct.rate, "o" if one.inside else "X", color=color, markersize=size,
-                   clip_on=False)  # fmt: skip
+    most = max((scored.cases for scored in bins), default=1)
+    for scored in bins:
+        assert scored.correct.rate is not None
+        x, color = scored.probability, COLORS["blue"] if scored.inside else COLORS["vermilion"]
+        panel.plot([x, x], list(scored.band), color="#c9c9c9", linewidth=6, solid_capstyle="butt")
+        size = SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * np.sqrt(scored.cases / most)
+        marker = "o" if scored.inside else "X"
+        panel.plot(x, scored.correct.rate, marker, color=color, markersize=size, clip_on=False)
     panel.set_xlim(0.0, 1.02)
     panel.set_ylim(-0.02, 1.02)
     panel.set_xlabel("probability of the verdict")
@@ -120,20 +120,22 @@ def confusion_matrix(confusion: Confusion) -> Figure:
         return fig
 
 
-def named_by_strength(found: Mapping[str, Detected]) -> Figure:
+def named_by_strength(detected: Mapping[str, Detected]) -> Figure:
     """Draw how often effects were named, by the strengths that were tried.
 
     Parameters
     ----------
-    found : mapping of Detected
+    detected : mapping of Detected
         By effect, of ``scorecard.json``.
     """
-    strengths = sorted({float(s) for one in found.values() for s in one.tried})
+    strengths = sorted(
+        {float(s) for strengths_tried in detected.values() for s in strengths_tried.tried}
+    )
     columns = {strength: place for place, strength in enumerate(strengths)}
-    with figure(height=20.0 + ROW_MM * len(found)) as fig:
+    with figure(height=20.0 + ROW_MM * len(detected)) as fig:
         panel = fig.subplots()
-        for row, one in enumerate(found.values()):
-            for strength, rate in one.tried.items():
+        for row, effect in enumerate(detected.values()):
+            for strength, rate in effect.tried.items():
                 if rate.rate is None:
                     continue
                 size = SMALLEST_DOT + min(rate.cases, LARGEST_DOT - SMALLEST_DOT)
@@ -143,9 +145,9 @@ def named_by_strength(found: Mapping[str, Detected]) -> Figure:
                 if rate.cases > 1:
                     panel.text(columns[float(strength)] + 0.1, row, f"{rate.hits}/{rate.cases}",
                                va="center", fontsize=6)  # fmt: skip
-        panel.set_xticks(range(len(strengths)), [f"{one:g}" for one in strengths])
+        panel.set_xticks(range(len(strengths)), [f"{strength:g}" for strength in strengths])
         panel.set_xlim(-0.5, len(strengths) - 0.5)
-        panel.set_yticks(range(len(found)), [plain(name) for name in found], fontsize=6.5)
-        panel.set_ylim(len(found) - 0.4, -0.6)
+        panel.set_yticks(range(len(detected)), [plain(name) for name in detected], fontsize=6.5)
+        panel.set_ylim(len(detected) - 0.4, -0.6)
         panel.set_xlabel("strength (1 is 10 % of friction)")
         return fig

@@ -13,6 +13,7 @@ from bayesfric.plots.style import (
     LINES,
     MARKERS,
     NEUTRAL,
+    PAPER_DASHES,
     LineStyle,
     SizeStyle,
     figure,
@@ -22,7 +23,6 @@ from bayesfric.plots.style import (
 
 __all__ = ["line_against_pulleys", "wrap_slopes"]
 
-DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
 MARKER_SIZE = 3.6
 
 
@@ -57,7 +57,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
                 printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
                 if np.isfinite(printed).all():
                     axes.plot(
-                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=DASHES
+                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES
                     )
                 _draw_points(
                     axes,
@@ -103,18 +103,18 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
     with figure(height=88.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex="row")
         for column, size in enumerate(sizes):
-            here = table.isel(line=np.flatnonzero(table["pulley_size"] == size))
+            of_size = table.isel(line=np.flatnonzero(table["pulley_size"] == size))
             look = styles[size]
-            for axes, (across, grid, law, by, each, text) in zip(
+            for axes, (across, grid, law, by, along, text) in zip(
                 panels[:, column], rows, strict=True
             ):
                 handles = []
-                for place, value in enumerate(table[each].to_numpy()):
-                    some = here.isel(line=np.flatnonzero(here[by] == value))
+                for place, value in enumerate(table[along].to_numpy()):
+                    some = of_size.isel(line=np.flatnonzero(of_size[by] == value))
                     if not some.sizes["line"]:
                         continue
                     marker, line = MARKERS[place % len(MARKERS)], LINES[place % len(LINES)]
-                    band = table[law].sel({"pulley": size, each: value}).to_numpy()
+                    band = table[law].sel({"pulley": size, along: value}).to_numpy()
                     _draw_law(axes, table[grid].to_numpy(), 1e3 * band, look, line)
                     _draw_points(
                         axes,
@@ -191,4 +191,4 @@ def _keys() -> list[Line2D | Patch]:
 
 
 def _dashed_key(label: str) -> Line2D:
-    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label=label)
+    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES, label=label)

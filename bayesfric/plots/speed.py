@@ -17,17 +17,17 @@ VARIED = (
 HEADROOM = 1.6  # above the data, for the legend
 
 
-def has_speeds(one: RigTable) -> bool:
+def has_speeds(rig: RigTable) -> bool:
     """Tell whether each trial of a rig was measured at one speed."""
-    return {"velocity_m_s", *(name for name, _, _ in VARIED)} <= set(one.table.data_vars)
+    return {"velocity_m_s", *(name for name, _, _ in VARIED)} <= set(rig.table.data_vars)
 
 
-def friction_against_speed(one: RigTable) -> Figure:
+def friction_against_speed(rig: RigTable) -> Figure:
     """Draw friction against speed: a row for what varies, a column for each size.
 
     Parameters
     ----------
-    one : RigTable
+    rig : RigTable
         Of a rig that :func:`has_speeds`.
 
     Returns
@@ -36,24 +36,24 @@ def friction_against_speed(one: RigTable) -> Figure:
         Runs, and the 5 % to 95 % band of a new run on a new assembly. A row holds
         the conditions that differ in one thing from the size's most frequent one.
     """
-    runs = one.table
-    size_column = np.array(one.sizes)
-    sizes = ordered_sizes(sorted(one.sizes))
+    runs = rig.table
+    size_column = np.array(rig.sizes)
+    sizes = ordered_sizes(sorted(rig.sizes))
     styles = size_styles(sizes)
     columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
     with figure(height=38.0 * len(VARIED)) as fig:
         panels = fig.subplots(len(VARIED), len(sizes), squeeze=False)
         for column, size in enumerate(sizes):
-            here = size_column == size
-            usual = {name: _most_frequent(values[here]) for name, values in columns.items()}
+            of_size = size_column == size
+            usual = {name: _most_frequent(values[of_size]) for name, values in columns.items()}
             for row, (varied, text, title) in enumerate(VARIED):
                 axes = panels[row, column]
-                alike = here.copy()
+                alike = of_size.copy()
                 for name, values in columns.items():
                     if name != varied:
                         alike &= values == usual[name]
                 for place, value in enumerate(np.unique(columns[varied][alike])):
-                    some = runs.isel({one.id: np.flatnonzero(alike & (columns[varied] == value))})
+                    some = runs.isel({rig.id: np.flatnonzero(alike & (columns[varied] == value))})
                     some = some.sortby("velocity_m_s")
                     speed = some["velocity_m_s"].to_numpy()
                     low, _, high = some["predicted_n"].to_numpy().T
@@ -90,5 +90,5 @@ def friction_against_speed(one: RigTable) -> Figure:
 
 
 def _most_frequent(values: np.ndarray) -> float:
-    found, counts = np.unique(values, return_counts=True)
-    return float(found[counts.argmax()])
+    distinct, counts = np.unique(values, return_counts=True)
+    return float(distinct[counts.argmax()])

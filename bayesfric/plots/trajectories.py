@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -40,40 +41,11 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
         grid = fig.add_gridspec(2 * blocks, columns, height_ratios=[5, 4] * blocks)
         for place in range(count):
             trial = table.isel(shown=place)
-            seen = np.isfinite(trial["time_s"].to_numpy())
-            time = trial["time_s"].to_numpy()[seen]
-            travel = trial["travel_m"].to_numpy()[seen]
-            low, middle, high = trial["predicted_m"].to_numpy()[seen].T
             color = styles[str(trial["pulley_size"].item())].color
             column, block = divmod(place, blocks)
             top = fig.add_subplot(grid[2 * block, column])
             below = fig.add_subplot(grid[2 * block + 1, column], sharex=top)
-            top.fill_between(time, low, high, color=color, alpha=0.3, linewidth=0)
-            top.plot(time, middle, color=color, linewidth=1.0)
-            top.plot(
-                time,
-                travel,
-                "o",
-                color=COLORS["black"],
-                markersize=2.2,
-                markevery=max(1, len(time) // SHOWN_EVENTS),
-            )
-            top.set_title(
-                f"{plain(str(trial['pulley_size'].item()))}, n = {trial['n_pulleys'].item()}, "
-                f"{trial['wrap_angle_deg'].item():g}°\n"
-                f"{trial['mass_drive_kg'].item():.3f} / {trial['mass_load_kg'].item():.3f} kg"
-            )
-            top.tick_params(labelbottom=False)
-            below.fill_between(
-                time,
-                1e3 * (low - middle),
-                1e3 * (high - middle),
-                color=color,
-                alpha=0.3,
-                linewidth=0,
-            )
-            below.axhline(0, color=color, linewidth=1.0)
-            below.plot(time, 1e3 * (travel - middle), "o", color=COLORS["black"], markersize=1.4)
+            _draw_trial(top, below, trial, color)
             if block == blocks - 1:
                 below.set_xlabel("time [s]")
             if column == 0:
@@ -94,6 +66,35 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
         ]
         key(fig, keys, ncols=len(keys))
         return fig
+
+
+def _draw_trial(top: Axes, below: Axes, trial: xr.Dataset, color: str) -> None:
+    """Draw the travel of a trial, and below it what is measured less what is predicted."""
+    seen = np.isfinite(trial["time_s"].to_numpy())
+    time = trial["time_s"].to_numpy()[seen]
+    travel = trial["travel_m"].to_numpy()[seen]
+    low, middle, high = trial["predicted_m"].to_numpy()[seen].T
+    top.fill_between(time, low, high, color=color, alpha=0.3, linewidth=0)
+    top.plot(time, middle, color=color, linewidth=1.0)
+    top.plot(
+        time,
+        travel,
+        "o",
+        color=COLORS["black"],
+        markersize=2.2,
+        markevery=max(1, len(time) // SHOWN_EVENTS),
+    )
+    top.set_title(
+        f"{plain(str(trial['pulley_size'].item()))}, n = {trial['n_pulleys'].item()}, "
+        f"{trial['wrap_angle_deg'].item():g}°\n"
+        f"{trial['mass_drive_kg'].item():.3f} / {trial['mass_load_kg'].item():.3f} kg"
+    )
+    top.tick_params(labelbottom=False)
+    below.fill_between(
+        time, 1e3 * (low - middle), 1e3 * (high - middle), color=color, alpha=0.3, linewidth=0
+    )
+    below.axhline(0, color=color, linewidth=1.0)
+    below.plot(time, 1e3 * (travel - middle), "o", color=COLORS["black"], markersize=1.4)
 
 
 def _by_size_and_duration(table: xr.Dataset) -> list[int]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -37,34 +38,11 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
         for row, n in enumerate(counts):
             for column, size in enumerate(sizes):
                 axes, look = panels[row, column], styles[size]
-                here = (table["pulley_size"] == size) & (table["n_pulleys"] == n)
-                for line in np.flatnonzero(here):
+                of_condition = (table["pulley_size"] == size) & (table["n_pulleys"] == n)
+                for line in np.flatnonzero(of_condition):
                     some = table.isel(line=line)
                     place = int(np.flatnonzero(levels == some["tension_n"].item())[0])
-                    low, middle, high = some["law_n"].to_numpy().T
-                    axes.fill_between(grid, low, high, color=look.color, alpha=0.3, linewidth=0)
-                    axes.plot(
-                        grid,
-                        middle,
-                        color=look.color,
-                        linewidth=0.9,
-                        linestyle=LINES[place % len(LINES)],
-                    )
-                    angle = some["wrap_angle_deg"].to_numpy()
-                    again = some["friction_again_n"].to_numpy()
-                    axes.vlines(
-                        angle, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5
-                    )
-                    axes.plot(
-                        angle,
-                        some["friction_n"],
-                        MARKERS[place % len(MARKERS)],
-                        color="white",
-                        markersize=3.4,
-                        markeredgewidth=0.9,
-                        markeredgecolor=look.color,
-                        zorder=3,
-                    )
+                    _draw_line(axes, grid, some, look.color, place)
                 axes.set_ylim(bottom=0)
                 if row == 0:
                     axes.set_title(plain(size))
@@ -90,3 +68,23 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
         keys.append(Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="law, 5 % to 95 %"))
         key(fig, keys, ncols=3)
         return fig
+
+
+def _draw_line(axes: Axes, grid: np.ndarray, line: xr.Dataset, color: str, level: int) -> None:
+    """Draw friction at one tension: the law's band over `grid`, and what was measured."""
+    low, middle, high = line["law_n"].to_numpy().T
+    axes.fill_between(grid, low, high, color=color, alpha=0.3, linewidth=0)
+    axes.plot(grid, middle, color=color, linewidth=0.9, linestyle=LINES[level % len(LINES)])
+    angle = line["wrap_angle_deg"].to_numpy()
+    again = line["friction_again_n"].to_numpy()
+    axes.vlines(angle, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5)
+    axes.plot(
+        angle,
+        line["friction_n"],
+        MARKERS[level % len(MARKERS)],
+        color="white",
+        markersize=3.4,
+        markeredgewidth=0.9,
+        markeredgecolor=color,
+        zorder=3,
+    )

@@ -7,15 +7,11 @@ from bayesfric.recording.tables import Axis, RigConstants
 __all__ = ["notes_on_axis"]
 
 UNUSED_COLUMNS = (
-    "force_time_s",
     "command_m",
     "command_time_s",
-    "temperature_c",
 )
 """Columns of ``axis_samples.csv`` that no model takes yet."""
 UNUSED_KEYS = (
-    "mass_sd_kg",
-    "force_gain_sd",
     "known_force_sd",
     "command_gain",
     "force_limit_n",

@@ -8,7 +8,10 @@ from bayesfric.arrays import Array, Flags
 __all__ = ["held_for", "released", "renewed"]
 
 MOSTLY = 0.9  # of the times between two new readings, that are one number of samples
+BUSY = 0.9  # of the samples at which the position changes, that the force changes at too
+CAUGHT_UP = 1.5  # usual steps, that a position moves by after a row that was repeated
 COUNTS = 3  # of an encoder, that a position that is held moves by at a time, at the least
+SENSED = frozenset({"motor", "link", "measured"})  # kinds of force that a sensor reads
 FEWEST = 10  # new readings, by which a rhythm is told
 
 
@@ -40,23 +43,50 @@ def held_for(values: Array) -> int:
     return rhythm if float(np.mean(steady)) >= MOSTLY else 1
 
 
+def stale(position: Array, force: Array) -> Flags:
+    """Return which rows repeat the one before though the axis moved on, shape (N,).
+
+    So telemetry does where a new row is late. A joint that rests repeats its readings too; after
+    that it moves by no more than it does from row to row, and not by what it missed.
+
+    Parameters
+    ----------
+    position, force : ndarray, shape (N,)
+        Of a run.
+    """
+    steps = np.abs(np.diff(position))
+    moved, pushed = steps > 0, np.diff(force) != 0
+    again = ~moved & ~pushed
+    nothing = np.zeros(position.size, dtype=np.bool_)
+    if again.sum() < FEWEST or not moved.any() or float(np.mean(pushed[moved])) < BUSY:
+        return nothing
+    after = np.concatenate([[False], again[:-1]]) & moved
+    if not after.any():
+        return nothing
+    usual = float(np.median(steps[moved & ~after])) if (moved & ~after).any() else np.inf
+    if float(np.median(steps[after])) < CAUGHT_UP * usual:
+        return nothing
+    return np.concatenate([[False], again])
+
+
 def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame, str | None]:
     """Return a run's samples without repeated readings, and what was done; None if nothing.
 
     Where the position is held, the first row of each reading is kept. A measured force that is
-    held goes on in a straight line to its next reading. A commanded one acts as it is held.
+    held goes on in a straight line to its next reading. A commanded one acts as it is held. Rows
+    that repeat the one before though the axis moved on are left out.
 
     Parameters
     ----------
     samples : DataFrame
         Of one run, with columns of ``axis_samples.csv``.
     force_is : str or None
-        ``"commanded"`` or ``"measured"``; None where nobody says.
+        What kind of force was logged, as ``rig.force_is`` has it; None where nobody says.
     """
     position = samples["position_m"].to_numpy(dtype=np.float64)
     force = samples["force_n"].to_numpy(dtype=np.float64)
     position_held = held_for(position) if _jumps(position) else 1
-    force_held = held_for(force) if force_is == "measured" else 1
+    force_held = held_for(force) if force_is in SENSED else 1
     if force_held > 1:
         time, new = samples["time_s"].to_numpy(dtype=np.float64), renewed(force)
         samples = samples.assign(force_n=np.interp(time, time[new], force[new]))
@@ -67,7 +97,14 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
         for name, count in (("position", position_held), ("force", force_held))
         if count > 1
     ]
-    return samples, f"each reading is held, {' and '.join(held)}" if held else None
+    said = [f"each reading is held, {' and '.join(held)}"] if held else []
+    late = stale(*(samples[name].to_numpy(dtype=np.float64) for name in ("position_m", "force_n")))
+    if late.any():
+        said.append(
+            f"{late.sum():,} of {late.size:,} rows repeat the one before, though it moved on"
+        )
+        samples = samples[~late].reset_index(drop=True)
+    return samples, "; ".join(said) or None
 
 
 def _jumps(position: Array) -> bool:

@@ -17,7 +17,7 @@ from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
 from bayesfric.recording.plausibility import implausible
-from bayesfric.recording.robot_file import faults_of_model
+from bayesfric.recording.robot_file import faults_of_model, files_of_model
 from bayesfric.recording.schemas import Table, check_cells
 from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
@@ -130,12 +130,13 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
 
 
 def _with_robot(package: Package, load: Load, faults: list[Fault]) -> Package:
-    """Return a package with the content of the robot's model, if it names one."""
+    """Return a package with the content of the robot's model and its files, if it names one."""
     robot = package.rig.robot
     if robot is None:
         return package
     try:
         robot = replace(robot, content=load(robot.model))
+        robot = replace(robot, files=files_of_model(robot, load))
     except InputError as error:
         faults += error.faults
         return package

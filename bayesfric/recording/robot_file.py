@@ -1,16 +1,90 @@
 """The file of a robot's model: whether it can be read, and has the joints that are named."""
 
-from collections.abc import Collection, Mapping
+import posixpath
+from collections.abc import Callable, Collection, Iterator, Mapping
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
-from bayesfric.errors import Fault, near
+from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.tables import Robot
 
-__all__ = ["LARGEST_MODEL", "faults_of_joints", "faults_of_model"]
+__all__ = ["LARGEST_MODEL", "faults_of_joints", "faults_of_model", "files_of_model"]
 
 LARGEST_MODEL = 16 * 1024**2  # bytes; an arm with its meshes beside it has a few kilobytes
+LARGEST_IN_ALL = 64 * 1024**2  # bytes of all files that a model needs
+MOST_FILES = 200  # that a model needs
 NAMED = 12  # joints that are listed
+
+
+def files_of_model(robot: Robot, load: Callable[[str], bytes]) -> dict[str, bytes]:
+    """Return the files that a model includes, and the meshes from which links have their mass.
+
+    Parameters
+    ----------
+    robot : Robot
+        With the content of its file.
+    load : callable
+        From a path in the folder of the recording to the bytes of that file.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, is outside the folder, or there is too much of them.
+    """
+    folder = posixpath.dirname(robot.model)
+    files: dict[str, bytes] = {}
+    roots = [_parsed(robot.content)]
+    for root in roots:  # grows by what each file includes
+        if root is None or root.tag == "robot":
+            continue
+        for element in root.iter("include"):
+            name = posixpath.normpath(posixpath.join(folder, element.get("file", "")))
+            if name not in files and name != robot.model:
+                _keep(files, name, load(name), robot.model)
+                roots.append(_parsed(files[name]))
+    for name in _meshes(folder, [root for root in roots if root is not None]):
+        _keep(files, name, load(name), robot.model)
+    return files
+
+
+def _keep(files: dict[str, bytes], name: str, content: bytes, model: str) -> None:
+    files[name] = content
+    size = sum(map(len, files.values()))
+    if size > LARGEST_IN_ALL or len(files) > MOST_FILES:
+        expected = f"at most {MOST_FILES} files of {LARGEST_IN_ALL:,} bytes that it needs"
+        raise InputError([Fault(model, expected, value=f"{len(files)} files, {size:,} bytes")])
+
+
+def _parsed(content: bytes) -> Element | None:
+    """Return the first element; None where the file is at fault, which is told elsewhere."""
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
+        return None
+    try:
+        return ElementTree.fromstring(content)
+    except (ElementTree.ParseError, ValueError, LookupError):
+        return None
+
+
+def _meshes(folder: str, roots: Collection[Element]) -> Iterator[str]:
+    """Yield the paths of meshes of links that state no mass of their own."""
+    below = ""
+    for root in roots:
+        for compiler in root.iter("compiler"):
+            below = compiler.get("meshdir", compiler.get("assetdir", below))
+    used = {
+        geom.get("mesh")
+        for root in roots
+        for body in root.iter("body")
+        if body.find("inertial") is None
+        for geom in body.findall("geom")
+    }
+    for root in roots:
+        for mesh in root.iter("mesh"):
+            file = mesh.get("file")
+            stem = posixpath.splitext(posixpath.basename(file or ""))[0]
+            if file is not None and mesh.get("name", stem) in used:
+                yield posixpath.normpath(posixpath.join(folder, below, file))
 
 
 def faults_of_model(robot: Robot) -> list[Fault]:
@@ -19,7 +93,7 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     Parameters
     ----------
     robot : Robot
-        With the content of its file.
+        With the content of its file, and of those that it includes.
     """
     file, content = robot.model, robot.content
     if len(content) > LARGEST_MODEL:
@@ -34,9 +108,13 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if root.tag not in ("robot", "mujoco"):
         expected = "URDF, whose first element is robot, or MJCF, whose first is mujoco"
         return [Fault(file, expected, row=1, value=root.tag)]
-    if root.tag == "mujoco" and root.find(".//include") is not None:
-        return []  # joints may be in files that it includes
-    places = root.iter("joint") if root.tag == "mujoco" else iter(root.findall("joint"))
+    if root.tag == "robot":
+        places = list(root.findall("joint"))
+    else:
+        included = [_parsed(one) for name, one in robot.files.items() if name.endswith(".xml")]
+        places = [
+            joint for part in (root, *included) if part is not None for joint in part.iter("joint")
+        ]
     names = [name for place in places if (name := place.get("name"))]
     return list(_unknown(robot.joints, names, file))
 

@@ -44,11 +44,14 @@ class Robot:
         Joint of the recording to its name in the model.
     content : bytes
         The file.
+    files : mapping of str to bytes
+        Further files that it includes or takes masses from, by their path in that folder.
     """
 
     model: str
     joints: Mapping[str, str] = field(default_factory=dict)
     content: bytes = b""
+    files: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,7 @@ def _contents(recording: Recording) -> dict[str, bytes]:
     text = json.dumps(package, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     contents = {PACKAGE_FILE: text.encode()}
     if (robot := recording.rig.robot) is not None:
-        contents[robot.model] = robot.content
+        contents |= {robot.model: robot.content, **robot.files}
     return contents | {file: _csv(frame) for file, frame in ordered.items()}
 
 

@@ -115,19 +115,35 @@ def read_robot(
 
 
 def robot_of_bytes(
-    model: str, content: bytes, joints: Mapping[str, str], gravity_m_s2: float | None = None
+    model: str,
+    content: bytes,
+    joints: Mapping[str, str],
+    gravity_m_s2: float | None = None,
+    files: Mapping[str, bytes] | None = None,
 ) -> Robot:
-    """Read a robot's model from the bytes of its file, which includes no other; see `read_robot`.
+    """Read a robot's model from the bytes of its file and of those that it needs.
+
+    Parameters
+    ----------
+    model : str
+        Path of the file.
+    content : bytes
+        The file.
+    joints, gravity_m_s2
+        As of :func:`read_robot`.
+    files : mapping of str to bytes, or None
+        By path, what it includes or takes masses from; None is nothing.
 
     Raises
     ------
     InputError
-        An element of it or a joint's name cannot be used, or it needs a file beside it.
+        An element of it or a joint's name cannot be used, or it needs a further file.
     """
     with TemporaryDirectory() as name:
-        path = Path(name) / model
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        for file, its_content in {model: content, **(files or {})}.items():
+            path = _inside(Path(name), model, file)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(its_content)
         return read_robot(Path(name), model, joints, gravity_m_s2)
 
 
@@ -168,7 +184,8 @@ def _with_includes(folder: Path, model: str, root: ET.Element, depth: int = 0) -
         for place, child in reversed(list(enumerate(parent))):
             if child.tag != "include":
                 continue
-            included = _parsed(folder, model, child.get("file", ""))
+            beside = str(Path(model).parent / child.get("file", ""))
+            included = _parsed(folder, model, beside)
             whole = _with_includes(folder, model, included, depth + 1)
             parent[place : place + 1] = list(whole)
     return root
@@ -177,16 +194,18 @@ def _with_includes(folder: Path, model: str, root: ET.Element, depth: int = 0) -
 def _simplify_urdf(root: ET.Element) -> None:
     """Drop what moves nothing: shapes, and settings for other programs."""
     for link in root.iter("link"):
-        for child in [one for one in link if one.tag in ("visual", "collision")]:
+        for child in [element for element in link if element.tag in ("visual", "collision")]:
             link.remove(child)
-    for child in [one for one in root if one.tag in ("gazebo", "transmission", "mujoco")]:
+    for child in [
+        element for element in root if element.tag in ("gazebo", "transmission", "mujoco")
+    ]:
         root.remove(child)
 
 
 def _simplify_mjcf(folder: Path, model: str, root: ET.Element) -> dict[str, bytes]:
     """Drop what moves nothing, and return the meshes from which links have their mass."""
     for parent in list(root.iter()):
-        for child in [one for one in parent if one.tag in UNSEEN]:
+        for child in [element for element in parent if element.tag in UNSEEN]:
             if not (child.tag == "visual" and parent.tag == "default"):
                 parent.remove(child)
     for body in root.iter("body"):
@@ -219,7 +238,8 @@ def _meshes(
                 asset.remove(mesh)
             elif file is not None:
                 name = str(Path(below) / file)
-                data = file_bytes(_inside(folder, model, name), name, left)
+                path = _inside(folder, model, str(Path(model).parent / name))
+                data = file_bytes(path, name, left)
                 left -= len(data)
                 yield name, data
 

@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
+from bayesfric.schemas.instrument import Instrument
 
 __all__ = [
     "Absorbed",
@@ -350,9 +351,13 @@ class Enter(Record):
         description="Simulator to its field; null where it has none."
     )
     lost_without: Number | None = Field(
-        None, description="Rms force that stays wrong where no simulator has a field."
+        None, description="Rms force that stays wrong in a simulator without a field for it."
     )
-    lost_without_why: Annotated[Why, Because("a simulator has a field for it")] = None
+    lost_without_why: Annotated[Why, Because("every simulator has a field for it")] = None
+    snippet: str | None = Field(
+        None, description="Name of the callback that `export` writes in the place of a field."
+    )
+    snippet_why: Annotated[Why, Because("no callback is usual for it")] = None
 
 
 class SimulatorUsed(Record):
@@ -437,6 +442,10 @@ class DiagnosisFile(Provenance):
         "`sentence`: of several, the first whose verdict is the verdict of all.",
     )
     joint_why: Annotated[Why, Because("no joint is named")] = None
+    joint_in_model: str | None = Field(
+        None, description="Its name in the model that the recording has of the machine."
+    )
+    joint_in_model_why: Annotated[Why, Because("no model of the machine names it")] = None
     joints: "tuple[DiagnosisFile, ...]" = Field((), description="A diagnosis a joint, of several.")
     joints_why: Annotated[Why, Because("it is of one joint, or of none")] = None
     other_joints: Literal["still", "logged", "moving", "unknown"] | None = Field(
@@ -447,6 +456,10 @@ class DiagnosisFile(Provenance):
         (), description="Numbers of the machine's model of which data tell something."
     )
     model_error_why: Annotated[Why, Because("no model of the machine was given")] = None
+    instrument: Instrument | None = Field(
+        None, description="The law by an instrument, which errors in a loop do not move."
+    )
+    instrument_why: Annotated[Why, Because("it was not asked")] = None
     scatter: dict[str, Number] = Field(
         default_factory=dict, description="Noise of every rig at its most probable, by name."
     )

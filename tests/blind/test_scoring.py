@@ -30,7 +30,7 @@ def judged(withheld, *, gap=0.05, true_shrink=None, **changes):
     found = diagnosed(**changes)
     truth = {"withheld": withheld}
     numbers = {"gap": gap, "true_shrink": true_shrink, "oracle_power": None}
-    return score(PUBLIC, truth, found, **numbers, known=all_effects())
+    return score(PUBLIC, truth, found, **numbers, effect_names=all_effects())
 
 
 def left(axis, low, significant=True):
@@ -212,7 +212,7 @@ def test_parameters_are_compared_with_those_of_the_same_law_alone(name, form, la
     truth = effect(name, form=form, parameters={"slope": 0.12})
     numbers = {"gap": 0.05, "true_shrink": 0.981, "oracle_power": None}
     found = found.model_copy(update={"causes": told})
-    case = score(PUBLIC, {"withheld": [truth]}, found, **numbers, known=all_effects())
+    case = score(PUBLIC, {"withheld": [truth]}, found, **numbers, effect_names=all_effects())
     assert case.parameters_covered == covered
     assert case.shrink_covered is True
 

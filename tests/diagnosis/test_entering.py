@@ -1,38 +1,114 @@
 """Numbers to enter in a simulator of a joint: from the refit, in the fields of simulators."""
 
+import math
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
-from bayesfric.schemas import DiagnosisFile
+from bayesfric.diagnosis.entering import numbers_to_enter
+from bayesfric.robots.fields import SIMULATORS, fields_of
 
 
-def test_an_axis_tells_what_to_enter(tmp_path):
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
     """A mass of 2 kg, 1.5 N of Coulomb friction and 2 N s/m of damping."""
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, viscous=2.0)
     runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)
-    found = bf.diagnose(bf.read_recording(write(tmp_path / "axis", machine, runs, samples))).summary
-    entered = {number.parameter: number for number in found.enter}
-    assert found.enter_why is None
-    assert set(entered) == {"mass", "coulomb", "viscous"}
-    for name, true, unit in (("mass", 2.0, "kg"), ("coulomb", 1.5, "N"), ("viscous", 2.0, "N s/m")):
-        number = entered[name]
-        assert number.unit == unit
-        assert number.value.mean == pytest.approx(true, rel=0.06), name
-        assert number.in_your_simulator is None
-        assert number.lost_without is None
-        assert number.lost_without_why == "a simulator has a field for it"
-    fields = entered["viscous"].fields
-    assert (fields["mujoco"].field, fields["mujoco"].factor) == ("joint/@damping", 1.0)
-    assert entered["coulomb"].fields["mujoco"].field == "joint/@frictionloss"
+    folder = write(tmp_path_factory.mktemp("mass") / "axis", machine, runs, samples)
+    return bf.diagnose(bf.read_recording(folder)).summary
+
+
+@pytest.mark.parametrize(
+    ("name", "truth", "unit"),
+    [("inertia", 2.0, "kg"), ("coulomb", 1.5, "N"), ("viscous", 2.0, "N s/m")],
+)
+def test_an_axis_tells_what_to_enter(found, name, truth, unit):
+    number = {one.parameter: one for one in found.enter}[name]
+    assert number.unit == unit
+    assert number.value.mean == pytest.approx(truth, rel=0.06)
+    assert number.in_your_simulator is None
+    assert number.in_your_simulator_why == "no model of the machine was given"
+    assert set(number.fields) == set(SIMULATORS)
+
+
+def test_what_a_simulator_lacks_is_told_in_force(found):
+    """Drake has no Coulomb friction: 1.5 N are lost. All have a mass, so that none is."""
+    entered = {one.parameter: one for one in found.enter}
     assert entered["coulomb"].fields["drake"] is None
-    assert found.joints == ()
-    assert found.joints_why
-    assert found.considered_why
+    assert entered["coulomb"].lost_without == pytest.approx(1.5, rel=0.06)
+    assert entered["inertia"].lost_without is None
+    assert entered["inertia"].lost_without_why == "every simulator has a field for it"
+    assert not any(entered["offset"].fields.values())
+    assert entered["offset"].lost_without == pytest.approx(abs(entered["offset"].value.mean))
 
 
-def test_of_pulleys_nothing_is_entered_and_why_is_said(root):
-    text = (root / "reports" / "reference" / "diagnosis.json").read_text("utf-8")
-    found = DiagnosisFile.model_validate_json(text)
-    assert found.enter == ()
-    assert "coefficients of the friction law" in found.enter_why
+@pytest.mark.parametrize(
+    ("parameter", "simulator", "field", "factor"),
+    [
+        ("coulomb", "mujoco", "joint/@frictionloss", 1.0),
+        ("viscous", "mujoco", "joint/@damping", 1.0),
+        ("inertia", "mujoco", "joint/@armature", 1.0),
+        ("inertia", "isaaclab", "ActuatorBaseCfg.armature", 1.0),
+        ("viscous", "isaaclab", "ActuatorBaseCfg.viscous_friction", 1.0),
+        ("viscous", "usd", "physxJointAxis:angular:viscousFrictionCoefficient", math.pi / 180),
+        ("coulomb", "usd", "physxJointAxis:angular:staticFrictionEffort", 1.0),
+        ("viscous", "newton", "newton:damping", math.pi / 180),
+        ("coulomb", "genesis", "RigidEntity.set_dofs_frictionloss", 1.0),
+        ("viscous", "urdf", "joint/dynamics/@damping", 1.0),
+        ("coulomb", "sdf", "joint/axis/dynamics/friction", 1.0),
+        ("torque-saturation.limit", "mujoco", "actuator/@forcerange", 1.0),
+        ("delay.time", "mujoco", "actuator/@delay", 1.0),
+    ],
+)
+def test_fields_of_a_joint_that_turns(parameter, simulator, field, factor):
+    entry = fields_of(parameter, turns=True)[simulator]
+    assert entry.field.startswith(field)
+    assert entry.factor == factor
+
+
+@pytest.mark.parametrize(
+    ("parameter", "simulator"),
+    [
+        ("inertia", "urdf"),
+        ("inertia", "sdf"),
+        ("coulomb", "drake"),
+        ("delay.time", "urdf"),
+        ("load-friction.share", "mujoco"),
+    ],
+)
+def test_a_simulator_without_a_field_has_none(parameter, simulator):
+    assert fields_of(parameter, turns=True)[simulator] is None
+
+
+def test_a_slide_has_a_mass_and_nothing_by_the_degree():
+    assert fields_of("inertia", turns=False)["urdf"].field == "link/inertial/mass/@value"
+    damping = fields_of("viscous", turns=False)["usd"]
+    assert damping.field == "physxJointAxis:linear:viscousFrictionCoefficient"
+    assert damping.factor == 1.0
+
+
+def test_mujoco_compiles_every_field_that_is_named_of_it():
+    """As they are told: a polynomial of damping, a delay in seconds, limits of an actuator."""
+    mujoco = pytest.importorskip("mujoco")
+    compiled = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><body><joint name="a" axis="0 0 1" frictionloss="0.3"
+        damping="0.1 0.02 0.003" armature="0.04" stiffness="5" springref="0.2"/>
+        <geom size=".1" mass="1"/></body></worldbody><actuator>
+        <motor joint="a" delay="0.01" nsample="6" forcerange="-3 3"/></actuator></mujoco>"""
+    )
+    data = mujoco.MjData(compiled)
+    data.qvel[0] = 2.0
+    mujoco.mj_forward(compiled, data)
+    assert data.qfrc_damper[0] == pytest.approx(-(0.1 * 2 + 0.02 * 4 + 0.003 * 8))
+    assert compiled.actuator_delay[0] == pytest.approx(0.01)
+    assert np.allclose(compiled.actuator_forcerange, [[-3, 3]])
+
+
+def test_of_pulleys_nothing_is_entered_and_why_is_said():
+    data = SimpleNamespace(rigs=(SimpleNamespace(has_pulleys=True),))
+    numbers, why = numbers_to_enter(SimpleNamespace(data=data), {}, None, (), None, None)
+    assert numbers == ()
+    assert "coefficients of the friction law" in why

@@ -50,10 +50,6 @@ def tell(results):
     for name in ("c1", "c2", "c3"):
         number = read["fit"]["pulleys"]["medium"][name]
         sys.stdout.write(f'"{name}": ({number["mean"]}, {number["sd"]}),\n')
-    diagnosis = read["diagnosis"]
-    sys.stdout.write(f'"verdict": "{diagnosis["verdict"]}",\n')
-    sys.stdout.write(f'"none": {diagnosis["probabilities"]["none"]},\n')
-    sys.stdout.write(f'"gap": {diagnosis["gap"]["systematic"]["q50"]},\n')
     claims = [one["id"] for one in read["claims"]["claims"] if one["verdict"] == "supported"]
     sys.stdout.write(f'"supported": {json.dumps(claims)},\n')
 

@@ -217,7 +217,7 @@ def test_conditions_one_after_another_find_what_they_find_together():
     first = hunting_threshold(loop, kick=kicks[0])
     # the last draw hunts in another condition long before
     known = np.array([np.inf, np.inf, 0.7])
-    second = hunting_threshold(loop, kick=kicks[1], known=np.minimum(first.gamma, known))
+    second = hunting_threshold(loop, kick=kicks[1], hunts_at=np.minimum(first.gamma, known))
     assert together.gamma == pytest.approx(np.full(3, 1.65), rel=0.05)
     assert np.minimum(first.gamma, second.gamma)[:2] == pytest.approx(together.gamma[:2], abs=0.02)
     assert np.isinf(second.gamma).tolist() == [True, False, True]

@@ -92,6 +92,41 @@ def test_a_robot_is_read_and_written_with_its_file(tmp_path: Path, file: str, te
     assert round_trip(found, tmp_path / "b").rig == found.rig
 
 
+def including(file: str) -> str:
+    return f'<mujoco><worldbody><include file="{file}"/></worldbody></mujoco>'
+
+
+def test_what_a_model_includes_is_carried_with_it(tmp_path: Path) -> None:
+    """Included files are beside the model, in whatever folder of the recording that is."""
+    part = '<mujocoinclude><body><joint name="joint_2"/></body></mujocoinclude>'
+    mini = joints(robot={"model": "models/arm.xml", "joints": {"q1": "joint_2"}})
+    (tmp_path / "a/models").mkdir(parents=True)
+    texts = {"models/arm.xml": including("part.xml"), "models/part.xml": part}
+    contents = {name: text.encode() for name, text in texts.items()}
+    found = read_recording(write_files(tmp_path / "a", mini.contents() | contents))
+    assert found.rig.robot is not None
+    assert dict(found.rig.robot.files) == {"models/part.xml": part.encode()}
+    assert round_trip(found, tmp_path / "b").rig == found.rig
+
+
+@pytest.mark.parametrize(
+    ("file", "said"),
+    [
+        ("../part.xml", "expected a file inside the recording's folder"),
+        ("/etc/passwd", "expected a file inside the recording's folder"),
+        ("none.xml", "none.xml: expected a file of this name"),
+        ("empty.xml", "expected a joint of arm.xml (it has none)"),
+    ],
+)
+def test_an_include_is_a_file_of_the_recording_and_has_the_joints(
+    tmp_path: Path, file: str, said: str
+) -> None:
+    mini = joints(robot={"model": "arm.xml", "joints": {"q1": "joint_2"}})
+    texts = {"arm.xml": including(file), "empty.xml": "<mujocoinclude/>"}
+    contents = {name: text.encode() for name, text in texts.items()}
+    assert said in fault_of(write_files(tmp_path, mini.contents() | contents))
+
+
 @pytest.mark.parametrize(
     ("names", "content", "said"),
     [

@@ -28,7 +28,8 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.diagnosis import diagnosis as chapter
-from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
+from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.to_use import biased, numbers_to_use
 from bayesfric.report.content import (
     Heading,
     Notice,
@@ -69,8 +70,9 @@ def test_the_first_page_tells_all():
     for stored in (stored_diagnosis(), without_gap(), two_causes()):
         pdf = render_pdf(build_document(StoredResults(diagnosis=stored)))
         page = " ".join(PdfReader(io.BytesIO(pdf)).pages[0].extract_text().split())
-        parts = ("at a glance", "How large is the systematic gap?", "Figure 1")
-        assert all(part in page for part in parts)
+        what_to_use = "Use these numbers" if stored.found.causes else "Figure 1"
+        for part in ("at a glance", "How large is the systematic gap?", what_to_use):
+            assert part in page
         # The verdict once; and so short a document is leafed through.
         assert page.count(stored.found.sentence[:40]) == 1
         assert "Contents" not in page
@@ -78,9 +80,23 @@ def test_the_first_page_tells_all():
 
 def test_coefficients_of_a_law_that_misses_what_acts_say_so():
     """A truth outside the fit's intervals is no fault of the fit."""
-    (told,) = law_alone(stored_diagnosis().found)
-    assert "a part of the force of viscous has gone into them" in words(told.text)
-    assert not list(law_alone(without_gap().found))
+    (warning,) = biased(stored_diagnosis().found)
+    assert "a part of the force of viscous has gone into its coefficients" in words(warning.text)
+    assert not list(biased(without_gap().found))
+
+
+def test_a_named_board_says_which_numbers_to_use():
+    """The refit with the cause stands before the law alone, whose coefficients are biased."""
+    found = stored_diagnosis().found
+    (table,) = numbers_to_use(found)
+    told = {words(row[0]): [words(cell) for cell in row[1:]] for row in table.rows}
+    for name, number in found.law.items():
+        unit, use, alone = told[name]
+        assert unit == number.unit
+        assert float(use.split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
+        assert float(alone.split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
+    assert "viscous.slope" in told
+    assert not list(numbers_to_use(without_gap().found))
 
 
 def test_a_named_board_says_what_and_how_much_at_a_glance():

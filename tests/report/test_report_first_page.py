@@ -156,7 +156,7 @@ def test_synthetic_data_say_so(stored, name, title, said):
     recording = stored.fit.recording.model_copy(update={"name": name, "title": title})
     text = words(page_one.recorded(recording, changed(stored, recording=recording)).text)
     assert ("Synthetic data:" in text) == said
-    assert f"Recording {name}{': ' + title if title else ''}. What enters: 48" in text
+    assert f"Recording {name}{': ' + title if title else ''}. Data used: 48" in text
 
 
 def test_the_method_is_that_of_the_rigs_and_the_law_of_the_fit(stored):

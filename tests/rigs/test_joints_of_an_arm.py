@@ -19,7 +19,7 @@ TRUTH = dict(
 
 
 def runs_of(recording, joint):
-    return RIG.trials(parted_by_joint(recording)[joint]).under(BASELINES["viscous"])
+    return RIG.trials(parted_by_joint(recording)[joint]).under(BASELINES["coulomb-viscous"])
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,9 @@ def test_friction_and_armature_come_back_beside_what_is_known(kind, joint):
 def test_a_known_force_of_one_joint_is_taken_off_its_drive_force():
     """Without it a pendulum's joint has the weight of its arm in its force."""
     known, unknown = (arm.recording(known=known, only="elbow") for known in (True, False))
-    rows, whole = (RIG.trials(one).under(BASELINES["viscous"]).readings for one in (known, unknown))
+    rows, whole = (
+        RIG.trials(one).under(BASELINES["coulomb-viscous"]).readings for one in (known, unknown)
+    )
     friction = arm.FRICTIONLOSS[2] + arm.DAMPING[2] * (rows.speed @ rows.weights)
     left = rows.force - friction - arm.ARMATURE[2] * rows.acceleration
     assert np.sqrt(np.mean(left**2)) < 0.02 * np.sqrt(np.mean(rows.force**2))
@@ -89,7 +91,7 @@ def test_a_diagnosis_of_all_joints_says_what_to_enter_in_each(heavy):
         assert not one.causes
         enter = {number.parameter: number for number in one.enter}
         for name, truth, has in (
-            ("mass", armature, 0.05),
+            ("armature", armature, 0.05),
             ("coulomb", coulomb, 0.7),
             ("viscous", viscous, 0.4),
         ):

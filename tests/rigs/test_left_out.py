@@ -85,10 +85,6 @@ def test_a_log_that_enters_says_nothing(tmp_path):
 
 NOT_MODELLED = {
     "commands": (joint(slow, command_m=0.0), "commands alone"),
-    "a clock of its own": (
-        joint(slow, force_time_s=lambda log: log.time_s + 0.1),
-        "a clock of the force's own",
-    ),
 }
 
 

@@ -18,6 +18,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 
@@ -77,8 +78,11 @@ def slow_runs(seed):
 
 
 def modelled(recording):
-    """Return the linear model with viscous friction and air drag, and the two hypotheses."""
-    trials = all_rigs()["single-axis"].trials(recording)
+    """Return the linear model with viscous friction and air drag, and the two hypotheses.
+
+    The law has neither: one that has viscous friction would have the first.
+    """
+    trials = all_rigs()["single-axis"].trials(recording).under(BASELINES["coulomb"])
     effects = [trials.suited(all_effects(None)[name]) for name in ("viscous", "air-drag")]
     candidates = [candidates_of(one)[0] for one in effects]
     analysis = Analysis()
@@ -184,12 +188,12 @@ def test_a_new_run_has_the_clocks_of_the_machine(question):
     one = found["viscous"]
 
     def proposed(late, unknown):
-        doubt = one.at.covariance + np.diag([0.0] * 4 + [unknown])
+        doubt = one.at.covariance + np.diag([0.0] * 4 + [unknown, 0.0])
         each = [
             replace(
                 one,
                 at=replace(
-                    one.at, mean=one.at.mean + np.array([0, 0, 0, 0, off]), covariance=doubt
+                    one.at, mean=one.at.mean + np.array([0, 0, 0, 0, off, 0]), covariance=doubt
                 ),
             )
             for off in (0.0, late)
@@ -215,11 +219,11 @@ def test_the_expected_bayes_factor_is_that_of_runs_that_are_made(question, tmp_p
     rate = told.condition["velocity_m_s"] / (2 * np.pi * half)
     rng = np.random.default_rng(2)
     one, other = found["viscous"], found["air-drag"]
-    scales = model.scales[[0, 1, 2, 3, 5]]  # the law's, of viscous friction, of the latency
+    scales = model.scales[[0, 1, 2, 3, 5, 6]]  # the law's, viscous, of latency and offset
     realised = []
     for place in range(8):
         numbers = scales * rng.multivariate_normal(one.at.mean, one.at.covariance)
-        mass, coulomb, _, viscous, late_s = numbers
+        mass, coulomb, _, viscous, late_s, _ = numbers
         truth = Truth(
             1 + mass,
             1.5 + coulomb,

@@ -9,12 +9,9 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.even_log import even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import _beside
 from bayesfric.rigs.single_axis.passes import passes_of
-from bayesfric.rigs.single_axis.readings import (
-    PIECE,
-    _loudness,
-    readings_of,
-    rough_law,
-)
+from bayesfric.rigs.single_axis.readings import PIECE, readings_of
+from bayesfric.rigs.single_axis.rough import rough_law
+from bayesfric.rigs.single_axis.run_rows import _loudness
 from bayesfric.rigs.single_axis.weak_form import node_weights
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 

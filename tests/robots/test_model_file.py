@@ -4,7 +4,7 @@ import pytest
 from robots.arms import TREE, written
 
 from bayesfric.errors import InputError
-from bayesfric.robots import RigidBodies, read_robot
+from bayesfric.robots import RigidBodies, read_robot, robot_of_bytes
 
 pytest.importorskip("mujoco")
 
@@ -86,3 +86,16 @@ def test_an_include_of_the_folder_is_read(tmp_path):
     )
     robot = read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"a": "turn"})
     assert RigidBodies(robot).parameters[-1, 0] == pytest.approx(3.0)
+
+
+def test_an_include_beside_a_model_in_a_folder_is_read_from_bytes():
+    """A recording carries what its model includes, by path."""
+    part = b'<mujocoinclude><geom type="sphere" size="0.1" mass="3"/></mujocoinclude>'
+    text = TREE.replace(
+        '<geom type="sphere" size="0.05" pos="0 0.1 0" mass="0.6"/>', '<include file="part.xml"/>'
+    )
+    names = {"a": "turn"}
+    robot = robot_of_bytes("models/arm.xml", text.encode(), names, files={"models/part.xml": part})
+    assert RigidBodies(robot).parameters[-1, 0] == pytest.approx(3.0)
+    with pytest.raises(InputError, match="inside the folder"):
+        robot_of_bytes("models/arm.xml", text.encode(), names, files={"../part.xml": part})

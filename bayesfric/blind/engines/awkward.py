@@ -111,5 +111,5 @@ def spoiled(
     spoilt[twice] = replace(
         spoilt[twice], time_s=np.insert(time, place + 1, time[place] + BOUNCE_S)
     )
-    told = [[f"g{t.trial + 1:04d}", t.sensor] for t in (trains[missed], trains[twice])]
-    return spoilt, replace(awkward, dropped=told[0], doubled=told[1])
+    lost_and_doubled = [[f"g{t.trial + 1:04d}", t.sensor] for t in (trains[missed], trains[twice])]
+    return spoilt, replace(awkward, dropped=lost_and_doubled[0], doubled=lost_and_doubled[1])

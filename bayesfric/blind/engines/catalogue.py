@@ -42,8 +42,8 @@ def forms_of(kind: Kind, which: str) -> tuple[Form, ...]:
     """
     if which == "random":
         return kind.forms
-    found = tuple(form for form in kind.forms if form.own == (which == "own"))
-    return found or kind.forms
+    forms = tuple(form for form in kind.forms if form.own == (which == "own"))
+    return forms or kind.forms
 
 
 def drawn(kind: Kind, strength: float, which: str, trials: int, rng: Generator) -> ImposedEffect:

@@ -98,14 +98,14 @@ def _starts(rng: Generator, trials: int) -> dict[str, Any]:
     return {f"first_{end}": rng.integers(0, MAGNETS, (trials, 1)) for end in ("drive", "load")}
 
 
-def _patterns(rng: Generator, each: Any) -> dict[str, Any]:
+def _patterns(rng: Generator, draw_places: Any) -> dict[str, Any]:
     """Draw where the magnets of both sensor pulleys sit: no mean, rms 1."""
-    found = {}
+    patterns = {}
     for end in ("drive", "load"):
-        pattern = np.asarray(each(rng), dtype=np.float64)
+        pattern = np.asarray(draw_places(rng), dtype=np.float64)
         pattern -= pattern.mean()
-        found[f"places_{end}"] = [float(v) for v in pattern / np.sqrt((pattern**2).mean())]
-    return found
+        patterns[f"places_{end}"] = [float(v) for v in pattern / np.sqrt((pattern**2).mean())]
+    return patterns
 
 
 def _off_place(p: Parameters, at: Passage, tension: Any) -> Array:
@@ -116,9 +116,9 @@ def _off_place(p: Parameters, at: Passage, tension: Any) -> Array:
     return np.asarray(p["amplitude"] * (pattern[turned] - pattern[first]))
 
 
-def _magnets(name: str, own: bool, each: Callable[[Generator], Any]) -> Form:
+def _magnets(name: str, own: bool, draw_places: Callable[[Generator], Any]) -> Form:
     def draw(rng: Generator, trials: int) -> dict[str, Any]:
-        return {**_patterns(rng, each), **_starts(rng, trials)}
+        return {**_patterns(rng, draw_places), **_starts(rng, trials)}
 
     return Form(name, own, _off_place, "reading", draw)
 

@@ -166,9 +166,9 @@ def acceleration_of(
     growth, total = _powers(slope, state.n_pulleys)
     drive = board.drive_kg * g - growth * board.load_kg * g - constant * total
     moving = board.drive_kg + growth * board.load_kg
-    found = np.broadcast_to(drive / moving, travel.shape)
+    acceleration = np.broadcast_to(drive / moving, travel.shape)
     if not effects:
-        return np.asarray(found)
+        return np.asarray(acceleration)
 
     def missing(a: Array) -> Array:
         at = replace(state, acceleration_m_s2=a)
@@ -176,17 +176,17 @@ def acceleration_of(
         return np.asarray(board.drive_kg * (g - a) - pull)
 
     # Secants: two steps are exact where effects are straight lines, as nearly all are.
-    before, force_before = found, missing(found)
-    found = before + force_before / moving
+    before, force_before = acceleration, missing(acceleration)
+    acceleration = before + force_before / moving
     for _ in range(MOST_SECANTS):
-        force = missing(found)
+        force = missing(acceleration)
         if np.abs(force).max() < ENOUGH:
             break
         change = force_before - force
-        steep = np.abs(change) > 1e-3 * moving * np.abs(found - before)
-        rate = np.where(steep, (found - before) / np.where(steep, change, 1.0), 1 / moving)
-        before, force_before, found = found, force, found + force * rate
-    return np.asarray(found)
+        steep = np.abs(change) > 1e-3 * moving * np.abs(acceleration - before)
+        rate = np.where(steep, (acceleration - before) / np.where(steep, change, 1.0), 1 / moving)
+        before, force_before, acceleration = acceleration, force, acceleration + force * rate
+    return np.asarray(acceleration)
 
 
 def move(board: Board, effects: Sequence[ImposedEffect], travel_m: float = TRAVEL_M) -> Motion:

@@ -122,7 +122,7 @@ MECHANISMS = (
 OUTSIDERS = (
     Mechanism("cable-spring", "stiffness", "N/m", _ones, "stiffness", ("displacement",), own=False),
 )
-BY_NAME = {one.name: one for one in (*MECHANISMS, *OUTSIDERS)}
+BY_NAME = {mechanism.name: mechanism for mechanism in (*MECHANISMS, *OUTSIDERS)}
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class Form:
 
 def effect_names() -> tuple[str, ...]:
     """Return the effects that may be withheld."""
-    return tuple(one.name for one in MECHANISMS)
+    return tuple(mechanism.name for mechanism in MECHANISMS)
 
 
 def forms(name: str) -> tuple[Form, ...]:
@@ -144,7 +144,7 @@ def forms(name: str) -> tuple[Form, ...]:
 
 def outsider_names() -> tuple[str, ...]:
     """Return what may be withheld and is no effect of the package's."""
-    return tuple(one.name for one in OUTSIDERS)
+    return tuple(outsider.name for outsider in OUTSIDERS)
 
 
 def make(
@@ -168,16 +168,16 @@ def make(
     nature, trials = draw_nature(_stream(seed, NATURE)), trials_of(_stream(seed, TRIALS))
     factor = _scatter(nature, trials, _stream(seed, SCATTER)) if noise else np.ones(len(trials))
     chosen = [(BY_NAME[name], strength) for name, strength in withheld.effects]
-    amplitudes = [_amplitude(one, strength, nature, trials) for one, strength in chosen]
+    amplitudes = [_amplitude(mechanism, strength, nature, trials) for mechanism, strength in chosen]
     soft = _stream(seed, SOLVER).uniform(0.002, 0.006, len(trials))
     cables = _cables(
         nature,
         trials,
         factor,
-        [(one, a) for (one, _), a in zip(chosen, amplitudes, strict=True)],
+        [(mechanism, a) for (mechanism, _), a in zip(chosen, amplitudes, strict=True)],
         soft if background and noise else np.full(len(trials), 0.002),
     )
-    motion = _motion([moved(one, _time_of(one)) for one in cables])
+    motion = _motion([moved(cable, _time_of(cable)) for cable in cables])
     phases = {
         at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
         for at_load in (False, True)
@@ -196,14 +196,14 @@ def make(
         "kind": withheld.kind,
         "withheld": [
             {
-                "name": one.name,
-                "form": one.part,
-                "own": one.own,
+                "name": mechanism.name,
+                "form": mechanism.part,
+                "own": mechanism.own,
                 "strength": strength,
-                "parameters": {one.amplitude: amplitude},
-                "axes": list(one.axes),
+                "parameters": {mechanism.amplitude: amplitude},
+                "axes": list(mechanism.axes),
             }
-            for (one, strength), amplitude in zip(chosen, amplitudes, strict=True)
+            for (mechanism, strength), amplitude in zip(chosen, amplitudes, strict=True)
         ],
         "background": [],
         "awkward": {"left_out": [f"g{i + 1:04d}" for i in lost]},
@@ -249,10 +249,10 @@ def _cables(
 ) -> list[Cable]:
     slope, constant, scale, _ = _law(nature, trials, factor)
     parts: dict[str, Array] = {}
-    for one, amplitude in acting:
-        force = amplitude * one.per_trial(trials, slope, constant, scale)
-        force = force * factor if one.scatters else force
-        parts[one.part] = parts.get(one.part, np.zeros(len(trials))) + force
+    for mechanism, amplitude in acting:
+        force = amplitude * mechanism.per_trial(trials, slope, constant, scale)
+        force = force * factor if mechanism.scatters else force
+        parts[mechanism.part] = parts.get(mechanism.part, np.zeros(len(trials))) + force
     friction = factor * (slope + constant)
     return [
         Cable(
@@ -266,10 +266,10 @@ def _cables(
     ]
 
 
-def _amplitude(one: Mechanism, strength: float, nature: Nature, trials: Trials) -> float:
+def _amplitude(mechanism: Mechanism, strength: float, nature: Nature, trials: Trials) -> float:
     """Return the amplitude that changes friction by 10 % rms at strength 1, over time."""
     slope, constant, scale, a = _law(nature, trials, np.ones(len(trials)))
-    per = one.per_trial(trials, slope, constant, scale)[:, None]
+    per = mechanism.per_trial(trials, slope, constant, scale)[:, None]
     end = np.sqrt(2 * TRAVEL_M / a)[:, None]
     time = (np.arange(POINTS) + 0.5) / POINTS * end
     along: Mapping[str, Any] = {
@@ -279,7 +279,7 @@ def _amplitude(one: Mechanism, strength: float, nature: Nature, trials: Trials) 
         "stiffness": a[:, None] * time**2 / 2,
         "applied_n": 1.0,
     }
-    share = per * along[one.part] / (slope + constant)[:, None] * np.ones_like(time)
+    share = per * along[mechanism.part] / (slope + constant)[:, None] * np.ones_like(time)
     return float(FULL * strength / np.sqrt(np.mean(share**2)))
 
 

@@ -94,10 +94,10 @@ def disturbed(board: Board, trials: Trials, nuisances: Nuisances, rng: Generator
     scale = nuisances.wander * np.sqrt(2 / WAVES)
 
     def wander(travel_m: Array) -> Array:
-        found = np.zeros(np.broadcast_shapes(travel_m.shape, (count, 1)))
+        deviation = np.zeros(np.broadcast_shapes(travel_m.shape, (count, 1)))
         for k, start in zip(rate, phase, strict=True):
-            found += np.cos(k * travel_m + start)
-        return np.asarray(scale * found)
+            deviation += np.cos(k * travel_m + start)
+        return np.asarray(scale * deviation)
 
     return replace(
         board,
@@ -123,7 +123,7 @@ def disturbed_trains(
     # The masses ring against each other, each by the share of the other's mass.
     share = {"drive": load / total, "load": -drive / total}
     late = {"load": max(nuisances.late_s, 0.0), "drive": max(-nuisances.late_s, 0.0)}
-    found = []
+    trains_out = []
     for train in trains:
         time, own = train.time_s, train.trial
         if time.size > 2:
@@ -134,11 +134,11 @@ def disturbed_trains(
             ring = ring * np.cos(rate[own] * since + phase[own])
             speed = np.gradient(np.arange(time.size), time) * SPACING_M
             time = time - ring / speed + late[train.sensor]
-        found.append(replace(train, time_s=time))
+        trains_out.append(replace(train, time_s=time))
     for _ in range(nuisances.lost):
-        place = int(rng.integers(len(found)))
-        time = found[place].time_s
+        place = int(rng.integers(len(trains_out)))
+        time = trains_out[place].time_s
         if time.size > 3 * SPARED:
             gone = int(rng.integers(SPARED, time.size - SPARED))
-            found[place] = replace(found[place], time_s=np.delete(time, gone))
-    return found
+            trains_out[place] = replace(trains_out[place], time_s=np.delete(time, gone))
+    return trains_out

@@ -20,7 +20,7 @@ from bayesfric.blind.engines.awkward import (
 )
 from bayesfric.blind.engines.boards import SPACING_M, board_of, motor_state
 from bayesfric.blind.engines.catalogue import EFFECTS, OUTSIDERS_BY_NAME, drawn, forms_of
-from bayesfric.blind.engines.design import Trials, bench_of, trials_of, unbalanced
+from bayesfric.blind.engines.design import TRAVEL_M, Trials, bench_of, trials_of, unbalanced
 from bayesfric.blind.engines.law import SIZES, Nature, draw_nature
 from bayesfric.blind.engines.motion import move
 from bayesfric.blind.engines.nuisances import (
@@ -162,11 +162,7 @@ def make(
     if awkward.unbalanced:
         trials = _rows(trials, unbalanced(trials, _stream(seed, AWKWARD, 1)))
     bench = bench_of(_stream(seed, BENCH)) if awkward.motor_board else None
-    phases = {
-        at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
-        for at_load in (False, True)
-        if awkward.sensors in ("both", "load" if at_load else "drive")
-    }
+    phases = _phases(seed, awkward.sensors, len(trials))
     board = board_of(nature, trials)
     runs = None if bench is None else motor_state(nature, bench)
     clean = CleanDesign.of(board, move(board, ()), phases, runs)
@@ -174,14 +170,8 @@ def make(
         scaled(drawn(kind, strength, withheld.form, len(trials), _stream(seed, WITHHELD, i)), clean)
         for i, (kind, (_, strength)) in enumerate(zip(kinds, withheld.effects, strict=True))
     ]
-    other = (
-        [
-            scaled(effect, clean)
-            for effect in background_of(kinds, awkward, len(trials), _stream(seed, BACKGROUND))
-        ]
-        if background and beside
-        else []
-    )
+    small = background_of(kinds, awkward, len(trials), _stream(seed, BACKGROUND))
+    other = [scaled(effect, clean) for effect in small if background and beside]
     acting = effects + other
     factor, motor_factor = _scatter(nature, trials, bench, background, seed)
     if noise and background:
@@ -190,23 +180,15 @@ def make(
     board = board_of(nature, trials, factor if noise else None)
     nuisances = Nuisances()
     if background and (noise or beside):
-        nuisances = draw_nuisances(_stream(seed, NUISANCES))
-        if not beside or "end-asymmetry" in {kind.name for kind in kinds}:
-            # The ends then differ by what is withheld, and by nothing beside it.
-            nuisances = replace(nuisances, ends=0.0)
-        if not noise:
-            nuisances = Nuisances(ends=nuisances.ends)
+        # Where the ends differ by what is withheld, they differ by nothing beside it.
+        ends = beside and "end-asymmetry" not in {kind.name for kind in kinds}
+        nuisances = _nuisances(seed, noise=noise, ends=ends)
         board = disturbed(board, trials, nuisances, _stream(seed, NUISANCES, 1))
     clock_start = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     motion = move(board, acting)
+    noise_of = nature if noise else None
     trains = event_trains(
-        board,
-        motion,
-        acting,
-        phases,
-        clock_start,
-        nature if noise else None,
-        _stream(seed, EVENTS),
+        board, motion, acting, phases, clock_start, noise_of, _stream(seed, EVENTS)
     )
     if noise and background:
         disturb_rng = _stream(seed, NUISANCES, 2)
@@ -214,20 +196,32 @@ def make(
         trains, awkward = spoiled(trains, awkward, _stream(seed, AWKWARD, 3))
     tables, lost = gravity_tables(trials, trains, ticks=noise)
     if bench is not None and runs is not None:
-        tables |= motor_tables(
-            bench,
-            runs,
-            acting,
-            motor_factor if noise else np.ones((len(bench), 1)),
-            nature,
-            _stream(seed, CURRENTS) if noise else None,
-        )
+        scatter = motor_factor if noise else np.ones((len(bench), 1))
+        currents = _stream(seed, CURRENTS) if noise else None
+        tables |= motor_tables(bench, runs, acting, scatter, nature, currents)
     truth = _truth(nature, withheld, effects, other, awkward)
     truth["nuisances"] = nuisances.as_json()
-    stalled = np.flatnonzero(np.isfinite(motion.stall_m) & (motion.stall_m < 0.6))
+    stalled = np.flatnonzero(np.isfinite(motion.stall_m) & (motion.stall_m < TRAVEL_M))
     truth["awkward"]["stalled"] = [f"g{i + 1:04d}" for i in stalled]
     truth["awkward"]["left_out"] = [f"g{i + 1:04d}" for i in lost]
     return Made(recorded(tables), truth)
+
+
+def _phases(seed: int, sensors: str, trials: int) -> dict[bool, Array]:
+    """Draw where the first magnet of each sensor stands [m], by whether it is at the load."""
+    return {
+        at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (trials, 1))
+        for at_load in (False, True)
+        if sensors in ("both", "load" if at_load else "drive")
+    }
+
+
+def _nuisances(seed: int, *, noise: bool, ends: bool) -> Nuisances:
+    """Draw nuisances; without noise only the ends of the board may differ."""
+    nuisances = draw_nuisances(_stream(seed, NUISANCES))
+    if not ends:
+        nuisances = replace(nuisances, ends=0.0)
+    return nuisances if noise else Nuisances(ends=nuisances.ends)
 
 
 def _check(withheld: Withheld, design: str) -> None:
@@ -239,10 +233,10 @@ def _check(withheld: Withheld, design: str) -> None:
         raise ValueError(f"form is one of {', '.join(FORMS)}, not {withheld.form!r}")
     if len({name for name, _ in withheld.effects}) != KINDS[withheld.kind]:
         raise ValueError(f"{withheld.kind} takes {KINDS[withheld.kind]} different effects")
-    known = OUTSIDERS_BY_NAME if withheld.kind == "outsider" else EFFECTS
+    choices = OUTSIDERS_BY_NAME if withheld.kind == "outsider" else EFFECTS
     for name, strength in withheld.effects:
-        if name not in known:
-            raise ValueError(f"{name!r} is none of {', '.join(known)}")
+        if name not in choices:
+            raise ValueError(f"{name!r} is none of {', '.join(choices)}")
         if not 0 < strength < np.inf:
             raise ValueError(f"the strength of {name} is above 0, not {strength}")
     if withheld.kind != "none" and withheld.kind != "outsider":
@@ -263,7 +257,7 @@ def _scatter(
 ) -> tuple[Array, Array]:
     """Draw the factors of friction, of the trials and, (runs, 1), of the motor board."""
 
-    def each(size: int, stream: int) -> Array:
+    def normals(size: int, stream: int) -> Array:
         rng = _stream(seed, SCATTER, stream)
         if not heavy:
             return rng.standard_normal(size)
@@ -273,11 +267,13 @@ def _scatter(
         setups = _stream(seed, SCATTER, stream).standard_normal(int(setup.max()) + 1)
         return np.asarray(setups[setup])
 
-    factor = 1 + nature.tau * each(len(trials), 0) + nature.omega * by_trial(trials.setup, 1)
+    factor = 1 + nature.tau * normals(len(trials), 0) + nature.omega * by_trial(trials.setup, 1)
     if bench is None:
         return factor, np.ones((0, 1))
     runs = (
-        1 + nature.tau_motor * each(len(bench), 2) + nature.omega_motor * by_trial(bench.setup, 3)
+        1
+        + nature.tau_motor * normals(len(bench), 2)
+        + nature.omega_motor * by_trial(bench.setup, 3)
     )
     return factor, runs[:, None]
 
@@ -306,13 +302,13 @@ def _truth(
             "idle_current": [float(value) for value in nature.idle],
         },
         "kind": withheld.kind,
-        "withheld": [_told(effect) for effect in effects],
-        "background": [_told(effect) for effect in background],
+        "withheld": [_effect_truth(effect) for effect in effects],
+        "background": [_effect_truth(effect) for effect in background],
         "awkward": dict(vars(awkward)),
     }
 
 
-def _told(effect: ImposedEffect) -> dict[str, Any]:
+def _effect_truth(effect: ImposedEffect) -> dict[str, Any]:
     # Phases that differ from trial to trial are no parameters.
     shape = {
         name: value

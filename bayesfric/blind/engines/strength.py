@@ -93,8 +93,8 @@ def share_of_friction(effect: ImposedEffect, design: CleanDesign) -> float:
     entering = design.board.load_kg * (
         design.board.state.gravity_m_s2 + design.along.acceleration_m_s2
     )
-    one = np.ones(1)
-    plain = friction_along(design.along, (), one, entering) - entering
+    unit_factor = np.ones(1)
+    plain = friction_along(design.along, (), unit_factor, entering) - entering
     acts = effect.form.acts
     if effect.kind.name == "cable-compliance":
         return _rms(_shaken(effect, design, plain.mean(axis=1)))
@@ -102,15 +102,15 @@ def share_of_friction(effect: ImposedEffect, design: CleanDesign) -> float:
         return _rms(_pretended(effect, design, plain.mean(axis=1)))
     shares = []
     if "gravity" in effect.kind.boards:
-        friction = friction_along(design.along, (effect,), one, entering) - entering
+        friction = friction_along(design.along, (effect,), unit_factor, entering) - entering
         shares.append(_rms((friction - plain) / plain))
     if "motor" in effect.kind.boards and design.bench is not None:
-        friction = run_friction(design.bench, (), one)
+        friction = run_friction(design.bench, (), unit_factor)
         if acts == "current":
-            read, load = motor_currents(design.bench, (effect,), one)
+            read, load = motor_currents(design.bench, (effect,), unit_factor)
             change = (read - load) * TORQUE_CONSTANT / CAPSTAN_M
         else:
-            change = run_friction(design.bench, (effect,), one) - friction
+            change = run_friction(design.bench, (effect,), unit_factor) - friction
         shares.append(_rms(change / friction))
     return _rms(np.array(shares))
 

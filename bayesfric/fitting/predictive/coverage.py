@@ -61,7 +61,7 @@ def coverage(
         "condition": ranked.groupby(["rank", *columns[1:]]),
         "cell": ranked.groupby(["rank", *CELL[1:]]),
     }
-    found: dict[str, object] = {
+    variables: dict[str, object] = {
         "all_share": ("level", inside.mean(axis=1)),
         "all_expected": (("level", "quantile"), bands(again.mean(axis=2).T)),
         "all_trials": len(table),
@@ -72,12 +72,12 @@ def coverage(
         count = member.sum(axis=0)
         rows = table.iloc[member.argmax(axis=0)]
         shares = again @ member / count  # (level, W, G)
-        found[f"{of}_share"] = ((of, "level"), (inside @ member / count).T)
-        found[f"{of}_expected"] = (
+        variables[f"{of}_share"] = ((of, "level"), (inside @ member / count).T)
+        variables[f"{of}_expected"] = (
             (of, "level", "quantile"),
             np.moveaxis(bands(np.moveaxis(shares, 1, 0)), 0, 1),
         )
-        found[f"{of}_trials"] = (of, count.astype(np.intp))
+        variables[f"{of}_trials"] = (of, count.astype(np.intp))
         for name in columns if of == "condition" else CELL:
-            found[f"{of}_{name}"] = (of, rows[name].to_numpy())
-    return xr.Dataset(found, coords={"level": list(LEVELS), "quantile": list(QUANTILES)})
+            variables[f"{of}_{name}"] = (of, rows[name].to_numpy())
+    return xr.Dataset(variables, coords={"level": list(LEVELS), "quantile": list(QUANTILES)})

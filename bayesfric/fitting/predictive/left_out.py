@@ -44,8 +44,8 @@ DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each
 AGAIN = 1000  # recordings made again
 GRID = np.arange(1, 50) / 50
 BAND = 0.95
-LARGEST_ERROR = 0.25  # of a refit's density [nat]; differences count from 4 nat on
-BRIDGED_TO = 0.05  # of a bridge [nat]: two evidences are known as well
+LARGEST_ERROR = 0.25  # of a refit's density [nat]; a difference below 4 nat decides nothing
+BRIDGED_TO = 0.05  # of a bridge [nat]: no worse than the error of an evidence
 EDGE = 1e-16  # of a probability whose normal score is to be finite
 
 
@@ -184,7 +184,9 @@ def setup_log_densities(model: Model, z: Array) -> list[Array]:
     ValueError
         A density is not finite for some draw.
     """
-    parts = [by_blocks(model, one.setup_log_likelihood, z) for one in model.likelihoods]
+    parts = [
+        by_blocks(model, likelihood.setup_log_likelihood, z) for likelihood in model.likelihoods
+    ]
     if not all(np.isfinite(part).all() for part in parts):
         raise ValueError("the log density of an assembly is not finite")
     return parts
@@ -205,7 +207,7 @@ def leave_setups_out(densities: Sequence[Array]) -> ELPD:
     ELPD
         Of all boards.
     """
-    parts = [elpd(one) for one in densities]
+    parts = [elpd(density) for density in densities]
     return ELPD(
         np.concatenate([part.pointwise for part in parts]),
         np.concatenate([part.pareto_k for part in parts]),
@@ -286,15 +288,15 @@ def _leave_out(
 
     @cache
     def seen() -> Evidence | None:
-        """Of all data; most boards have no use for it."""
+        """Return the evidence of all data; most boards need no refit and never call this."""
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
-        found = importance_draws(model.log_posterior, laplace, seed, chart)
-        return None if found is None else found[0]
+        drawn = importance_draws(model.log_posterior, laplace, seed, chart)
+        return None if drawn is None else drawn[0]
 
     def refit(place: int) -> float | None:
         def conditional(points: Array) -> Array:
-            found: Array = getattr(_given_rest(model, likelihood, points), kind)[:, place]
-            return found
+            densities: Array = getattr(_given_rest(model, likelihood, points), kind)[:, place]
+            return densities
 
         own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
         unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own, chart)
@@ -317,14 +319,18 @@ def _leave_out(
 def _given_rest(
     model: Model, likelihood: RigLikelihood, z: Array, rng: np.random.Generator | None = None
 ) -> GivenRest:
-    """Return what each trial and assembly is given the rest, of many points."""
-    parts = [likelihood.given_rest(model.by_name(model.natural(one)), rng) for one in _blocks(z)]
-    return GivenRest(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+    """Return at each point the density of each trial and assembly given all others."""
+    parts = [
+        likelihood.given_rest(model.by_name(model.natural(block)), rng) for block in _blocks(z)
+    ]
+    return GivenRest(
+        *(np.concatenate(parts_of_field) for parts_of_field in zip(*parts, strict=True))
+    )
 
 
 def by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
-    """Return what a likelihood says of many points, some at a time, shape (S, …)."""
-    parts = [function(model.by_name(model.natural(one))) for one in _blocks(z)]
+    """Return a function of a likelihood at S points, computed in blocks, shape (S, …)."""
+    parts = [function(model.by_name(model.natural(block))) for block in _blocks(z)]
     return np.concatenate(parts)
 
 

@@ -51,22 +51,22 @@ def friction_of_prior(
     """
     sizes = [str(size) for size in dict.fromkeys(conditions["pulley_size"])]
     count, quantiles = len(conditions), len(PRIOR_QUANTILES)
-    found: dict[str, object] = {
+    variables: dict[str, object] = {
         name: ("condition", conditions[name].to_numpy())
         for name in ("pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n")
     }
-    found["measured_n"] = ("condition", conditions["friction_n"].to_numpy())
-    found["measured_range_n"] = (("pulley", "end"), np.empty((len(sizes), 2)))
+    variables["measured_n"] = ("condition", conditions["friction_n"].to_numpy())
+    variables["measured_range_n"] = (("pulley", "end"), np.empty((len(sizes), 2)))
     if resting is not None:
-        found["drive_n"] = ("condition", resting.drive_n)
+        variables["drive_n"] = ("condition", resting.drive_n)
     by_condition = {name: np.empty((count, quantiles)) for name in ("prior", "posterior")}
     pooled = {name: np.empty((len(sizes), quantiles)) for name in by_condition}
     stuck = {name: np.zeros(len(sizes)) for name in by_condition}
     somewhere = {name: np.zeros(len(sizes)) for name in by_condition}
     negative, extremes = np.empty(len(sizes)), np.empty((len(sizes), 2))
     for place, size in enumerate(sizes):
-        here = np.flatnonzero(conditions["pulley_size"].to_numpy() == size)
-        rows = conditions.iloc[here]
+        at_size = np.flatnonzero(conditions["pulley_size"].to_numpy() == size)
+        rows = conditions.iloc[at_size]
         n, wrap, tension, measured = (
             rows[name].to_numpy(dtype=np.float64)
             for name in ("n_pulleys", "wrap_angle_deg", "tension_n", "friction_n")
@@ -75,22 +75,22 @@ def friction_of_prior(
         for name, draws in (("prior", prior), ("posterior", posterior)):
             law = Coefficients(*(np.asarray(c)[:, None] for c in law_of(draws, size)))
             friction = baseline.at_tension(law, n, wrap, tension)
-            by_condition[name][here] = np.quantile(friction, PRIOR_QUANTILES, axis=0).T
+            by_condition[name][at_size] = np.quantile(friction, PRIOR_QUANTILES, axis=0).T
             pooled[name][place] = np.quantile(friction, PRIOR_QUANTILES)
             if name == "prior":
                 negative[place] = (friction < 0).mean()
             if resting is not None:
                 # At rest both sides hang still: the tension is higher than in motion.
-                holds = baseline.at_tension(law, n, wrap, resting.tension_n[here])
-                rests = holds >= resting.drive_n[here]
+                holds = baseline.at_tension(law, n, wrap, resting.tension_n[at_size])
+                rests = holds >= resting.drive_n[at_size]
                 stuck[name][place] = rests.mean()
                 somewhere[name][place] = rests.any(axis=1).mean()
-    found["measured_range_n"] = (("pulley", "end"), extremes)
-    found["prior_negative"] = ("pulley", negative)
+    variables["measured_range_n"] = (("pulley", "end"), extremes)
+    variables["prior_negative"] = ("pulley", negative)
     for name in by_condition:
-        found[f"{name}_n"] = (("condition", "level"), by_condition[name])
-        found[f"{name}_pooled_n"] = (("pulley", "level"), pooled[name])
+        variables[f"{name}_n"] = (("condition", "level"), by_condition[name])
+        variables[f"{name}_pooled_n"] = (("pulley", "level"), pooled[name])
         if resting is not None:
-            found[f"{name}_stuck"] = ("pulley", stuck[name])
-            found[f"{name}_stuck_somewhere"] = ("pulley", somewhere[name])
-    return xr.Dataset(found, coords={"pulley": sizes, "level": list(PRIOR_QUANTILES)})
+            variables[f"{name}_stuck"] = ("pulley", stuck[name])
+            variables[f"{name}_stuck_somewhere"] = ("pulley", somewhere[name])
+    return xr.Dataset(variables, coords={"pulley": sizes, "level": list(PRIOR_QUANTILES)})

@@ -1,4 +1,4 @@
-"""What ``fit.json`` says of prediction: numbers of what was left out."""
+"""The leave-one-out figures of ``fit.json``."""
 
 import math
 from collections.abc import Mapping
@@ -29,51 +29,51 @@ def predictions(left_out: Mapping[str, LeftOut]) -> tuple[Prediction, ...]:
     )
 
 
-def _prediction(rig: str, kind: str, found: ELPD | None, groups: int) -> Prediction:
+def _prediction(rig: str, kind: str, elpd: ELPD | None, groups: int) -> Prediction:
     fields: dict[str, object] = {"rig": rig, "left_out": kind, "groups": groups}
-    if found is None:
+    if elpd is None:
         why = "the density of one given the others is not finite for some draw"
         nothing = dict.fromkeys(("elpd", "elpd_se", "pareto_k_limit"))
         reasons = {f"{key}_why": why for key in nothing}
         return Prediction.model_validate(fields | nothing | reasons | {"bad": 0, "refitted": 0})
-    se = found.se if math.isfinite(found.se) else None
+    se = elpd.se if math.isfinite(elpd.se) else None
     return Prediction.model_validate(
         fields
         | {
-            "elpd": found.total,
+            "elpd": elpd.total,
             "elpd_se": se,
             "elpd_se_why": None if se is not None else "there is only one",
-            "pareto_k_limit": found.limit_k,
-            "bad": int(found.bad.sum()),
-            "refitted": int(found.refitted.sum()),
+            "pareto_k_limit": elpd.limit_k,
+            "bad": int(elpd.bad.sum()),
+            "refitted": int(elpd.refitted.sum()),
         }
     )
 
 
-def assembly_checks(found: Mapping[str, Assemblies | None]) -> tuple[AssemblyCheck, ...]:
+def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[AssemblyCheck, ...]:
     """Return what ``fit.json`` says of assemblies left out.
 
     Parameters
     ----------
-    found : mapping of str to Assemblies or None
+    assemblies : mapping of str to Assemblies or None
         By rig.
     """
     entries = []
-    for rig, one in found.items():
-        if one is None:
+    for rig, checked in assemblies.items():
+        if checked is None:
             continue
         far = [
-            OutlyingAssembly(setup=name, z=float(z), chance=one.chance(float(z)))
-            for name, z in zip(one.names, one.z, strict=True)
+            OutlyingAssembly(setup=name, z=float(z), chance=checked.chance(float(z)))
+            for name, z in zip(checked.names, checked.z, strict=True)
             if abs(z) > FAR
         ]
-        low, _, high = one.uniformity.spread_expected
+        low, _, high = checked.uniformity.spread_expected
         entries.append(
             AssemblyCheck(
                 rig=rig,
-                assemblies=one.pit.size,
-                p_value=one.uniformity.p_value,
-                spread=one.uniformity.spread,
+                assemblies=checked.pit.size,
+                p_value=checked.uniformity.p_value,
+                spread=checked.uniformity.spread,
                 spread_q05=float(low),
                 spread_q95=float(high),
                 outlying=tuple(sorted(far, key=lambda outlier: -abs(outlier.z))),
@@ -83,7 +83,7 @@ def assembly_checks(found: Mapping[str, Assemblies | None]) -> tuple[AssemblyChe
 
 
 def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
-    """Return whether leave-one-trial-out probabilities are uniform, of each board that has any.
+    """Test by board whether leave-one-trial-out probabilities are uniform.
 
     Parameters
     ----------
@@ -94,14 +94,14 @@ def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
     for rig, left in left_out.items():
         if left.trials is None:
             continue
-        found = uniformity(left.pit, left.again)
-        low, _, high = found.spread_expected
+        uniform = uniformity(left.pit, left.again)
+        low, _, high = uniform.spread_expected
         entries.append(
             Uniformity(
                 rig=rig,
                 trials=left.pit.size,
-                p_value=found.p_value,
-                spread=found.spread,
+                p_value=uniform.p_value,
+                spread=uniform.spread,
                 spread_q05=float(low),
                 spread_q95=float(high),
             )

@@ -38,7 +38,7 @@ __all__ = ["bridge_evidence", "bridge_ratio", "in_one_place"]
 DRAWS_A_HALF = 2000  # at which the density is evaluated, and as many proposals
 STEPS_A_HALF = (20, 10)  # the first that there are; multiples of the batches of an error
 LIMIT_ENSEMBLES, LIMIT_WALKERS = 1.1, 1.2
-"""Multivariate R-hat above which draws sit in different places; a walker has so few
+"""Multivariate R-hat above which chains have not converged to one distribution; a walker has so few
 draws that its own R-hat is a tenth above 1 by chance."""
 LEAST_OVERLAP = 0.02  # of proposal and density, 1 where they are the same
 
@@ -211,7 +211,7 @@ def _refuse_separated(draws: Array) -> None:
     pooled, single = _spread_of_places(draws)
     if pooled > LIMIT_ENSEMBLES or single > LIMIT_WALKERS:
         raise SeparatedModes(
-            f"the draws sit in different places: multivariate R-hat {pooled:.3g} between "
-            f"ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between walkers "
-            f"(at most {LIMIT_WALKERS})"
+            "the chains have not converged to one distribution: multivariate R-hat "
+            f"{pooled:.3g} between ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between "
+            f"walkers (at most {LIMIT_WALKERS})"
         )

@@ -86,5 +86,5 @@ def refit_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    found = importance_draws(without, laplace, seed, chart, SIZE, least_effective=LEAST_FOR_A_MEAN)
-    return None if found is None else Refit(found[1], found[0])
+    drawn = importance_draws(without, laplace, seed, chart, SIZE, least_effective=LEAST_FOR_A_MEAN)
+    return None if drawn is None else Refit(drawn[1], drawn[0])

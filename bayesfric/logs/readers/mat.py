@@ -106,8 +106,11 @@ def _check_unpacked(path: Path) -> None:
 
 
 def _of_version_7(path: Path) -> dict[str, Any]:
-    import h5py
-
+    try:
+        import h5py
+    except ImportError as error:
+        expected = "an installation that reads MAT 7.3: pip install 'bayesfric[logs]'"
+        raise InputError([Fault(path.name, expected)]) from error
     arrays: dict[str, Any] = {}
     with h5py.File(path, "r") as file:
         _walk(path.name, h5py, file, "", 0, arrays)

@@ -47,7 +47,7 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     said += f"judge, {kept} {'is' if kept == 1 else 'are'} kept"
     which = f"; missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
-    proof = " These are seeds of tuning, and no proof." if tuning else ""
+    proof = " The effects were tuned on these seeds: the rates prove nothing." if tuning else ""
     return Notice(
         "attention" if missed else "info" if tuning else "good",
         [f"{said}{which}.{proof} See ", Reference("blind"), "."],

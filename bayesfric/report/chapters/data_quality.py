@@ -35,7 +35,7 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
     quality = stored.fit.data_quality
     yield Heading(1, "Data quality")
     entered = "; ".join(counted(one) for one in rig_tables(stored.predictive))
-    yield Paragraph(f"What enters: {entered}.")
+    yield Paragraph(f"Data used: {entered}.")
     if quality.trials:
         yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)

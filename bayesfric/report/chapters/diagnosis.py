@@ -45,7 +45,7 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
-__all__ = ["diagnosis", "law_alone", "verdict_line"]
+__all__ = ["diagnosis", "verdict_line"]
 
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 FURTHER = 2  # axes after the first that the caption names
@@ -66,25 +66,6 @@ def verdict_line(found: DiagnosisFile) -> Notice:
         ],
         title="Sim-to-real gap",
     )
-
-
-def law_alone(found: DiagnosisFile) -> Iterator[Notice]:
-    """Yield a warning beside the coefficients of a fit whose law lacks what acts."""
-    acting = [cause for cause in found.causes if cause.makes_a_gap]
-    if found.verdict == "named" and acting:
-        yield Notice(
-            "attention",
-            [
-                "The coefficients above are those of the law alone: a part of the force of ",
-                Code(", ".join(cause.effect for cause in acting)),
-                " has gone into them. Under ",
-                Code("law"),
-                ", ",
-                Code("diagnosis.json"),
-                " has the coefficients of a refit in which that force acts too.",
-            ],
-            title="A law that misses what acts",
-        )
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:

@@ -104,7 +104,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         ]
         + _certified(loop),
         label=f"margins-{loop.name}",
-        note="Figures that do not exist have no number; the reason is given below.",
+        note="A dash: the figure does not exist; the reason stands below the table.",
     ).filled()
     yield BulletList(list(_remarks(loop)))
     if (certificate := certificate_told(loop)) is not None:

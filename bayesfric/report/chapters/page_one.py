@@ -1,4 +1,4 @@
-"""Page one: what friction to expect, where the simulation misses, and what to worry about."""
+"""Page one: the verdict on the gap, which numbers to use, and what to worry about."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -17,11 +17,13 @@ from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.comparison import comparison_line
-from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
+from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
+from bayesfric.report.chapters.to_use import biased, numbers_to_use
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -49,9 +51,16 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     """Yield what stands before the table of contents: the answer first, then the worries."""
     for record in list(stored.records.values())[:1]:
         yield recorded(record.recording, stored.fitted)
-    fitted = stored.fitted
+    fitted, diagnosed = stored.fitted, stored.diagnosis
     if fitted is not None:
         yield from convergence(fitted.fit)
+    if diagnosed is not None:
+        yield verdict_line(diagnosed.found)
+        yield from numbers_to_use(diagnosed.found)
+        yield from numbers_to_enter(diagnosed.found)
+    if fitted is not None:
+        if diagnosed is not None:
+            yield from biased(diagnosed.found)
         yield from in_a_sentence(fitted.fit)
         yield from expected(fitted)
         yield from coefficients_figure(fitted)
@@ -60,10 +69,6 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from convergence(pooled)
         yield population(pooled, pooled.pooled)
     yield from faults(stored)
-    if stored.diagnosis is not None:
-        yield verdict_line(stored.diagnosis.found)
-        if fitted is not None:
-            yield from law_alone(stored.diagnosis.found)
     if stored.claims is not None:
         yield fallen(stored.claims.found)
     if stored.margins is not None:
@@ -96,7 +101,7 @@ def _entered(stored: StoredFit) -> str:
     events = stored.fit.data_quality.events
     if events:
         said.append(f"{format_count(events)} Hall events")
-    return f"What enters: {'; '.join(said)}."
+    return f"Data used: {'; '.join(said)}."
 
 
 def _synthetic(called: str) -> tuple[Inline, ...]:

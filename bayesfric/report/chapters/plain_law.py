@@ -42,7 +42,7 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
         begun = ", " if parts else ""
         parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]
     if parts:
-        yield Paragraph([*parts, ": half of each 90 % interval stands behind the sign."])
+        yield Paragraph([*parts, " (mean ± half of the 90 % interval)."])
 
 
 def plain_table(fit: FitFile) -> Table:

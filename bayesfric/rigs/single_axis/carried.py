@@ -15,7 +15,7 @@ from scipy.stats import spearmanr
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.readings import Readings
-from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of
+from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of, pull_basis
 from bayesfric.rigs.single_axis.weak_form import node_weights
 
 __all__ = ["Carried", "carried_by", "shows_both_ways", "warmth_of"]
@@ -34,8 +34,8 @@ class Pull(NamedTuple):
     ----------
     mass : float
         That moves [kg, or kg·m²].
-    pull : ndarray, shape (POWERS,)
-        Of Legendre's polynomials of the place.
+    pull : ndarray, shape (m,)
+        Of the functions of :func:`.rough.pull_basis`.
     middle, half : float
         Of the positions, which make a place of one.
     """
@@ -75,8 +75,10 @@ class Carried:
         keys, accelerations = _keys(table, self.columns), _accelerations(readings)
         for key, load in self.loads.items():
             mine = np.array([one == key for one in keys], dtype=np.bool_)[readings.trial]
-            at = (readings.position[mine] - load.middle) / load.half
-            held[mine] = np.polynomial.legendre.legval(at, load.pull)
+            at = readings.position[mine]
+            held[mine] = (pull_basis(at.ravel(), load.middle, load.half) @ load.pull).reshape(
+                at.shape
+            )
             moved[mine] = load.mass * accelerations[mine]
         return held, moved
 
@@ -134,21 +136,20 @@ def _keys(table: pd.DataFrame, columns: Sequence[str]) -> list[tuple[float, ...]
 def _fitted(readings: Readings, places: Array, rows: Whole) -> Pull:
     """Return the load that some rows move."""
     middle, half = places_of(places[rows])
-    at = (places[rows] - middle) / half
     way, force = readings.way[rows], readings.force[rows]
     speed = (readings.speed @ readings.weights)[rows]
     law = np.stack([readings.acceleration[rows], np.ones(rows.size), speed], axis=1)
-    pull = np.polynomial.legendre.legvander(at, POWERS - 1) * way[:, None]
+    pull = pull_basis(places[rows], middle, half) * way[:, None]
     if (way > 0).all() or (way < 0).all():
         pull[:, 0] = 0.0  # what is constant then is Coulomb friction
     alone, left = _squares(law, force)
     both, less = _squares(np.column_stack([law, pull]), force)
     if left - less < PULLS * float(force @ force):
-        return Pull(max(float(alone[0]), 0.0), np.zeros(POWERS), middle, half)
+        return Pull(max(float(alone[0]), 0.0), np.zeros(pull.shape[1]), middle, half)
     for _ in range(ROUNDS):  # friction by the load bends what the place seems to pull
-        carried = both[0] * law[:, 0] + pull @ both[3 : 3 + POWERS]
+        carried = both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
         both, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
-    return Pull(max(float(both[0]), 0.0), both[3 : 3 + POWERS], middle, half)
+    return Pull(max(float(both[0]), 0.0), both[3 : 3 + pull.shape[1]], middle, half)
 
 
 def _squares(columns: Array, force: Array) -> tuple[Array, float]:

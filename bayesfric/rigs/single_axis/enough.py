@@ -6,7 +6,9 @@ import numpy as np
 
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.even_log import LEAST_SAMPLES, EvenLog
-from bayesfric.rigs.single_axis.readings import FEWEST, Readings, pass_s, position_sd
+from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.run_rows import FEWEST
+from bayesfric.rigs.single_axis.windows import pass_s, position_sd
 
 __all__ = ["too_few_windows", "too_little_motion", "too_short", "without_force"]
 

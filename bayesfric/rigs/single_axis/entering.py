@@ -12,6 +12,7 @@ from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.carried import carried_by
 from bayesfric.rigs.single_axis.declared import MEASURED
+from bayesfric.rigs.single_axis.dither import Dither, steady
 from bayesfric.rigs.single_axis.enough import (
     too_few_windows,
     too_little_motion,
@@ -22,8 +23,9 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
+from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
-from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
 from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
@@ -33,6 +35,7 @@ __all__ = ["NO_CABLE", "SIZE", "Entering", "entering"]
 SIZE = "axis"  # in the place of a pulley size
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
+EARLY = 3.0  # times what two clocks may be off by, that a force may be early
 SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
 
 
@@ -47,6 +50,8 @@ class Entering(NamedTuple):
     simulated: SimulatedBaseline | None
     turns: int
     machine: Machine
+    late_s: float
+    dither: Dither
 
 
 def entering(
@@ -89,8 +94,17 @@ def entering(
     nothing = without_force(logs) or too_little_motion(logs, resolution)
     if nothing is not None:
         return nothing
+    interval = float(np.median([log.interval_s for log in logs]))
+    on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     found = within_limit(logs, starts, resolution, clips=clips)
+    dither = Dither()
+    if found is not None:
+        mass = rough_law_of(found[0], found[1].within(found[0])).mass
+        logs, dither = steady(logs, mass, found[0].half_s, resolution)
+        if dither.left_out:
+            found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])
     if found is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
@@ -129,10 +143,12 @@ def entering(
         readings.of(chosen),
         measures,
         tuple(still),
-        float(np.median([log.interval_s for log in logs])),
+        interval,
         beside,
         turns,
         machine,
+        late_s,
+        dither,
     )
 
 

@@ -52,6 +52,8 @@ class EvenLog:
         that model, or the pull of other joints.
     known_inertia : float
         What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
+    dithers : ndarray of bool, shape (N,), or None
+        Where it turns back between two counts; None where nobody looked.
     """
 
     time_s: Array
@@ -64,10 +66,21 @@ class EvenLog:
     known_force: WeakForce | None = None
     beside: tuple[WeakForce, ...] = ()
     known_inertia: float = 0.0
+    dithers: Flags | None = None
 
 
-def even_grid(time_s: Array, columns: dict[str, Array]) -> EvenLog | None:
+def even_grid(
+    time_s: Array,
+    columns: dict[str, Array],
+    *,
+    force_time_s: Array | None = None,
+    commanded: bool = False,
+) -> EvenLog | None:
     """Put a log on an even grid; None where it is too short.
+
+    What is measured goes on in a straight line from sample to sample. A command acts as it is
+    until the next: its mean over the interval about each place of the grid stands there, so that
+    an integral over many of them is that of its steps.
 
     Parameters
     ----------
@@ -75,6 +88,10 @@ def even_grid(time_s: Array, columns: dict[str, Array]) -> EvenLog | None:
         Increasing [s].
     columns : dict of str to ndarray, shape (N,)
         ``position``, ``force`` and what else there is.
+    force_time_s : ndarray, shape (N,), or None
+        The force's own clock, increasing; None where it is that of the rest [s].
+    commanded : bool
+        Whether ``force`` is a command.
     """
     if time_s.size < LEAST_SAMPLES:
         return None
@@ -86,10 +103,26 @@ def even_grid(time_s: Array, columns: dict[str, Array]) -> EvenLog | None:
         grid = time_s[0] + interval * np.arange(count)
         after = np.searchsorted(time_s, grid, side="right").clip(1, time_s.size - 1)
         known = time_s[after] - time_s[after - 1] <= GAP * interval
-        columns = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
-        time_s = grid
+        on_grid = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
+    else:
+        grid, on_grid = time_s, dict(columns)
+    own = time_s if force_time_s is None else force_time_s
+    if commanded:
+        on_grid["force"] = _mean_of_steps(grid, interval, own, columns["force"])
+    elif force_time_s is not None:
+        on_grid["force"] = np.interp(grid, own, columns["force"])
+    time_s, columns = grid, on_grid
     rest = {n: v for n, v in columns.items() if n not in ("position", "force")}
     return EvenLog(time_s, columns["position"], columns["force"], known, interval, rest)
+
+
+def _mean_of_steps(grid: Array, interval: float, time_s: Array, sent: Array) -> Array:
+    """Return the mean, over an interval about each place of a grid, of what is held, (G,)."""
+    edges = np.concatenate([[time_s[0] - interval], time_s, [time_s[-1] + interval]])
+    lasts = np.concatenate([sent[:1], sent])
+    sums = np.concatenate([[0.0], np.cumsum(lasts * np.diff(edges))])
+    ends = (np.interp(grid + side * interval, edges, sums) for side in (0.5, -0.5))
+    return np.asarray((next(ends) - next(ends)) / interval)
 
 
 def given(log: EvenLog, limit: float) -> EvenLog:

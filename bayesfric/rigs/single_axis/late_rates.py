@@ -8,7 +8,7 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-__all__ = ["late_rates"]
+__all__ = ["following", "late_rates"]
 
 
 def late_rates(
@@ -41,10 +41,10 @@ def late_rates(
         return -test.over(force, test.slope, centres)
 
     value = np.pad(test.value, 1)  # no error lies outside of the window
-    more = _following(value, lag) - _earlier(value, ago)
+    more = following(value, lag) - _earlier(value, ago)
     shared = (test.slope @ more[1:-1]) / (test.curvature @ test.value)
     own = test.over(log.force, test.curvature, centres)
-    lagging = rate(_following(log.force, lag)) + shared * (own - curvature)
+    lagging = rate(following(log.force, lag)) + shared * (own - curvature)
     return rate(_earlier(log.force, ago)), lagging
 
 
@@ -54,8 +54,16 @@ def _earlier(force: Array, steps: float) -> Array:
     return np.asarray(np.interp(place - steps, place, force))
 
 
-def _following(force: Array, steps: float) -> Array:
-    """Return what follows, with a time constant, a force that is straight between samples, (N,)."""
+def following(force: Array, steps: float) -> Array:
+    """Return what follows a force, straight between samples, with a time constant, shape (N,).
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        At every sample; before it is what it was at the first.
+    steps : float
+        The time constant, in samples.
+    """
     kept = np.exp(-1 / steps)
     mean = (1 - kept) * steps  # of what is kept, over one step
     numbers = [1 - mean, mean - kept], [1.0, -kept]

@@ -16,13 +16,12 @@ from bayesfric.rigs.single_axis.even_log import (
     position_noise,
     smooth_motion,
 )
-from bayesfric.rigs.single_axis.readings import NARROWEST, SMOOTHED
+from bayesfric.rigs.single_axis.run_rows import NARROWEST, SMOOTHED
 
 __all__ = ["left_out", "not_modelled"]
 
 SAMPLES = "axis_samples.csv"
 WINDOW = 2 * NARROWEST + 1  # samples of the narrowest window
-APART = 0.1  # of an interval, from which on two stamps of a sample are two
 
 
 def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
@@ -47,18 +46,7 @@ def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
         )
         joints = ", ".join(samples["joint"].unique())
         faults.append(Fault(SAMPLES, expected, column="joint", value=joints))
-    if "force_time_s" in samples and _apart(samples):
-        expected = (
-            "the times of time_s: a clock of the force's own is read, and no model has one yet"
-        )
-        faults.append(Fault(SAMPLES, expected, column="force_time_s"))
     return faults
-
-
-def _apart(samples: pd.DataFrame) -> bool:
-    interval = float(samples.groupby("run", sort=False)["time_s"].diff().median())
-    apart = (samples["force_time_s"] - samples["time_s"]).abs().max()
-    return bool(apart > APART * interval)
 
 
 def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:

@@ -15,6 +15,7 @@ from bayesfric.arrays import Flags, Whole
 from bayesfric.rigs.single_axis.beside import rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.rough import pull_columns
 
 __all__ = ["LIMITS", "Limit", "drive_limit", "within_limit"]
 
@@ -25,6 +26,8 @@ MOST = 1.2  # of what is commanded beyond a limit may be lost
 TOLD = 0.5  # of what a line leaves that a kink explains at least; a lag explains a third
 ENOUGH = 10  # rows within the limit, which tell mass and friction roughly
 FINER = 9  # tried between two of them
+LINE = 4  # numbers of the line: by force, constant, by its rate and by speed
+ROWS_A_NUMBER = 4  # of which a number is told
 
 
 class Limit(NamedTuple):
@@ -87,14 +90,13 @@ def drive_limit(readings: Readings) -> Limit:
     """
     size = np.abs(readings.drive)
     toward = np.sign(readings.drive) * readings.way[:, None]
-    one = np.ones(readings.count)
-    rest = rough_amounts(
-        np.column_stack([readings.acceleration, one]),
-        readings.beside,
-        readings.force,
-        np.ones(readings.count, dtype=np.bool_),
-    )
-    line = np.stack([readings.force - rest, one, readings.force_rate], axis=1)
+    one, speed = np.ones(readings.count), readings.speed @ readings.weights
+    every = np.ones(readings.count, dtype=np.bool_)
+    law = np.column_stack([readings.acceleration, one, speed])
+    rest = rough_amounts(law, readings.beside, readings.force, every)
+    line = np.stack([readings.force - rest, one, readings.force_rate, speed], axis=1)
+    pull = pull_columns(readings.position @ readings.weights, readings.way)
+    line = np.column_stack([line, pull[:, : max(0, readings.count // ROWS_A_NUMBER - LINE)]])
     width = np.maximum(np.abs(line).max(axis=0), 1e-300)
 
     def left(limit: float) -> float:
@@ -105,7 +107,7 @@ def drive_limit(readings: Readings) -> Limit:
         found, squares, _, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
         if squares.size == 0:  # fewer rows than numbers, or columns that hang together
             return np.inf
-        by_force, rest, _, by_lost = found / np.append(width, most)
+        by_force, rest, by_lost = (found / np.append(width, most))[[0, 1, -1]]
         if by_force <= 0:
             return np.inf
         share, friction = -by_lost / by_force, -rest / by_force

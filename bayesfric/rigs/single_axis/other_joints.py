@@ -100,7 +100,7 @@ class Machine:
             return {}
         place = self.bodies.robot.joints.index(self.joint)
         own = self.bodies.robot.settings[place]
-        return {"mass": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
+        return {"armature": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
 
     def amounts_before(self) -> ModelAmounts:
         """Return what is believed of the errors of the model before any data."""
@@ -149,7 +149,9 @@ def machine_of(axis: Axis, constants: RigConstants) -> Machine:
     if robot is None or machine.joint not in robot.joints:
         return machine
     logged = {name: robot.joints[name] for name in machine.joints if name in robot.joints}
-    compiled = robot_of_bytes(robot.model, robot.content, logged, constants.gravity_m_s2)
+    compiled = robot_of_bytes(
+        robot.model, robot.content, logged, constants.gravity_m_s2, robot.files
+    )
     return replace(machine, bodies=RigidBodies(compiled))
 
 
@@ -233,7 +235,7 @@ def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterat
     if rotary:
         shapes += [turn(a) for a in _inner(paths, near) for turn in (np.cos, np.sin)]
         angles = list(_sums(paths, near, own))
-        pull = force / np.sqrt(2 * len(angles))
+        pull = force
         yield from (WeakForce(pull * turn(a)) for a in angles for turn in (np.cos, np.sin))
     for group in ("momentum", "pull"):
         if group == "momentum":

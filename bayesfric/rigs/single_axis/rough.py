@@ -6,12 +6,13 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["POWERS", "PULLS", "RoughLaw", "places_of", "pull_columns", "rough_law"]
+__all__ = ["POWERS", "PULLS", "RoughLaw", "places_of", "pull_basis", "pull_columns", "rough_law"]
 
 POWERS = 6  # of the place, that what pulls towards one is told by
 PULLS = 0.02  # of the squares of the force, from which on something is taken to pull
 ROWS_A_NUMBER = 4  # of which a number is told
 SINGULAR = 1e-6
+HALF_A_TURN = 0.5 * float(np.pi)  # to either side [rad], over which powers follow a sine
 
 
 class RoughLaw(NamedTuple):
@@ -40,12 +41,27 @@ def pull_columns(position: Array, way: Array) -> Array:
     position, way : ndarray, shape (W,)
         Mean position of each row, and 1 or −1.
     """
-    middle, half = places_of(position)
-    place = (position - middle) / half
     # Where it runs one way alone, what is constant is Coulomb friction.
     first = 0 if (way > 0).any() and (way < 0).any() else 1
-    columns = [np.polynomial.legendre.Legendre.basis(power)(place) for power in range(POWERS)]
-    return np.asarray(np.stack(columns[first:], axis=1) * way[:, None])
+    return np.asarray(pull_basis(position, *places_of(position))[:, first:] * way[:, None])
+
+
+def pull_basis(position: Array, middle: float, half: float) -> Array:
+    """Return functions of the place, the first of them constant, shape (W, m).
+
+    Powers tell what pulls over a part of a turn; over more, a weight pulls with a sine.
+
+    Parameters
+    ----------
+    position : ndarray, shape (W,)
+        Mean position of each row [m or rad].
+    middle, half : float
+        Of the positions, which make a place of one.
+    """
+    columns = np.polynomial.legendre.legvander((position - middle) / half, POWERS - 1)
+    if half > HALF_A_TURN:
+        columns = np.column_stack([columns, np.sin(position), np.cos(position)])
+    return np.asarray(columns)
 
 
 def rough_law(

@@ -46,6 +46,7 @@ WINDOW = 8.0  # rad in half a window: what is slower than a window is followed
 GUIDED = 5  # samples on either side, of which the guide takes its speed
 SETTLING = 6.0  # over the rate: the time after a reversal that does not count; 2 % are left then
 ANSWERED = 0.25  # by which a pull may count for less or more than a drive force
+ANOTHER_ZERO_S = 1.0  # from which on two clocks of one row count from different instants
 PROBE = 0.2  # of the rough friction, a drive force more
 
 
@@ -156,6 +157,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         "sim_position": "sim_position_m",
         "temperature": "temperature_c",
         "known_force": "known_force_n",
+        "reference": "command_m",
     }
     if constants.moving_mass_kg is None:
         del names["sim_position"]  # it takes the simulated mass to make a force of a path
@@ -164,7 +166,14 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         for name, column in names.items()
         if column in samples
     }
-    log = even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
+    time, own = samples["time_s"].to_numpy(dtype=np.float64), None
+    if "force_time_s" in samples:
+        own = samples["force_time_s"].to_numpy(dtype=np.float64)
+        apart = float(np.median(own - time))
+        if abs(apart) > ANOTHER_ZERO_S:
+            own = own - apart
+    commanded = constants.force_is == "commanded"
+    log = even_grid(time, columns, force_time_s=own, commanded=commanded)
     if log is None:
         return None
     forces = _recorded_forces(log, constants.moving_mass_kg)

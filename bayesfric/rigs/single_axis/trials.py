@@ -11,7 +11,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.arrays import Array, Flags
-from bayesfric.effects import Effect, Law, State
+from bayesfric.effects import NO_OFFSET, Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.errors import Fault
@@ -28,18 +28,21 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
+from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
+from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
-from bayesfric.schemas import LawNumber
+from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -59,8 +62,6 @@ WORDS = Words(
     "setup",
     "setups",
 )
-MARGIN_S = 1e-3  # by which two clocks may be off at the least
-WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
 TURNS = {
@@ -69,7 +70,7 @@ TURNS = {
 }
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
-NO_COULOMB, NO_OFFSET = "law-without-coulomb", "law-without-offset"
+NO_COULOMB = "law-without-coulomb"
 HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
 LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
@@ -154,6 +155,10 @@ class AxisRuns(PlainTrials):
         How often the axis is seen to turn.
     machine : Machine or None
         That the joint is of, with its other joints.
+    late_s : float
+        By how much the force was moved in time, because it acts later than it was logged [s].
+    dither : Dither
+        Windows in which the joint turns back between two counts.
     """
 
     rig: SingleAxis
@@ -169,6 +174,8 @@ class AxisRuns(PlainTrials):
     simulated: SimulatedBaseline | None = None
     turns: int = 0
     machine: Machine | None = None
+    late_s: float = 0.0
+    dither: Dither = field(default_factory=Dither)
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -203,7 +210,8 @@ class AxisRuns(PlainTrials):
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
             found.add("test")
-        if self.measures.limit.there:
+        # A drive that could not overcome friction would move nothing.
+        if self.measures.limit.there and self.measures.limit.force > self._rough.coulomb:
             found.add("limit")
         if self.constants.force_is not in MEASURED:
             found.add("commanded-force")
@@ -255,12 +263,13 @@ class AxisRuns(PlainTrials):
         return "unknown" if self.machine is None else self.machine.other_joints
 
     def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return how wrong the machine's model is; the first nuisance is the clocks'."""
+        """Return how wrong the machine's model is: nuisances behind the clocks' and the offset."""
         if self.machine is None or self.machine.bodies is None:
             return None
         before = self.machine.amounts_before()
         shares = self.readings.mixing.shares
-        return ModelAmounts.told(mean[1:], covariance[1:, 1:], shares, before)
+        first = 1 + len(self.shared_numbers)
+        return ModelAmounts.told(mean[first:], covariance[first:, first:], shares, before)
 
     @property
     def unit(self) -> str:
@@ -306,8 +315,54 @@ class AxisRuns(PlainTrials):
         return {"offset": (1, self.unit)} if self._offset_sd else {}
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
-        """Return what is doubtful in what was declared; see :mod:`.declared`."""
-        return tuple(doubts(self.constants, law, self.measures.rough_mass))
+        """Return what is doubtful in what was declared, and in the log itself.
+
+        See :mod:`.declared`, :mod:`.on_time` and :mod:`.dither`.
+        """
+        found = [*doubts(self.constants, law, self.measures.rough_mass)]
+        if self.late_s:
+            acts = "later" if self.late_s > 0 else "earlier"
+            found.append(
+                f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
+                "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+            )
+        if self.dither.windows:
+            done = (
+                "They do not enter"
+                if self.dither.left_out
+                else "They enter, for too few would be left: friction is told too low at low speed"
+            )
+            found.append(
+                f"In {self.dither.windows} of {self.dither.of} windows the joint dithers: counts "
+                "of its encoder in the controller's damping turn it back again and again, so that "
+                f"friction has not one sign there. {done}"
+            )
+        return tuple(found)
+
+    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+        """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
+        if self._beside is not None:
+            return "a simulator has the place of the law"
+        rows, readings = self._rows(self._rough), self.readings
+        speed = rows.mean(readings.speed)
+        others = [rows.candidate_column(one) for one, _ in acting]
+        columns = np.column_stack(
+            [
+                readings.acceleration,
+                speed,
+                np.ones(readings.count),
+                *rows.nuisance_columns().T,
+                *(one for one in others if not isinstance(one, Unsupported)),
+            ]
+        )
+        inside = self.measures.limit.within(readings)
+        found = compared(
+            readings.force[inside],
+            columns[inside],
+            readings.instruments[inside],
+            readings.piece[inside],
+        )
+        return found if isinstance(found, str) else found.told(self.measures.unit)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -490,7 +545,7 @@ class AxisRuns(PlainTrials):
             law,
             self._state(law),
             self.measures.stroke,
-            float(np.hypot(MARGIN_S, WITHIN * self.interval_s)),
+            margin_s(self.interval_s),
             lacks=self._lacks,
             offset_n=self._offset_sd,
             loads=self.loads,

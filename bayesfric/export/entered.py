@@ -1,0 +1,114 @@
+"""Numbers to enter in a simulator, in words: digits by the error, fields, and what is lost."""
+
+from collections.abc import Iterator, Sequence
+
+from bayesfric.export.digits import by_error
+from bayesfric.schemas import DiagnosisFile, Enter
+
+__all__ = ["COLUMNS", "entered_lines", "entered_remarks", "entered_rows"]
+
+CALLED = {
+    "mujoco": "MuJoCo",
+    "isaaclab": "Isaac Lab",
+    "usd": "USD (PhysX)",
+    "newton": "Newton",
+    "genesis": "Genesis",
+    "drake": "Drake",
+    "sdf": "SDF (Gazebo)",
+    "urdf": "URDF",
+}
+SHOWN = ("mujoco", "isaaclab", "urdf")
+"""Simulators with a column of their own; diagnosis.json has all."""
+COLUMNS = (
+    "number",
+    "your simulator",
+    "enter",
+    "90 % interval",
+    "unit",
+    *(CALLED[simulator] for simulator in SHOWN),
+)
+NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
+
+
+def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
+    """Return a row a number, a cell for each of :data:`COLUMNS`.
+
+    Parameters
+    ----------
+    enter : sequence of Enter
+        Of one joint.
+    """
+    return [
+        (
+            number.parameter,
+            "–" if number.in_your_simulator is None else f"{number.in_your_simulator:.4g}",
+            by_error(number.value.mean, number.value.sd),
+            _interval(number),
+            number.unit,
+            *(_field(number, simulator) for simulator in SHOWN),
+        )
+        for number in enter
+    ]
+
+
+def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
+    """Yield what must be known before the numbers are entered, a sentence each."""
+    below = [
+        number.parameter
+        for number in enter
+        if number.parameter in NOT_BELOW_ZERO and number.value.q95 < 0
+    ]
+    if below:
+        yield (
+            f"Below zero, which no simulator takes: {', '.join(below)}. The law misses what makes "
+            "it so: see the verdict."
+        )
+    for number in enter:
+        lacking = [CALLED[name] for name, field in number.fields.items() if field is None]
+        if number.lost_without is None or not lacking:
+            continue
+        force = f"{number.lost_without:.2g} {_force_unit(enter)} rms"
+        nobody = len(lacking) == len(number.fields)
+        who = "No simulator has a field" if nobody else f"No field in {', '.join(lacking)}"
+        instead = ""
+        if number.snippet is not None:
+            file = f"{number.snippet}.py"
+            instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
+        yield f"{who} for {number.parameter}: {force} stay wrong without it.{instead}"
+
+
+def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:
+    """Yield the table and its remarks as lines of a terminal; nothing where nothing is entered.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        Of one joint, or of pulleys.
+    """
+    if not diagnosis.enter:
+        return
+    of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
+    yield f"To enter in a simulator{of} (diagnosis.json has the fields of all simulators):"
+    table = [COLUMNS[:-1], *(row[:-1] for row in entered_rows(diagnosis.enter))]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for row in table:
+        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        yield f"  {'  '.join(cells).rstrip()}"
+    yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
+
+
+def _interval(number: Enter) -> str:
+    low, high = (by_error(end, number.value.sd) for end in (number.value.q05, number.value.q95))
+    return f"{low} to {high}"
+
+
+def _field(number: Enter, simulator: str) -> str:
+    field = number.fields.get(simulator)
+    if field is None:
+        return "–"
+    return field.field if field.factor == 1 else f"{field.field} (× {field.factor:.6g})"
+
+
+def _force_unit(enter: Sequence[Enter]) -> str:
+    """Return N·m where any number is of something that turns."""
+    return "N·m" if any("rad" in one.unit or "N·m" in one.unit for one in enter) else "N"

@@ -1,0 +1,209 @@
+"""The numbers of joints, into a copy of the user's own model."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.export.digits import by_error
+from bayesfric.export.joints import ExportedJoint
+from bayesfric.files import file_bytes
+from bayesfric.robots.link_inertia import link_inertia
+from bayesfric.robots.setting import JointValues, ModelText, model_text
+from bayesfric.schemas import Enter
+
+__all__ = ["FilledModel", "filled_model"]
+
+LARGEST_FILE = 16_777_216  # bytes of a model
+STEP_S = 0.002  # of MJCF that states none
+
+
+class FilledModel(NamedTuple):
+    """A model with the numbers, and what a user must know of it.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+    remarks : tuple of str
+        What was set, what was not and why, a line each.
+    links : dict of str to float
+        By joint in the log: what of its inertia the links of the model have already.
+    places : tuple of str
+        Names in the model, in the order of the joints.
+    """
+
+    content: bytes
+    remarks: tuple[str, ...]
+    links: dict[str, float]
+    places: tuple[str, ...]
+
+
+def filled_model(
+    path: Path, to: str, joints: Sequence[ExportedJoint], named: Mapping[str, str]
+) -> FilledModel:
+    """Return a model with the fields of its joints set.
+
+    Parameters
+    ----------
+    path : Path
+        The model.
+    to : str
+        Its format: ``mjcf``, ``urdf`` or ``sdf``.
+    joints : sequence of ExportedJoint
+        What to set.
+    named : mapping of str to str
+        Joint in the log to its name in the model, as the user says.
+
+    Raises
+    ------
+    InputError
+        The model is of another format, lacks a joint, or a joint of it slides where the log's
+        turns.
+    """
+    model = model_text(file_bytes(path, path.name, LARGEST_FILE), path.name)
+    if model.kind != to:
+        raise InputError([Fault("command line", f"--to {model.kind}", column="--to", value=to)])
+    places = _places(model, joints, named)
+    values: dict[str, JointValues] = {}
+    remarks: list[str] = []
+    links: dict[str, float] = {}
+    for joint in joints:
+        place = places[joint.name]
+        armature = None
+        if model.kind == "mjcf" and joint.inertia is not None:
+            own = _links(path, place, joint, remarks)
+            if own is not None:
+                links[joint.name] = own
+                armature = _armature(joint, own, place, remarks)
+        values[place] = _values(joint, model, place, armature, remarks)
+        remarks += _left(joint, model, place)
+    return FilledModel(model.with_values(values).content, tuple(remarks), links, tuple(values))
+
+
+def _places(
+    model: ModelText, joints: Sequence[ExportedJoint], named: Mapping[str, str]
+) -> dict[str, str]:
+    """Return where each joint is in the model: as said, as recorded, else by its name."""
+    unknown = sorted(set(named) - {joint.name for joint in joints})
+    if unknown:
+        expected = one_of([joint.name for joint in joints], unknown[0])
+        raise InputError([Fault("command line", expected, column="--joint", value=unknown[0])])
+    in_model = list(model.joints)
+    places = {}
+    for joint in joints:
+        place = named.get(joint.name) or joint.in_model or joint.name
+        if not place or (len(joints) == 1 and len(in_model) == 1 and not named):
+            place = in_model[0] if len(in_model) == 1 else place
+        if not place:
+            expected = f"--joint NAME, of {', '.join(in_model)}"
+            raise InputError([Fault(model.name, expected)])
+        if model.turns(place) != joint.turns:
+            ways = {True: "turns, in N·m and rad", False: "slides, in N and m"}
+            expected = f"a joint that {ways[joint.turns]}, as the recording's does"
+            found = f"one that {ways[model.turns(place)]}"
+            raise InputError([Fault(model.name, expected, column=place, value=found)])
+        places[joint.name] = place
+    if len(set(places.values())) < len(places):
+        expected = "each joint of the model once: give --joint LOG=MODEL"
+        raise InputError([Fault(model.name, expected)])
+    return places
+
+
+def _links(path: Path, place: str, joint: ExportedJoint, remarks: list[str]) -> float | None:
+    """Return what the links have of the inertia that was found: nothing where it is beside them."""
+    if joint.in_model is not None:
+        return 0.0
+    try:
+        return link_inertia(path, place)
+    except InputError as error:
+        remarks.append(
+            f"{place}: armature is left as it is, since the inertia that was found is that of "
+            f"links and rotor, and what the links of the model have is not known: "
+            f"{error.faults[0]}"
+        )
+        return None
+
+
+def _armature(joint: ExportedJoint, links: float, place: str, remarks: list[str]) -> str:
+    number = joint.numbers[joint.inertia or ""]
+    whole, left = number.value, number.value.mean - links
+    if links:
+        remarks.append(
+            f"{place}: {number.parameter} {by_error(whole.mean, whole.sd)} {number.unit} in all, "
+            f"of which the links of the model have {links:.4g} at the reference position"
+        )
+    if left < 0:
+        sure = whole.q95 < links
+        remarks.append(
+            f"{place}: the links of the model have more inertia than was found"
+            f"{', beyond its error: their masses are too large' if sure else ''}; armature 0"
+        )
+        return "0"
+    return by_error(left, whole.sd)
+
+
+def _values(
+    joint: ExportedJoint,
+    model: ModelText,
+    place: str,
+    armature: str | None,
+    remarks: list[str],
+) -> JointValues:
+    def text(*names: str) -> str | None:
+        number = next((joint.numbers[name] for name in names if name in joint.numbers), None)
+        if number is None:
+            return None
+        if number.value.mean < 0:
+            told = by_error(number.value.mean, number.value.sd)
+            remarks.append(f"{place}: {number.parameter} is below zero ({told}): 0 is entered")
+            return "0"
+        return by_error(number.value.mean, number.value.sd)
+
+    damping = text("viscous")
+    if model.kind == "mjcf":
+        further = [text("air-drag.coefficient"), text("cubic-drag.coefficient")]
+        if any(further):
+            damping = " ".join(one or "0" for one in (damping, *further))
+    delay = joint.numbers.get("delay.time")
+    late = delay is not None and delay.value.mean > 0
+    values = JointValues(
+        frictionloss=text("coulomb", "coulomb-missing.force"),
+        damping=damping,
+        armature=armature,
+        delay=text("delay.time") if late else None,
+        samples=_samples(delay, model) if delay is not None and late else None,
+        limit=text("torque-saturation.limit"),
+    )
+    said = {name: value for name, value in vars(values).items() if value is not None}
+    remarks.append(f"{place}: {', '.join(f'{name} {value}' for name, value in said.items())}")
+    return values
+
+
+def _samples(delay: Enter, model: ModelText) -> str:
+    """Return how many commands MuJoCo keeps, so that one as old as the delay is among them."""
+    option = model.root.child("option")
+    step = STEP_S if option is None else float(option.attributes.get("timestep", STEP_S))
+    return str(math.ceil(delay.value.mean / step) + 1)
+
+
+def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
+    """Return what the file has no field for, and what a joint without an actuator loses."""
+    remarks = []
+    simulator = {"mjcf": "mujoco", "urdf": "urdf", "sdf": "sdf"}[model.kind]
+    for name, number in joint.numbers.items():
+        if number.fields.get(simulator) is None and number.lost_without is not None:
+            unit = "N·m" if joint.turns else "N"
+            instead = f"; use {number.snippet}.py" if number.snippet is not None else ""
+            remarks.append(
+                f"{place}: no field for {name}: {number.lost_without:.2g} {unit} rms are lost"
+                f"{instead}"
+            )
+    driven = {"delay.time", "torque-saturation.limit"} & set(joint.numbers)
+    if driven and model.kind == "mjcf" and not model.actuators(place):
+        remarks.append(
+            f"{place}: {' and '.join(sorted(driven))} belong to an actuator of the joint, "
+            "and this file has none"
+        )
+    return remarks

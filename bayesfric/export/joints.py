@@ -1,0 +1,154 @@
+"""The joints of a diagnosis: numbers to enter of each, and draws of them, row by row together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bayesfric.arrays import Array
+from bayesfric.errors import Fault, InputError
+from bayesfric.results import read_beside, read_json
+from bayesfric.schemas import DiagnosisFile, Enter
+
+__all__ = ["INERTIAS", "ExportedJoint", "joints_of", "read_joints"]
+
+INERTIAS = ("inertia", "armature", "mass")
+"""Names that the law may have for what is accelerated."""
+OF_LAW = (*INERTIAS, "coulomb", "viscous")
+NOT_BELOW_ZERO = {*OF_LAW, "air-drag.coefficient", "cubic-drag.coefficient"}
+
+
+@dataclass(frozen=True)
+class ExportedJoint:
+    """A joint, as a simulator is to have it.
+
+    Parameters
+    ----------
+    name : str
+        In the log; empty where nobody named it.
+    in_model : str or None
+        In the model of the recording; None without one.
+    turns : bool
+        Whether it turns.
+    numbers : mapping of str to Enter
+        By parameter.
+    draws : mapping of str to ndarray, shape (S,)
+        By parameter, row by row together; without parameters that were not drawn.
+    causes : tuple of str
+        Effects that the diagnosis names.
+    """
+
+    name: str
+    in_model: str | None
+    turns: bool
+    numbers: Mapping[str, Enter]
+    draws: Mapping[str, Array]
+    causes: tuple[str, ...] = ()
+
+    @property
+    def called(self) -> str:
+        """Its name, or `joint` where it has none."""
+        return self.name or "joint"
+
+    @property
+    def inertia(self) -> str | None:
+        """The name of the number that is accelerated; None without one."""
+        return next((name for name in INERTIAS if name in self.numbers), None)
+
+    def possible_draws(self) -> tuple[dict[str, Array], int]:
+        """Return the draws that a simulator takes, and how many it does not: those below zero."""
+        signed = [values for name, values in self.draws.items() if name in NOT_BELOW_ZERO]
+        count = len(next(iter(self.draws.values()), ()))
+        possible = np.all([values >= 0 for values in signed], axis=0) & np.ones(count, bool)
+        kept = {name: values[possible] for name, values in self.draws.items()}
+        return kept, int(count - possible.sum())
+
+
+def read_joints(folder: Path) -> tuple[ExportedJoint, ...]:
+    """Read the joints of a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        With the results of ``diagnose``.
+
+    Raises
+    ------
+    InputError
+        There is no diagnosis, or it is of no joint.
+    """
+    file = folder / "diagnosis.json"
+    if not file.is_file():
+        expected = f"it in {folder}: run `bayesfric diagnose RECORDING -o {folder}`"
+        raise InputError([Fault("diagnosis.json", expected)])
+    diagnosis = read_json(DiagnosisFile, file)
+    return joints_of(diagnosis, read_beside(diagnosis, folder / "diagnosis.nc"))
+
+
+def joints_of(diagnosis: DiagnosisFile, curves: xr.DataTree) -> tuple[ExportedJoint, ...]:
+    """Return the joints of a diagnosis.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        Of a joint, or of several.
+    curves : DataTree
+        What ``diagnosis.nc`` has.
+
+    Raises
+    ------
+    InputError
+        It is of no joint, or no joint has a number to enter.
+    """
+    blocks = diagnosis.joints or (diagnosis,)
+    joints = []
+    for place, block in enumerate(blocks, start=1):
+        own = curves[f"joints/{place}"] if diagnosis.joints else curves
+        if block.enter:
+            joints.append(_joint(block, own["law"].to_dataset()))
+    if not joints:
+        why = next((block.enter_why for block in blocks if block.enter_why), "nothing to enter")
+        expected = f"a diagnosis of a joint, with numbers to enter ({why})"
+        raise InputError([Fault("diagnosis.json", expected)])
+    return tuple(joints)
+
+
+def _joint(block: DiagnosisFile, law: xr.Dataset) -> ExportedJoint:
+    numbers = {number.parameter: number for number in block.enter}
+    draws = _drawn_law(block, law) | _drawn_effects(block, law)
+    return ExportedJoint(
+        name=block.joint or "",
+        in_model=block.joint_in_model,
+        turns=block.gap.unit != "N",
+        numbers=numbers,
+        draws={name: values for name, values in draws.items() if name in numbers},
+        causes=tuple(cause.effect for cause in block.causes),
+    )
+
+
+def _drawn_law(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
+    """Return draws of the law's own numbers: the coefficients stand for them in this order."""
+    names = [name for name in OF_LAW if name in block.law]
+    columns = [law[name].to_numpy()[:, 0] for name in ("c1", "c2", "c3")]
+    return dict(zip(names, columns, strict=False))
+
+
+def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
+    """Return draws of the causes' amplitudes; 0 in draws of hypotheses without the cause."""
+    drawn: dict[str, Array] = {}
+    if "effect" not in law.coords:
+        return drawn
+    places = {str(name): place for place, name in enumerate(law["effect"].to_numpy())}
+    for cause in block.causes:
+        if cause.effect not in places:
+            continue
+        amplitude = law["amplitude"].to_numpy()[:, places[cause.effect]]
+        drawn[f"{cause.effect}.{next(iter(cause.parameters))}"] = amplitude
+        damping = next((one for one in block.enter if one.parameter == "viscous"), None)
+        acts = amplitude != 0
+        if cause.effect == "viscous" and damping is not None and acts.any():
+            # The amplitude is a share of a Coulomb friction that all draws have in common.
+            drawn["viscous"] = amplitude * (damping.value.mean / float(amplitude[acts].mean()))
+    return drawn

@@ -1,0 +1,175 @@
+"""Numbers of joints as texts of their own: JSON, Python, an actuator configuration, a table."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.export.digits import by_error, rounded
+from bayesfric.export.joints import ExportedJoint
+
+__all__ = ["TEXTS_OF_JOINTS", "draws_table"]
+
+ISAACLAB = '''"""Actuators of Isaac Lab with friction and armature of joints, from Isaac Sim 5.0 on.
+{whole}
+Friction is a torque or a force, viscous friction per rad/s or m/s. Gains of the drive are not a
+property of the joint: `None` leaves those of the USD file.
+"""
+
+from isaaclab.actuators import ImplicitActuatorCfg
+
+ACTUATORS = {{
+{actuators}}}
+'''
+PYTHON = '''"""Friction of joints, calibrated by bayesfric: a constant and powers of speed.
+
+{remarks}
+"""
+
+import numpy as np
+
+# Of each joint: factors of the sign of its speed, and of speed, |speed| speed and speed cubed.
+JOINTS = {{
+{joints}}}
+
+
+def friction(joint, speed):
+    """Return friction against the motion of a joint [N·m or N] at a speed [rad/s or m/s]."""
+    constant, viscous, quadratic, cubic = JOINTS[joint]
+    speed = np.asarray(speed)
+    along = viscous + quadratic * np.abs(speed) + cubic * speed**2
+    return constant * np.sign(speed) + along * speed
+'''
+OF_PYTHON = ("coulomb", "viscous", "air-drag.coefficient", "cubic-drag.coefficient")
+
+
+def json_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
+    """Return all numbers with intervals, fields and draws."""
+    record = {
+        "schema": "bayesfric.export/1",
+        "recording": recording,
+        "joints": [
+            {
+                "joint": joint.name or None,
+                "in_model": joint.in_model,
+                "causes": list(joint.causes),
+                "enter": [number.model_dump(mode="json") for number in joint.numbers.values()],
+                "draws": {name: values.tolist() for name, values in joint.draws.items()},
+            }
+            for joint in joints
+        ],
+    }
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def python_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
+    """Return a file that needs NumPy alone."""
+    lines, left = [], []
+    for joint in joints:
+        numbers = ", ".join(_text(joint, name) or "0.0" for name in OF_PYTHON)
+        lines.append(f"    {joint.called!r}: ({numbers}),\n")
+        left += [
+            f"{joint.called}: without {name}, {number.lost_without:.2g} rms."
+            for name, number in joint.numbers.items()
+            if name not in (*OF_PYTHON, joint.inertia) and number.lost_without is not None
+        ]
+    remarks = _escaped("\n".join([f"Recording {recording!r}.", *left]))
+    return PYTHON.format(remarks=remarks, joints="".join(lines))
+
+
+def isaaclab_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
+    """Return a configuration of actuators, a group a joint."""
+    del recording
+    groups = []
+    whole = [joint.called for joint in joints if joint.in_model is None]
+    for joint in joints:
+        name = joint.in_model or joint.called
+        coulomb = _text(joint, "coulomb")
+        fields = {
+            "friction": coulomb,
+            "dynamic_friction": coulomb,
+            "viscous_friction": _text(joint, "viscous"),
+            "armature": _text(joint, joint.inertia or "") if joint.turns else None,
+            "effort_limit_sim": _text(joint, "torque-saturation.limit"),
+        }
+        lines = [f"        joint_names_expr=[{name!r}],\n", "        stiffness=None,\n",
+                 "        damping=None,\n"]  # fmt: skip
+        lines += [f"        {key}={value},\n" for key, value in fields.items() if value is not None]
+        groups.append(f"    {name!r}: ImplicitActuatorCfg(\n{''.join(lines)}    ),\n")
+    warning = f"\nThe armature is the whole inertia, of rotor and links, of: {', '.join(whole)}.\n"
+    return ISAACLAB.format(actuators="".join(groups), whole=_escaped(warning) if whole else "")
+
+
+TEXTS_OF_JOINTS: Mapping[str, tuple[str, Callable[[Sequence[ExportedJoint], str], str]]] = {
+    "json": ("joints.json", json_of_joints),
+    "python": ("joints.py", python_of_joints),
+    "isaaclab": ("isaaclab_actuators.py", isaaclab_of_joints),
+}
+"""File name and text by the name of the format."""
+
+
+def draws_table(
+    joints: Sequence[ExportedJoint], count: int, links: Mapping[str, float]
+) -> tuple[str, int]:
+    """Return a CSV of parameter sets, a row a joint and draw, and how many were below zero.
+
+    Numbers of one row were drawn together, so that a simulator whose joints are set by rows
+    keeps their correlations. Draws that no simulator takes, with a number below zero, are left
+    out.
+
+    Parameters
+    ----------
+    joints : sequence of ExportedJoint
+        With their draws.
+    count : int
+        Rows of each joint.
+    links : mapping of str to float
+        By joint: what of its inertia the links of a model have; it is taken off.
+
+    Raises
+    ------
+    InputError
+        There are fewer draws.
+    """
+    parts, dropped = [], 0
+    for joint in joints:
+        drawn = dict(joint.draws)
+        if joint.inertia in drawn and joint.name in links:
+            drawn["armature"] = drawn.pop(joint.inertia or "") - links[joint.name]
+        possible, below = ExportedJoint(
+            joint.name, joint.in_model, joint.turns, joint.numbers, drawn, joint.causes
+        ).possible_draws()
+        dropped += below
+        left = len(next(iter(possible.values()), ()))
+        if left < count:
+            expected = f"at most {left:,} draws, which {joint.called} has with no number below zero"
+            raise InputError([Fault("command line", expected, column="--draws", value=str(count))])
+        chosen = np.unique(np.linspace(0, left - 1, count).round().astype(int))
+        drawn = {name: values[chosen] for name, values in possible.items()}
+        parts.append((joint.in_model or joint.called, drawn))
+    names = list(dict.fromkeys(name for _, drawn in parts for name in drawn))
+    lines = [",".join(["draw", "joint", *names])]
+    for draw in range(count):
+        for called, drawn in parts:
+            cells = [f"{drawn[name][draw]:.9g}" if name in drawn else "" for name in names]
+            lines.append(",".join([str(draw), _cell(called), *cells]))
+    return "\n".join(lines) + "\n", dropped
+
+
+def _escaped(text: str) -> str:
+    """Return text that cannot end the docstring in which it stands, nor escape anything."""
+    return text.replace("\\", r"\\").replace('"', r"\"")
+
+
+def _cell(text: str) -> str:
+    quoted = text.replace('"', '""')
+    return f'"{quoted}"' if any(char in text for char in ',"\n\r') else text
+
+
+def _text(joint: ExportedJoint, name: str) -> str | None:
+    """Return a number with the digits of its error, not below zero; None without it."""
+    if name not in joint.numbers:
+        return None
+    value = joint.numbers[name].value
+    return by_error(max(rounded(value.mean, value.sd), 0.0), value.sd)

@@ -1,0 +1,70 @@
+"""A fit as it is held in memory, and how it is written."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import xarray as xr
+
+from bayesfric.fitting.inference_data import write_csv
+from bayesfric.results import json_bytes, replace_outputs, write_netcdf
+from bayesfric.schemas import FitFile, TimingsFile
+
+__all__ = ["Fit"]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The posterior of a recording, ready to be written.
+
+    Parameters
+    ----------
+    summary : FitFile
+        What ``fit.json`` says.
+    draws : DataTree
+        What ``draws.nc`` holds, see :mod:`bayesfric.fitting.inference_data`.
+    predictive : DataTree
+        What ``predictive.nc`` holds, see :mod:`bayesfric.fitting.predictive`.
+    seconds : dict of str to float
+        Wall time by stage.
+    """
+
+    summary: FitFile
+    draws: xr.DataTree
+    predictive: xr.DataTree
+    seconds: Mapping[str, float]
+
+    def write(
+        self,
+        folder: Path | str,
+        *,
+        csv: bool = False,
+        inputs: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
+        """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
+
+        Parameters
+        ----------
+        folder : Path or str
+            Created if it is not there; other files in it are left alone.
+        csv : bool
+            Also write the posterior as ``draws.csv``.
+        inputs : mapping of str to sequence of str, or None
+            Paths of what the run was made from, for ``timings.json``.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be written.
+        """
+        run_id = self.summary.run_id
+        timings = TimingsFile(seconds=dict(self.seconds), run_id=run_id, inputs=dict(inputs or {}))
+        writers: dict[str, Callable[[Path], object]] = {
+            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
+            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
+            "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
+        }
+        if csv:
+            writers["draws.csv"] = lambda path: write_csv(self.draws, path)
+        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
+        replace_outputs(Path(folder), writers)

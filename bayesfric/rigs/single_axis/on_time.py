@@ -1,0 +1,203 @@
+"""By how long the force of a log stands at another time than the one at which it acted.
+
+Telemetry that reads position and force by different ways, or two logs that were joined, leave a
+force that is late or early by up to a second. No drive is late by as much, so that it says
+nothing of the machine: the force is set right before anything else is made of it, and said. What
+a drive itself may be late by is left to the effects that know it.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.beside import leading
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.late_rates import following
+from bayesfric.rigs.single_axis.rough import pull_columns
+from bayesfric.rigs.single_axis.run_rows import rows_of_run
+from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
+from bayesfric.rigs.single_axis.windows import (
+    LATEST_S,
+    half_samples,
+    joined,
+    position_sd,
+    widest_half_s,
+)
+
+__all__ = ["OnTime", "margin_s", "on_time"]
+
+MARGIN_S = 1e-3  # by which two clocks may be off at the least
+WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
+REACH_S = 1.0  # looked at, either way
+OF_A_RUN = 0.15  # of the shortest run, no more of which is looked at
+STEPS = 40  # tried either way
+LAGS = 12  # time constants that are tried
+CLEARLY = 0.4  # of the squares that are left without, that may be left once it is set right
+ROWS = 1500  # that tell it
+ROWS_A_NUMBER = 4
+
+
+def margin_s(interval_s: float) -> float:
+    """Return by how much the clocks of force and position may be off, a standard deviation [s].
+
+    Parameters
+    ----------
+    interval_s : float
+        Between samples, any time within which two columns may have been read.
+    """
+    return float(np.hypot(MARGIN_S, WITHIN * interval_s))
+
+
+class OnTime(NamedTuple):
+    """Runs whose force stands at the time at which it acted.
+
+    Parameters
+    ----------
+    logs : tuple of EvenLog
+        The runs.
+    late_s : float
+        By how much the force was moved: it acts so much later than it was logged, or, below 0,
+        earlier [s]; 0 where nothing was done.
+    """
+
+    logs: tuple[EvenLog, ...]
+    late_s: float = 0.0
+
+
+def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) -> OnTime:
+    """Return runs with their force set right, where it is clearly late or early.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        Runs.
+    resolution : float or None
+        Of the encoder.
+    margin_s : float
+        By which the clocks of force and position may be off, and a force may be early [s].
+    """
+    squares = _Squares.of(logs, resolution)
+    if squares is None:
+        return OnTime(tuple(logs))
+    step = squares.reach_s / STEPS
+    delays = step * np.arange(-STEPS, STEPS + 1)
+    left = np.array([squares.delayed(one) for one in delays])
+    best = float(delays[np.argmin(left)])
+    found = minimize_scalar(squares.delayed, bounds=(best - step, best + step), method="bounded")
+    late_s = float(found.x)
+    if -margin_s <= late_s <= LATEST_S:
+        return OnTime(tuple(logs))
+    near = np.linspace(-margin_s, LATEST_S, STEPS)
+    lags = np.geomspace(0.1 * LATEST_S, squares.reach_s, LAGS)
+    otherwise = min(*map(squares.delayed, near), *map(squares.lagging, lags))
+    if not float(found.fun) < CLEARLY * otherwise:
+        return OnTime(tuple(logs))
+    return OnTime(tuple(_moved(one, late_s) for one in logs), late_s)
+
+
+def _moved(log: EvenLog, late_s: float) -> EvenLog:
+    """Return a run whose force stands where it acts; where no force is known nothing is."""
+    place = np.arange(log.force.size) - late_s / log.interval_s
+    force = np.interp(place, np.arange(log.force.size), log.force)
+    inside = (place >= 0) & (place <= log.force.size - 1)
+    return replace(log, force=force, known=log.known & inside)
+
+
+class _Squares(NamedTuple):
+    """What a rough law leaves of the force, moved by any time.
+
+    Parameters
+    ----------
+    means : tuple of (EvenLog, ndarray, ndarray, ndarray, ndarray)
+        Of each run: itself, φ, the windows' middles, their way, and the known force there.
+    basis : ndarray, shape (W, k)
+        An orthonormal basis of the law's columns.
+    reach_s : float
+        Looked at, either way [s].
+    """
+
+    means: tuple[tuple[EvenLog, Array, Array, Array, Array], ...]
+    basis: Array
+    reach_s: float
+
+    @classmethod
+    def of(cls, logs: Sequence[EvenLog], resolution: float | None) -> "_Squares | None":
+        """Lay rows out whose windows stay inside of their runs however the force is moved."""
+        noise = position_sd(logs, resolution)
+        half_s = widest_half_s(logs, noise)
+        stroke = max(float(np.ptp(one.position)) for one in logs)
+        shortest = min(one.time_s.size * one.interval_s for one in logs)
+        reach_s = min(REACH_S, OF_A_RUN * shortest)
+        total = sum(one.time_s.size * one.interval_s for one in logs)
+        hop_s = max(0.5 * half_s, total / ROWS)
+        parts, means = [], []
+        for log in logs:
+            test = test_function(half_samples(half_s, log), log.interval_s)
+            step = max(1, round(hop_s / log.interval_s))
+            part = rows_of_run(log, test, step, noise, stroke)
+            out = test.half + int(np.ceil(reach_s / log.interval_s)) + 1
+            centre = part["centre"]
+            inside = (centre >= out) & (centre < log.time_s.size - out)
+            part = {name: part[name][inside] for name in LAW}
+            parts.append(part)
+            known = test.over(log.force, test.value, part["centre"].astype(np.intp))
+            known = known - part["way"] * part["force"]
+            means.append((log, test.value, part["centre"], part["way"], known))
+        columns = _columns(parts)
+        if len(columns) < ROWS_A_NUMBER * columns.shape[1]:
+            return None
+        width = np.maximum(np.abs(columns).max(axis=0), 1e-300)
+        return cls(tuple(means), np.linalg.qr(columns / width)[0], reach_s)
+
+    def delayed(self, late_s: float) -> float:
+        """Return the squares that are left where the force acts so much later than logged."""
+        return self._left(
+            _mean_at(log.force, value, centre - late_s / log.interval_s)
+            for log, value, centre, _, _ in self.means
+        )
+
+    def lagging(self, time_s: float) -> float:
+        """Return the squares that are left where the drive follows with a time constant."""
+        return self._left(
+            _mean_at(following(log.force, max(time_s / log.interval_s, 1.0)), value, centre)
+            for log, value, centre, _, _ in self.means
+        )
+
+    def _left(self, forces: Iterable[Array]) -> float:
+        force = np.concatenate(
+            [way * (one - known) for one, (*_, way, known) in zip(forces, self.means, strict=True)]
+        )
+        rest = force - self.basis @ (self.basis.T @ force)
+        return float(rest @ rest)
+
+
+LAW = ("centre", "way", "force", "acceleration", "speed", "position", "beside")
+
+
+def _columns(parts: Sequence[dict[str, Array]]) -> Array:
+    """Return the columns of a rough law with what pulls by place, shape (W, k)."""
+    acceleration, way = joined(parts, "acceleration"), joined(parts, "way")
+    position = np.concatenate([part["position"] for part in parts])
+    weights = node_weights()[1]
+    speed = np.concatenate([part["speed"] for part in parts]) @ weights
+    columns = [acceleration, np.ones_like(acceleration), speed]
+    # Over a wide window a weight's mean pull is not that at its mean place.
+    inside = np.repeat(way, weights.size)
+    pull = pull_columns(position.ravel(), inside).reshape(*position.shape, -1)
+    pull = np.einsum("wpk,p->wk", pull, weights)
+    beside = np.concatenate([part["beside"] for part in parts])
+    others = leading(beside, joined(parts, "force"))[0]
+    return np.column_stack([*columns, pull, others])
+
+
+def _mean_at(force: Array, value: Array, middles: Array) -> Array:
+    """Return ∫ φ F dt around places between samples, shape (W,)."""
+    whole = np.floor(middles).astype(np.intp)
+    part = (middles - whole)[:, None]
+    at = whole[:, None] + np.arange(value.size) - value.size // 2
+    windows = (1 - part) * force[at] + part * force[at + 1]
+    return np.asarray(windows @ value)

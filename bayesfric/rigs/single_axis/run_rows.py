@@ -1,0 +1,145 @@
+"""The rows of one run: mean forces over windows, and all that is known in each."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import uniform_filter1d
+
+from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.even_log import EvenLog, given, smooth_motion
+from bayesfric.rigs.single_axis.force_curvature import force_curvature
+from bayesfric.rigs.single_axis.instruments import instruments_of
+from bayesfric.rigs.single_axis.late_rates import late_rates
+from bayesfric.rigs.single_axis.passes import passes_of, rests_of
+from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, node_weights
+
+__all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run", "turns_back"]
+
+NARROWEST = 8  # samples on either side of a window's middle
+FEWEST = 4  # the same, where the axis turns too soon for so many
+SMOOTHED = 4  # samples on either side that a speed is of, at the least
+LOCAL = 5  # samples over which jumps of the force are averaged
+UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
+FAR = 10.0  # strokes: travel since a reversal that nobody saw
+A_MOMENT = 0.01  # of a window
+FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
+
+
+def rows_of_run(
+    log: EvenLog,
+    test: TestFunction,
+    step: int,
+    noise: float,
+    stroke: float,
+    late_s: float = 0.0,
+    limit: float = np.inf,
+) -> dict[str, Array]:
+    """Return the rows of one run, fields of :class:`Readings` and where they are."""
+    half = test.half
+    quick = half < NARROWEST
+    position, velocity, way = smooth_motion(log, max(SMOOTHED, half // 2), noise, quick=quick)
+    if (other := log.further.get("sim_position")) is not None:
+        # Where the simulated axis runs the other way its friction says nothing of this motion.
+        there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]
+        way = np.where(there == way, way, 0.0)
+    travel, before = passes_of(position, way, FAR * stroke)
+    dwell, since = rests_of(position, way, log.interval_s)
+    warm = log.further.get("temperature", np.full(way.size, np.nan))
+    # A log does not say how long ago the axis turned before it, nor by which way it came to where
+    # it rests, which friction may remember; where it turns later on, that is better known.
+    if (way > 0).any() and (way < 0).any():
+        near = np.abs(position - position[0]) < FORGOTTEN * stroke
+        way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
+    centres = np.arange(half, log.time_s.size - half, step)
+    # A window counts where all of its samples run the same way.
+    runs = np.concatenate([[0.0], np.cumsum(way)])
+    one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
+    if log.dithers is not None:
+        one_way &= ~turns_back(log.dithers, test, centres)
+    place = np.flatnonzero(one_way)
+    centres = centres[one_way]
+    sign = way[centres]
+    # The outermost places may lie between a window's last sample and the next, which turned.
+    places = np.clip(node_weights()[0] * (half + 1), -half, half)
+    at = log.time_s[centres][:, None] + places * log.interval_s
+
+    def inside(values: Array) -> Array:
+        return np.asarray(np.interp(at, log.time_s, values))
+
+    simulated = [sign * one.over(test, centres) for one in log.forces]
+    beside = [sign * one.over(test, centres) for one in log.beside]
+    force = test.over(log.force, test.value, centres)
+    if log.known_force is not None:
+        force = force - log.known_force.over(test, centres)
+    lags = range(0, 2 * half // step + 1)
+    acting = given(log, limit)
+    curvature = force_curvature(acting, test, centres, runs)
+    delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
+    return {
+        "path": position,
+        "centre": centres.astype(np.float64),
+        "neighbour": place.astype(np.float64),
+        "way": sign,
+        "force": sign * force,
+        "acceleration": sign * test.over(log.position, test.curvature, centres),
+        "force_rate": sign * delayed,
+        "lagging_rate": sign * lagging,
+        "force_curvature": sign * curvature,
+        "time_s": log.time_s[centres],
+        "speed": np.abs(inside(velocity)),
+        "travel": inside(travel),
+        "passes": before[centres],
+        "dwell_s": dwell[centres],
+        "since_rest": since[centres],
+        "temperature": warm[centres],
+        "position": inside(position),
+        # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
+        "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
+        "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
+        "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
+        "instruments": sign[:, None] * instruments_of(log, test, centres),
+        "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
+        "beside": np.reshape(beside, (len(beside), centres.size)).T,
+    }
+
+
+def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:
+    """Return in which windows a joint runs against its mean speed for more than a moment, (W,).
+
+    Parameters
+    ----------
+    dithers : ndarray of bool, shape (N,)
+        Samples at which it does.
+    test : TestFunction
+        Of the windows.
+    centres : ndarray of int, shape (W,)
+        Their middles.
+    """
+    return test.over(dithers.astype(np.float64), test.value, centres) > A_MOMENT
+
+
+def _lagged(kernel: Array, step: int, lags: range) -> Array:
+    return np.array([kernel[lag * step :] @ kernel[: kernel.size - lag * step] for lag in lags])
+
+
+def _loudness(force: Array) -> Array:
+    """Return the variance of the force's error at each sample, over that at a quiet one, (N,).
+
+    What a force does between two samples is not in the log. Where it jumps from sample to
+    sample (seen in second differences) that is much, and a smooth course hides nothing.
+    """
+    jump = np.zeros(force.size)
+    jump[1:-1] = np.diff(force, 2) ** 2
+    local = uniform_filter1d(jump, LOCAL)
+    quiet = max(float(np.median(local)), (UNHEARD * float(np.std(force))) ** 2)
+    return np.asarray(1 + local / (quiet or 1.0))
+
+
+def _locally(kernel: Array, step: int, lags: range, variance: Array, centres: Whole) -> Array:
+    """Return covariances of windows by errors whose variance differs along the run, (W, L)."""
+    around = sliding_window_view(variance, kernel.size)[centres - kernel.size // 2]
+    products = np.zeros((kernel.size, len(lags)))
+    for lag in lags:
+        products[lag * step :, lag] = kernel[lag * step :] * kernel[: kernel.size - lag * step]
+    return np.asarray(around @ products)

@@ -1,0 +1,120 @@
+"""How wide the windows of a recording are, and roughly by how much its force is late."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
+from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
+from bayesfric.rigs.single_axis.run_rows import FEWEST, NARROWEST, SMOOTHED, rows_of_run
+from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
+
+__all__ = [
+    "LATEST_S",
+    "half_samples",
+    "joined",
+    "late_by",
+    "pass_s",
+    "position_sd",
+    "widest_half_s",
+    "window_width",
+]
+
+QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
+PASSES = 4  # windows side by side that a pass should have room for
+MOST = 3000  # rows of a recording
+LATEST_S = 0.05  # of a force, in which its rate is told exactly
+
+
+def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
+    """Return half the width of a window [s], and windows' distance as a share of that."""
+    logs = [replace(log, beside=()) for log in logs]
+    moved = float(np.mean([log.known_inertia for log in logs]))
+    length = sum(one.time_s.size * one.interval_s for one in logs)
+    half_s, longest = _narrowest_and_widest(logs, noise)
+    while half_s < longest:
+        rows = []
+        for one in logs:
+            half = half_samples(half_s, one)
+            test = test_function(half, one.interval_s)
+            rows.append(rows_of_run(one, test, 2 * half, noise, stroke))
+        force, way = joined(rows, "force"), joined(rows, "way")
+        pull = pull_columns(joined(rows, "position"), way)
+        acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
+        mass = rough_law(force, acceleration, speed, pull).mass + moved
+        error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
+        if force.size and mass * error < QUIET * float(np.sqrt(np.mean(force**2))):
+            break
+        half_s *= 1.25
+    half_s = min(half_s, longest)
+    return half_s, max(1.0, length / (MOST * half_s))
+
+
+def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:
+    interval = max(one.interval_s for one in logs)
+    room_s = pass_s(logs, noise) / (2 * PASSES)
+    narrowest = int(np.clip(room_s / interval, FEWEST, NARROWEST)) * interval
+    return narrowest, max(room_s, narrowest)
+
+
+def widest_half_s(logs: Sequence[EvenLog], noise: float) -> float:
+    """Return half of the widest window that a pass has room for [s]."""
+    return _narrowest_and_widest(logs, noise)[1]
+
+
+def half_samples(half_s: float, log: EvenLog) -> int:
+    """Return half a window in samples of a run."""
+    return max(FEWEST, round(half_s / log.interval_s))
+
+
+def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
+    """Return the standard deviation of a position's error, the median of runs."""
+    return float(np.median([position_noise(one, resolution) for one in logs]))
+
+
+def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
+    """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
+    found = []
+    for one in logs:
+        way = smooth_motion(one, resolving(one, SMOOTHED, noise), noise)[2]
+        edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
+        each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
+        found.append(each * one.interval_s)
+    lengths = np.concatenate(found)
+    if not lengths.size:
+        return 0.0
+    # Of the time, not of the passes: at a reversal noise makes many short ones.
+    order = np.sort(lengths)
+    return float(order[np.searchsorted(np.cumsum(order), 0.5 * order.sum())])
+
+
+def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
+    """Return one field of all runs, its mean over a window where it has places inside, (W,).
+
+    It is the mean that the force is: over a wide window another says less of a short pass.
+    """
+    values, weights = [row[name] for row in rows], node_weights()[1]
+    return np.concatenate([one @ weights if one.ndim > 1 else one for one in values])
+
+
+def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:
+    """Return by how much the force acts later than the log has it, roughly [s]."""
+    late_s, logs = 0.0, [replace(log, beside=()) for log in logs]
+    for _ in range(2):
+        rows = []
+        for one in logs:
+            test = test_function(half_samples(half_s, one), one.interval_s)
+            rows.append(rows_of_run(one, test, test.half, noise, stroke, late_s))
+        force, rate = joined(rows, "force"), joined(rows, "force_rate")
+        acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
+        pull = pull_columns(joined(rows, "position"), joined(rows, "way"))
+        design = np.stack([rate, acceleration, np.ones_like(rate), speed], axis=1)
+        if rough_law(force, acceleration, speed, pull).pull:
+            design = np.column_stack([design, pull])
+        width = np.abs(design).max(axis=0, initial=0.0)
+        width[width == 0] = 1.0
+        found = np.linalg.lstsq(design / width, force, rcond=1e-6)[0] / width
+        late_s = float(np.clip(found[0], -LATEST_S, LATEST_S)) if force.size else 0.0
+    return late_s

@@ -1,0 +1,33 @@
+"""What the links of a model have about one of its joints, its armature taken off."""
+
+from pathlib import Path
+
+import numpy as np
+
+from bayesfric.robots.dynamics import RigidBodies
+from bayesfric.robots.model_file import read_robot
+
+__all__ = ["link_inertia"]
+
+
+def link_inertia(path: Path, joint: str) -> float:
+    """Return the inertia of the links about a joint, or their mass along it [kg·m² or kg].
+
+    All joints of the model are at their reference positions.
+
+    Parameters
+    ----------
+    path : Path
+        The model, URDF or MJCF.
+    joint : str
+        Its name in the model.
+
+    Raises
+    ------
+    InputError
+        The model cannot be used.
+    """
+    robot = read_robot(path.parent, path.name, {joint: joint})
+    reference = np.asarray(robot.compiled.qpos0)[robot.compiled.jnt_qposadr[list(robot.places)]]
+    momentum, _ = RigidBodies(robot).momentum_and_pull(reference[None], np.ones((1, 1)))
+    return float(momentum[0, 0])

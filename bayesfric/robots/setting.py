@@ -1,0 +1,219 @@
+"""A user's own model with the fields of its joints set; all else of the file stays as it is."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.robots.xml_text import (
+    Edit,
+    Element,
+    edited,
+    elements_of,
+    inserted,
+    with_attributes,
+    with_text,
+)
+
+__all__ = ["KINDS", "JointValues", "ModelText", "model_text"]
+
+KINDS = {"mujoco": "mjcf", "robot": "urdf", "sdf": "sdf"}
+"""Formats by the element that a file begins with."""
+NO_JOINTS = ("default", "actuator", "tendon", "equality", "transmission")
+"""Elements below which `joint` is none of the chain."""
+TURNS = {
+    "mjcf": {"hinge": True, "slide": False},
+    "urdf": {"revolute": True, "continuous": True, "prismatic": False},
+    "sdf": {"revolute": True, "continuous": True, "prismatic": False},
+}
+
+
+@dataclass(frozen=True)
+class JointValues:
+    """Texts of numbers to write, in SI units of the joint; None leaves what is there.
+
+    Parameters
+    ----------
+    frictionloss : str or None
+        Coulomb friction.
+    damping : str or None
+        Of MJCF up to three numbers: factors of speed, its square and its cube.
+    armature : str or None
+        Only MJCF has it.
+    delay : str or None
+        Of the joint's actuators in MJCF [s].
+    samples : str or None
+        Commands that such a delay keeps.
+    limit : str or None
+        Largest drive force or torque.
+    """
+
+    frictionloss: str | None = None
+    damping: str | None = None
+    armature: str | None = None
+    delay: str | None = None
+    samples: str | None = None
+    limit: str | None = None
+
+
+@dataclass(frozen=True)
+class ModelText:
+    """A model's file, and where its joints are.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    content : bytes
+        In UTF-8.
+    kind : str
+        ``mjcf``, ``urdf`` or ``sdf``.
+    root : Element
+        Of it.
+    """
+
+    name: str
+    content: bytes
+    kind: str
+    root: Element
+
+    @property
+    def joints(self) -> dict[str, Element]:
+        """Elements of the joints that move, by name."""
+        every = self.root.walk(
+            without=("default", "actuator", "tendon", "equality", "transmission")
+        )
+        moving = TURNS[self.kind]
+        return {
+            one.attributes["name"]: one
+            for one in every
+            if one.tag == "joint" and "name" in one.attributes and self._type(one) in moving
+        }
+
+    def turns(self, joint: str) -> bool:
+        """Return whether a joint turns: its numbers are then N·m and radians."""
+        return TURNS[self.kind][self._type(self.joint(joint))]
+
+    def joint(self, name: str) -> Element:
+        """Return a joint's element.
+
+        Raises
+        ------
+        InputError
+            The file has no joint of the name that moves.
+        """
+        joints = self.joints
+        if name not in joints:
+            included = [one.attributes.get("file", "") for one in self.root.walk()
+                        if one.tag == "include"]  # fmt: skip
+            where = f"; or give --into the file that has it: {', '.join(included)}"
+            expected = f"{one_of(joints, name)}{where if included else ''}"
+            raise InputError([Fault(self.name, expected, column="joint", value=name)])
+        return joints[name]
+
+    def actuators(self, joint: str) -> list[Element]:
+        """Return the actuators of MJCF that drive a joint."""
+        rooms = [one for one in self.root.children if one.tag == "actuator"]
+        return [
+            one for room in rooms for one in room.children if one.attributes.get("joint") == joint
+        ]
+
+    def with_values(self, values: Mapping[str, JointValues]) -> "ModelText":
+        """Return it with the fields of joints set.
+
+        Parameters
+        ----------
+        values : mapping of str to JointValues
+            By name of the joint in the file.
+
+        Raises
+        ------
+        InputError
+            The file has no such joint, or it has no axis in SDF.
+        """
+        edits = [
+            edit for joint, own in values.items() for edit in self._edits(self.joint(joint), own)
+        ]
+        content = edited(self.content, edits)
+        return replace(self, content=content, root=elements_of(content, self.name))
+
+    def _type(self, joint: Element) -> str:
+        return joint.attributes.get("type", "hinge" if self.kind == "mjcf" else "")
+
+    def _edits(self, joint: Element, values: JointValues) -> Iterator[Edit]:
+        if self.kind == "mjcf":
+            yield from self._of_mjcf(joint, values)
+        elif self.kind == "urdf":
+            yield from self._of_urdf(joint, values)
+        else:
+            yield from self._of_sdf(joint, values)
+
+    def _of_mjcf(self, joint: Element, values: JointValues) -> Iterator[Edit]:
+        own = _said(
+            frictionloss=values.frictionloss, damping=values.damping, armature=values.armature
+        )
+        yield with_attributes(self.content, joint, own)
+        limits = None if values.limit is None else f"-{values.limit} {values.limit}"
+        driving = _said(delay=values.delay, nsample=values.samples, forcerange=limits)
+        for actuator in self.actuators(joint.attributes["name"]) if driving else ():
+            yield with_attributes(self.content, actuator, driving)
+
+    def _of_urdf(self, joint: Element, values: JointValues) -> Iterator[Edit]:
+        own = _said(friction=values.frictionloss, damping=values.damping)
+        dynamics, limit = joint.child("dynamics"), joint.child("limit")
+        if dynamics is not None:
+            yield with_attributes(self.content, dynamics, own)
+        elif own:
+            written = " ".join(f'{name}="{value}"' for name, value in own.items())
+            indent = _indent(self.content, joint)
+            yield inserted(self.content, joint, f"{indent}<dynamics {written}/>")
+        if limit is not None and values.limit is not None:
+            yield with_attributes(self.content, limit, {"effort": values.limit})
+
+    def _of_sdf(self, joint: Element, values: JointValues) -> Iterator[Edit]:
+        axis = joint.child("axis")
+        if axis is None:
+            name = joint.attributes["name"]
+            raise InputError([Fault(self.name, "a joint with an <axis>", column=name)])
+        own = _said(damping=values.damping, friction=values.frictionloss)
+        dynamics, limit = axis.child("dynamics"), axis.child("limit")
+        if dynamics is not None:
+            yield from with_text(self.content, dynamics, own)
+        elif own:
+            written = "".join(f"<{name}>{value}</{name}>" for name, value in own.items())
+            yield inserted(self.content, axis, f"<dynamics>{written}</dynamics>")
+        if limit is not None and values.limit is not None:
+            yield from with_text(self.content, limit, {"effort": values.limit})
+
+
+def model_text(content: bytes, name: str) -> ModelText:
+    """Return a model's file, its format told by the element that it begins with.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+    name : str
+        Of the file, for faults.
+
+    Raises
+    ------
+    InputError
+        It is no XML, or no model.
+    """
+    root = elements_of(content, name)
+    if root.tag not in KINDS:
+        expected = "a model in MJCF (<mujoco>), URDF (<robot>) or SDF (<sdf>)"
+        raise InputError([Fault(name, expected, value=f"<{root.tag}>")])
+    return ModelText(name, content, KINDS[root.tag], root)
+
+
+def _said(**values: str | None) -> dict[str, str]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _indent(content: bytes, parent: Element) -> str:
+    """Return the line break and blanks that stand before the first thing in an element."""
+    if not parent.children:
+        return ""
+    before = content[parent.opened : parent.children[0].start]
+    return before.decode() if not before.strip() else ""

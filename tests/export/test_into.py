@@ -1,0 +1,226 @@
+"""A user's own model with what a diagnosis found: MuJoCo loads it, and the truth comes back."""
+
+import ast
+import csv
+import json
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+from export.hinge import Hinge, drawn_hinge, recording
+from typer.testing import CliRunner
+
+import bayesfric as bf
+from bayesfric.cli import app
+from bayesfric.export.into import filled_model
+from bayesfric.export.joints import ExportedJoint, joints_of
+from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
+from bayesfric.export.snippets import load_friction_text
+from bayesfric.robots.fields import fields_of
+from bayesfric.schemas import Enter, Interval, SimulatorField
+
+mujoco = pytest.importorskip("mujoco")
+OWN = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)  # what the user's simulator has
+NUMBERS = {"coulomb": "frictionloss", "viscous": "damping", "armature": "armature"}
+
+
+def diagnosed(folder, seed):
+    """Diagnose a hinge beside a model with other numbers; return the truth and the joint."""
+    truth = drawn_hinge(seed)
+    found = bf.diagnose(recording(truth, seed, own=OWN))
+    found.write(folder / "out")
+    (folder / "one.xml").write_text(OWN.model())
+    (folder / "one.urdf").write_text(OWN.urdf())
+    return truth, found.summary
+
+
+def exported(folder, *arguments):
+    done = CliRunner().invoke(app, ["export", str(folder / "out"), *map(str, arguments)])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+def number(parameter, mean, sd, unit="N·m", **more):
+    value = Interval(mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd)
+    fields = {
+        name: None if field is None else SimulatorField(**field._asdict())
+        for name, field in fields_of(parameter, turns=True).items()
+    }
+    return Enter(parameter=parameter, unit=unit, value=value, fields=fields, **more)
+
+
+def joint(*numbers, name="elbow", in_model=None, turns=True, draws=None):
+    named = {one.parameter: one for one in numbers}
+    return ExportedJoint(name, in_model, turns, named, draws or {})
+
+
+@pytest.fixture(scope="module")
+def hinge(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hinge")
+    truth, summary = diagnosed(folder, 1)
+    return SimpleNamespace(folder=folder, truth=truth, summary=summary)
+
+
+def test_the_diagnosis_says_what_the_model_has_and_what_to_enter(hinge):
+    entered = {one.parameter: one for one in hinge.summary.enter}
+    entered |= {"armature": entered.get("armature", entered.get("inertia"))}
+    assert hinge.summary.joint_in_model == "hinge"
+    for name, field in NUMBERS.items():
+        assert entered[name].in_your_simulator == getattr(OWN, field)
+        truth = getattr(hinge.truth, field)
+        assert entered[name].value.q05 < truth < entered[name].value.q95
+
+
+def test_mujoco_loads_the_users_model_with_the_numbers(hinge):
+    said = exported(hinge.folder, "--to", "mjcf", "--into", hinge.folder / "one.xml")
+    assert "frictionloss 0.76" in said
+    text = (hinge.folder / "out" / "one.xml").read_text()
+    assert "<!-- a rod -->" in text
+    compiled = mujoco.MjModel.from_xml_string(text)
+    assert compiled.dof_frictionloss[0] == pytest.approx(hinge.truth.frictionloss, rel=0.005)
+    assert compiled.dof_damping[0] == pytest.approx(hinge.truth.damping, rel=0.005)
+    assert compiled.dof_armature[0] == pytest.approx(hinge.truth.armature, abs=0.01)
+
+
+def test_mujoco_loads_the_users_urdf_with_the_numbers(hinge):
+    said = exported(hinge.folder, "--to", "urdf", "--into", hinge.folder / "one.urdf")
+    compiled = mujoco.MjModel.from_xml_string((hinge.folder / "out" / "one.urdf").read_text())
+    assert compiled.dof_frictionloss[0] == pytest.approx(hinge.truth.frictionloss, rel=0.005)
+    assert compiled.dof_damping[0] == pytest.approx(hinge.truth.damping, rel=0.005)
+    assert "no field for" in said  # of the armature
+
+
+def test_draws_keep_their_correlation(hinge):
+    """Coulomb and viscous friction of one log trade off: so they do in the table."""
+    exported(hinge.folder, "--to", "mjcf", "--into", hinge.folder / "one.xml", "--draws", "200")
+    with (hinge.folder / "out" / "joint-draws.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 200
+    drawn = {name: np.array([float(row[name]) for row in rows]) for name in NUMBERS}
+    (read,) = joints_of(hinge.summary, bf.results.read_tree(hinge.folder / "out/diagnosis.nc"))
+    own = np.corrcoef(read.draws["coulomb"], read.draws["viscous"])[0, 1]
+    assert own < -0.5
+    assert np.corrcoef(drawn["coulomb"], drawn["viscous"])[0, 1] == pytest.approx(own, abs=0.1)
+    assert {row["joint"] for row in rows} == {"hinge"}
+    assert np.mean(drawn["armature"]) == pytest.approx(hinge.truth.armature, abs=0.01)
+
+
+@pytest.mark.nightly
+def test_the_truth_of_twenty_hinges_lies_in_their_intervals(tmp_path):
+    """Of 60 numbers 90 % are expected inside; with 48 or fewer the intervals are too narrow."""
+    inside = []
+    for seed in range(2, 22):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        truth, summary = diagnosed(folder, seed)
+        for one in summary.enter:
+            name = {"inertia": "armature"}.get(one.parameter, one.parameter)
+            if name in NUMBERS:
+                inside.append(one.value.q05 <= getattr(truth, NUMBERS[name]) <= one.value.q95)
+    assert len(inside) == 60
+    assert sum(inside) > 48
+
+
+COULOMB, VISCOUS = number("coulomb", 0.61, 0.01), number("viscous", 0.3, 0.01, "N·m s/rad")
+
+
+def test_inertia_without_a_model_is_that_of_the_links_too(tmp_path):
+    """0.081 kg·m² in all; the rod of 1.2 kg has 0.0365 about its end: the rest is the rotor's."""
+    path = tmp_path / "one.xml"
+    path.write_text(OWN.model())
+    whole = number("inertia", 0.081, 0.002, "kg·m²")
+    filled = filled_model(path, "mjcf", [joint(COULOMB, VISCOUS, whole, name="")], {})
+    compiled = mujoco.MjModel.from_xml_string(filled.content.decode())
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    inertia = np.zeros((1, 1))
+    mujoco.mj_fullM(compiled, data, inertia)
+    assert inertia[0, 0] == pytest.approx(0.081, abs=0.0005)
+    assert "0.0810 kg·m² in all" in filled.remarks[0]
+    light = number("inertia", 0.01, 0.001, "kg·m²")
+    filled = filled_model(path, "mjcf", [joint(light, name="")], {})
+    assert 'armature="0"' in filled.content.decode()
+    assert "their masses are too large" in " ".join(filled.remarks)
+
+
+def test_powers_of_speed_are_a_polynomial_and_what_is_below_zero_is_zero(tmp_path):
+    path = tmp_path / "one.xml"
+    path.write_text(OWN.model(joint="elbow"))
+    drag = number("air-drag.coefficient", 0.02, 0.001, "N·m s²/rad²")
+    negative = number("viscous", -0.05, 0.01, "N·m s/rad")
+    filled = filled_model(path, "mjcf", [joint(COULOMB, negative, drag)], {})
+    assert 'damping="0 0.0200 0"' in filled.content.decode()
+    assert "viscous is below zero (-0.050): 0 is entered" in " ".join(filled.remarks)
+
+
+@pytest.mark.parametrize(
+    ("change", "to", "named", "said"),
+    [
+        ({"turns": False}, "mjcf", {}, "a joint that slides, in N and m"),
+        ({}, "urdf", {}, "--to mjcf"),
+        ({}, "mjcf", {"elbow": "knee"}, "one of hinge"),
+        ({}, "mjcf", {"shoulder": "hinge"}, "one of elbow"),
+    ],
+)
+def test_what_does_not_fit_is_one_clear_line(tmp_path, change, to, named, said):
+    path = tmp_path / "one.xml"
+    path.write_text(OWN.model())
+    with pytest.raises(bf.InputError) as raised:
+        filled_model(path, to, [joint(COULOMB, **change)], named)
+    assert said in str(raised.value)
+
+
+def test_a_callback_has_the_friction_of_the_load(monkeypatch):
+    """A rod held out level: its weight of 1.2 kg at 0.15 m, times a share of 0.1."""
+    own = number("load-friction.share", 0.1, 0.005, "1", snippet="load_friction")
+    text = load_friction_text({"hinge": joint(own)})
+    assert load_friction_text({"hinge": joint(COULOMB)}) is None
+    module = {}
+    exec(compile(text, "load_friction.py", "exec"), module)
+    bare = Hinge(frictionloss=0, damping=0, armature=0.02)
+    compiled = mujoco.MjModel.from_xml_string(bare.model())
+    module["install"](compiled)
+    try:
+        data = mujoco.MjData(compiled)
+        data.qvel[0] = 1.0
+        mujoco.mj_forward(compiled, data)
+    finally:
+        mujoco.set_mjcb_passive(None)
+    assert data.qfrc_passive[0] == pytest.approx(-0.1 * 1.2 * 9.81 * 0.15, rel=1e-6)
+
+
+def test_isaac_lab_reads_a_configuration_of_its_own(monkeypatch):
+    text = TEXTS_OF_JOINTS["isaaclab"][1]([joint(COULOMB, VISCOUS, in_model="j2")], "log")
+    ast.parse(text)
+    actuators = ModuleType("isaaclab.actuators")
+    actuators.ImplicitActuatorCfg = SimpleNamespace
+    monkeypatch.setitem(sys.modules, "isaaclab", ModuleType("isaaclab"))
+    monkeypatch.setitem(sys.modules, "isaaclab.actuators", actuators)
+    module = {}
+    exec(compile(text, "isaaclab_actuators.py", "exec"), module)
+    group = module["ACTUATORS"]["j2"]
+    assert group.joint_names_expr == ["j2"]
+    assert (group.friction, group.dynamic_friction, group.viscous_friction) == (0.61, 0.61, 0.3)
+    assert group.stiffness is None
+
+
+def test_python_and_json_have_all_joints():
+    joints = [joint(COULOMB, VISCOUS), joint(COULOMB, name='a "b"\\n')]
+    module = {}
+    exec(compile(TEXTS_OF_JOINTS["python"][1](joints, 'x"""y'), "joints.py", "exec"), module)
+    assert module["friction"]("elbow", -2.0) == pytest.approx(-(0.61 + 0.6))
+    record = json.loads(TEXTS_OF_JOINTS["json"][1](joints, "log"))
+    assert [one["joint"] for one in record["joints"]] == ["elbow", 'a "b"\\n']
+    assert record["joints"][0]["enter"][0]["value"]["mean"] == 0.61
+
+
+def test_draws_below_zero_are_left_out_and_counted():
+    draws = {"coulomb": np.linspace(0.5, 0.7, 100), "viscous": np.linspace(-0.0095, 0.0895, 100)}
+    text, below = draws_table([joint(COULOMB, VISCOUS, draws=draws)], 10, {})
+    assert below == 10
+    rows = list(csv.DictReader(text.splitlines()))
+    assert len(rows) == 10
+    assert min(float(row["viscous"]) for row in rows) >= 0
+    with pytest.raises(bf.InputError, match="at most 90 draws"):
+        draws_table([joint(COULOMB, VISCOUS, draws=draws)], 91, {})

@@ -1,0 +1,92 @@
+"""The log of a joint as telemetry leaves it: commands in steps, holds, late rows, own clocks."""
+
+import numpy as np
+import pytest
+from rigs.joints import recording_of
+from rigs.looped_joint import LoopedJoint
+
+from bayesfric.recording.held import released, stale
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.single_axis.even_log import even_grid
+from bayesfric.rigs.single_axis.weak_form import test_function as bump
+
+AXIS = all_rigs()["single-axis"]
+
+
+def rough_of(recording):
+    return AXIS.trials(recording)._rough
+
+
+def near(joint, rough, within=0.03):
+    assert rough.mass == pytest.approx(joint.inertia, rel=within)
+    assert rough.coulomb == pytest.approx(joint.coulomb, rel=within)
+    assert rough.viscous == pytest.approx(joint.viscous, rel=3 * within)
+
+
+def stepped(time, sent, at):
+    """Return what acts at some times: the last command that was sent."""
+    return sent[np.clip(np.searchsorted(time, at, side="right") - 1, 0, None)]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_a_command_is_integrated_as_it_is_held(jitter):
+    rng = np.random.default_rng(1)
+    interval = 0.01
+    time = interval * (np.arange(400) + jitter * rng.uniform(-0.5, 0.5, 400))
+    sent = np.sin(9 * time) + 0.5 * rng.standard_normal(400)
+    log = even_grid(time, {"position": time, "force": sent}, commanded=True)
+    test, centres = bump(12, log.interval_s), np.arange(20, 380, 9)
+    found = test.over(log.force, test.value, centres)
+    fine = np.linspace(-1, 1, 40001)
+    weight = (1 - fine**2) ** 3
+    width = 13 * log.interval_s
+    expected = [
+        np.average(stepped(time, sent, log.time_s[one] + width * fine), weights=weight)
+        for one in centres
+    ]
+    np.testing.assert_allclose(found, expected, atol=0.012)  # half a sample late: 0.05
+
+
+def test_commands_at_100_hz_and_jitter_leave_the_law_as_it_is():
+    joint = LoopedJoint(sampled_hz=100.0, count=1e-3, stiffness=8.0, damping=0.6, jitter=0.4)
+    near(joint, rough_of(joint.recording()))
+
+
+def test_the_force_of_a_motor_that_telemetry_holds_goes_on_to_its_next_reading():
+    """Held for eight samples it is 7 ms late in the mean; a drive's command would act so."""
+    joint = LoopedJoint(force_held=8, closed=False)
+    recording = joint.recording(force_is="motor")
+    run = recording.axis.samples[recording.axis.samples["run"] == "r0"]
+    assert "force for 8 samples" in released(run, "motor")[1]
+    near(joint, rough_of(recording))
+
+
+def late_rows(samples, share=0.1, seed=3):
+    """Return samples of which some repeat the row before, as if the new one came too late."""
+    again = np.random.default_rng(seed).random(len(samples)) < share
+    again[0] = False
+    kept = np.maximum.accumulate(np.where(again, 0, np.arange(len(samples))))
+    columns = ["position_m", "force_n"]
+    return samples.assign(**{name: samples[name].to_numpy()[kept] for name in columns}), again
+
+
+def test_rows_that_came_too_late_are_found_and_counted():
+    samples, again = late_rows(LoopedJoint(sampled_hz=200.0, closed=False).samples())
+    found = stale(samples["position_m"].to_numpy(), samples["force_n"].to_numpy())
+    assert (found == again).mean() > 0.99
+    assert f"{found.sum():,} of 3,000 rows repeat the one before" in released(samples, None)[1]
+    for coarse in (LoopedJoint(count=1e-2, closed=False), LoopedJoint(count=1e-3)):
+        log = coarse.samples()
+        assert not stale(log["position_m"].to_numpy(), log["force_n"].to_numpy()).any()
+
+
+@pytest.mark.parametrize("zero_s", [0.0, 7000.0])
+def test_a_force_on_a_clock_of_its_own_is_read_by_it(zero_s):
+    """It comes now more, now less after the position; the zero of its clock is any instant."""
+    joint = LoopedJoint(sampled_hz=100.0, stiffness=8.0, damping=0.6)
+    samples = joint.recording().axis.samples
+    late = 0.005 + 0.002 * np.random.default_rng(1).uniform(-1, 1, len(samples))
+    # The command of a row acts through the interval that begins there: in the mean 5 ms later.
+    at_own = samples.assign(force_time_s=samples["time_s"] + late + zero_s)
+    # Of a clock with another zero it is only known that the two go alike: 5 ms are not seen.
+    near(joint, rough_of(recording_of(at_own, force_is="motor")), 0.05 if zero_s else 0.03)

@@ -1,0 +1,49 @@
+"""A force that stands in the log at another time than the one at which it acted."""
+
+import numpy as np
+import pytest
+from rigs.joints import Joint, recording_of
+from rigs.looped_joint import LoopedJoint
+
+from bayesfric.rigs import all_rigs
+
+AXIS = all_rigs()["single-axis"]
+CLOSED = {"stiffness": 15.0, "damping": 1.0}
+LATE = {
+    "half a second": LoopedJoint(sampled_hz=200.0, closed=False, late_s=0.5),
+    "a tenth, in a loop": LoopedJoint(sampled_hz=200.0, late_s=0.1, **CLOSED),
+    "four fifths, counts of 1e-3": LoopedJoint(sampled_hz=200.0, count=1e-3, late_s=0.8, **CLOSED),
+}
+
+
+@pytest.mark.parametrize("joint", LATE.values(), ids=LATE)
+def test_a_force_that_telemetry_has_late_is_set_right(joint):
+    runs = AXIS.trials(joint.recording())
+    assert runs.late_s == pytest.approx(joint.late_s, abs=2e-3)
+    rough = runs._rough
+    assert rough.mass == pytest.approx(joint.inertia, rel=0.03)
+    assert rough.coulomb == pytest.approx(joint.coulomb, rel=0.03)
+    assert f"The force acts {runs.late_s:.3g} s later" in " ".join(runs.doubts({}))
+
+
+def test_a_sensor_that_is_slow_is_set_right_too():
+    """What it reads acted 30 ms ago: no drive acts before it is told to."""
+    joint = LoopedJoint(sampled_hz=200.0, **CLOSED)
+    samples = joint.recording().axis.samples
+    for _, rows in samples.groupby("run"):
+        time, sent = rows["time_s"].to_numpy(), rows["force_n"].to_numpy()
+        samples.loc[rows.index, "force_n"] = np.interp(time - 0.03, time, sent)
+    runs = AXIS.trials(recording_of(samples, force_is="motor"))
+    assert runs.late_s == pytest.approx(-0.0275, abs=2e-3)  # a command acts 2.5 ms later itself
+    assert runs._rough.mass == pytest.approx(joint.inertia, rel=0.03)
+
+
+def test_what_a_drive_may_be_late_by_is_left_to_the_effects():
+    for joint in (Joint(), LoopedJoint(sampled_hz=200.0, late_s=0.02, **CLOSED)):
+        assert AXIS.trials(joint.recording()).late_s == 0.0
+
+
+def test_a_tenth_of_a_second_is_no_lag():
+    """A drive that lags by as much bends the force almost alike where the joint is slow."""
+    runs = AXIS.trials(LoopedJoint(sampled_hz=200.0, closed=False, late_s=0.1).recording())
+    assert runs.late_s == pytest.approx(0.1, abs=2e-3)

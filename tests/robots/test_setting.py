@@ -1,0 +1,115 @@
+"""A user's model with the fields of its joints set: the rest of the file stays byte for byte."""
+
+import pytest
+
+from bayesfric.errors import InputError
+from bayesfric.robots.setting import JointValues, model_text
+
+MJCF = b"""<?xml version="1.0"?>
+<!-- my robot > of two joints -->
+<mujoco>
+  <default><joint damping="9"/></default>
+  <worldbody>
+    <body name="upper">
+      <joint name="shoulder" axis="0 1 0" damping='0.5'
+             range="-90 90"/>   <!-- keep -->
+      <geom size="0.1" mass="1"/>
+      <body name="lower">
+        <joint name="elbow" type="slide" axis="1 0 0" user="a > b"></joint>
+        <geom size="0.1" mass="1"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor name="m" joint="shoulder"/></actuator>
+</mujoco>
+"""
+URDF = b"""<robot name="r">
+  <link name="a"/><link name="b"/><link name="c"/>
+  <joint name="j1" type="revolute">
+    <parent link="a"/><child link="b"/>
+    <limit effort="5" velocity="1" lower="0" upper="1"/>
+  </joint>
+  <joint name="j2" type="continuous">
+    <dynamics damping="1"/>
+    <parent link="b"/><child link="c"/>
+  </joint>
+  <joint name="fixed" type="fixed"><parent link="a"/><child link="c"/></joint>
+</robot>
+"""
+SDF = b"""<sdf version="1.9"><model name="m"><joint name="j1" type="revolute"><axis><xyz>0 0 1</xyz>
+<dynamics><damping>1</damping></dynamics></axis></joint>
+<joint name="j2" type="prismatic"><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"""
+
+
+def test_mjcf_has_the_numbers_and_all_else_byte_for_byte():
+    model = model_text(MJCF, "robot.xml")
+    values = JointValues(frictionloss="0.61", damping="0.32 0.01", armature="0.031")
+    done = model.with_values({"shoulder": values}).content
+    assert done == MJCF.replace(b"damping='0.5'", b'damping="0.32 0.01"').replace(
+        b'range="-90 90"/>', b'range="-90 90" frictionloss="0.61" armature="0.031"/>'
+    )
+    assert model.turns("shoulder")
+    assert not model.turns("elbow")
+
+
+def test_a_tag_may_hold_a_sign_that_ends_one():
+    done = model_text(MJCF, "robot.xml").with_values({"elbow": JointValues(armature="2.5")})
+    assert b'user="a > b" armature="2.5"></joint>' in done.content
+
+
+def test_delay_and_limit_go_to_the_actuators_of_the_joint():
+    values = JointValues(delay="0.008", samples="6", limit="4.2")
+    done = model_text(MJCF, "robot.xml").with_values({"shoulder": values}).content
+    motor = b'<motor name="m" joint="shoulder" delay="0.008" nsample="6" forcerange="-4.2 4.2"/>'
+    assert motor in done
+
+
+def test_urdf_has_dynamics_that_were_there_and_that_were_not():
+    values = JointValues(frictionloss="0.61", damping="0.3", armature="0.1", limit="4")
+    model = model_text(URDF, "robot.urdf").with_values({"j1": values, "j2": values})
+    first, second = (model.joint(name) for name in ("j1", "j2"))
+    assert first.child("dynamics").attributes == {"friction": "0.61", "damping": "0.3"}
+    assert second.child("dynamics").attributes == {"friction": "0.61", "damping": "0.3"}
+    assert first.child("limit").attributes["effort"] == "4"
+    assert b"armature" not in model.content
+    assert set(model.joints) == {"j1", "j2"}
+
+
+def test_sdf_has_texts_that_were_there_and_that_were_not():
+    values = JointValues(frictionloss="0.61", damping="0.3")
+    done = model_text(SDF, "m.sdf").with_values({"j1": values, "j2": values}).content
+    both = b"<damping>0.3</damping><friction>0.61</friction>"
+    assert b"<axis><dynamics>" + both + b"</dynamics><xyz>0 0 1</xyz></axis>" in done
+    assert b"<friction>0.61</friction><damping>0.3</damping></dynamics>" in done
+
+
+def test_numbers_come_back_from_the_parser_of_mujoco():
+    mujoco = pytest.importorskip("mujoco")
+    values = JointValues(frictionloss="0.61", damping="0.32", armature="0.031", delay="0.008",
+                         samples="6")  # fmt: skip
+    plain = MJCF.replace(b' user="a > b"', b"")
+    done = model_text(plain, "robot.xml").with_values({"shoulder": values}).content
+    compiled = mujoco.MjModel.from_xml_string(done.decode())
+    assert compiled.dof_frictionloss[0] == 0.61
+    assert compiled.dof_damping[0] == 0.32
+    assert compiled.dof_armature[0] == 0.031
+    assert compiled.actuator_delay[0] == 0.008
+
+
+@pytest.mark.parametrize(
+    ("content", "joint", "said"),
+    [
+        (MJCF, "elbo", "elbow"),
+        (MJCF.replace(b"<worldbody>", b'<include file="arm.xml"/><worldbody>'), "x", "arm.xml"),
+        (b"<html/>", "x", "MJCF"),
+        (b"<mujoco>", "x", "parses"),
+        (b"<!DOCTYPE a><mujoco/>", "x", "entities"),
+        ("<mujoco/>".encode("utf-16"), "x", "UTF-8"),
+        (SDF.replace(b"axis", b"axle"), "j1", "an <axis>"),
+    ],
+)
+def test_what_cannot_be_set_is_one_clear_line(content, joint, said):
+    with pytest.raises(InputError) as raised:
+        model_text(content, "robot.xml").with_values({joint: JointValues(damping="1")})
+    assert said in str(raised.value)
+    assert len(raised.value.faults) == 1
