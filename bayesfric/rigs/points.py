@@ -52,7 +52,7 @@ class PointPart:
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
         loaded = rows.table.groupby(["setup", *rows.loads], sort=False).ngroup()
         self._load = loaded.to_numpy()
-        first = [int(np.argmax(self._load == one)) for one in range(self._load.max() + 1)]
+        first = [int(np.argmax(self._load == load)) for load in range(self._load.max() + 1)]
         self._setup_of_load, self._size_of_load = codes[first], self.size[first]
         self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         self._by_load = indicator(np.asarray(self._load, dtype=np.intp), len(first))
@@ -80,7 +80,7 @@ class PointPart:
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(model.priors)
-        self._own, *names = (one.name for one in self.noise)
+        self._own, *names = (parameter.name for parameter in self.noise)
         rank = len(shared_moves)
         self._by_loads, self._assembly = names[: 2 * rank : 2], names[1 : 2 * rank : 2]
         self._errors = names[2 * rank :]
@@ -120,7 +120,7 @@ class PointPart:
             mine = size == which
             place = self.layout.spread(k, which)
             part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
-            taken = nested.told(self._size_of_load == which, self._size_of_setup == which)
+            taken = nested.taken_by(self._size_of_load == which, self._size_of_setup == which)
             part, own = part - taken[0], own - taken[1]
             precision[np.ix_(place, place)] += part
             slope[place] += own
@@ -137,7 +137,7 @@ class PointPart:
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
-            found: dict[str, float] = {}
+            gradient_by_name: dict[str, float] = {}
             for names, (columns, response, own), of_size in (
                 (self._by_loads, nested.of_groups(), self._size_of_load),
                 (self._assembly, nested.of_setups(), self._size_of_setup),
@@ -145,9 +145,11 @@ class PointPart:
                 for r, name in enumerate(names):
                     sums = columns[:, r], response[:, r], own[:, r]
                     moments = second_moments(*sums, of_size, mean, covariance)
-                    found[name] = noise[name] ** 2 * float(moments.sum())
-            columns, response, deviation = (one[self._load[runs]] for one in nested.of_rows())
-            each = second_moments(
+                    gradient_by_name[name] = noise[name] ** 2 * float(moments.sum())
+            columns, response, deviation = (
+                rows_of_group[self._load[runs]] for rows_of_group in nested.of_rows()
+            )
+            second = second_moments(
                 weighted - np.einsum("ir,irk->ik", pulls, columns),
                 y / variance - np.einsum("ir,ir->i", pulls, response),
                 1 / variance - np.einsum("ir,irs,is->i", pulls, deviation, pulls),
@@ -155,32 +157,32 @@ class PointPart:
                 mean,
                 covariance,
             )
-            found[self._own] = noise[self._own] ** 2 * float(each @ moved**2)
+            gradient_by_name[self._own] = noise[self._own] ** 2 * float(second @ moved**2)
             for name, scale in zip(self._errors, self.rows.errors, strict=True):
-                found[name] = noise[name] ** 2 * float(each @ scale[runs] ** 2)
+                gradient_by_name[name] = noise[name] ** 2 * float(second @ scale[runs] ** 2)
             if at_rest.size:
                 own_mean, own_cov = mean[0][self._mine], covariance[0][self._mine, self._mine]
                 off = at_rest - still @ own_mean
                 square = (off**2).sum() + ((still @ own_cov) * still).sum()
-                found[self._errors[0]] += square / sigma**2 - at_rest.size
-            return found
+                gradient_by_name[self._errors[0]] += square / sigma**2 - at_rest.size
+            return gradient_by_name
 
         return Evaluated(information, gradient)
 
     def _error2(self, noise: Mapping[str, float]) -> Array:
         """Return the variance of each reading's own error, (N,)."""
-        found = np.zeros(len(self.setup)) + np.square(self.rows.known_error)
+        variance = np.zeros(len(self.setup)) + np.square(self.rows.known_error)
         for name, scale in zip(self._errors, self.rows.errors, strict=True):
-            found += (noise[name] * scale) ** 2
-        return found
+            variance += (noise[name] * scale) ** 2
+        return variance
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "PointPart":
         """Return the rig with mixtures of its columns in their place."""
-        found = copy(self)
-        found.layout, found.columns = layout, self.columns @ squeeze
-        return found
+        squeezed = copy(self)
+        squeezed.layout, squeezed.columns = layout, self.columns @ squeeze
+        return squeezed
 
-    def told(self, noise: Mapping[str, float]) -> Array:
+    def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
         variance = self._error2(noise) + self.scatter(noise).sum(axis=1) * self._moved**2
         outer = self.columns[:, :, None] * self.columns[:, None, :]
@@ -196,8 +198,8 @@ class PointPart:
         apart = np.full(len(self.setup), noise[self._own] ** 2)
         part = self._shared / self._moved[:, None]
         variance = [
-            noise[one] ** 2 + noise[other] ** 2
-            for one, other in zip(self._by_loads, self._assembly, strict=True)
+            noise[by_load] ** 2 + noise[by_assembly] ** 2
+            for by_load, by_assembly in zip(self._by_loads, self._assembly, strict=True)
         ]
         return np.stack([apart, part**2 @ np.array(variance)], axis=1)
 

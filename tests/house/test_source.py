@@ -25,11 +25,7 @@ NOT_YET_NAMED = {
     "logs": 9,
     "recording": 27,
     "report": 165,
-    "rigs": 40,
-    "rigs/gravity_board": 97,
-    "rigs/motor_board": 5,
-    "rigs/single_axis": 133,
-    "rigs/steady_points": 18,
+    "rigs/single_axis": 132,
     "robots": 4,
 }
 NOT_YET_SHORT = {

@@ -164,7 +164,7 @@ def _tension_lines(
         ]
     )
     r_squared = [cell.line.slope.r_squared for cell in cells]
-    known = [value for value in r_squared if value is not None]
+    defined = [value for value in r_squared if value is not None]
     law = ("pulley", "n", "quantile")
     return xr.Dataset(
         {
@@ -176,7 +176,7 @@ def _tension_lines(
             "slope": ("cell", [cell.line.slope.value for cell in cells]),
             "intercept_n": ("cell", [cell.line.intercept_n for cell in cells]),
             "r_squared": ("cell", np.array(r_squared, dtype=np.float64)),
-            "least_r_squared": min(known, default=np.nan),
+            "least_r_squared": min(defined, default=np.nan),
             "slope_again": (
                 ("cell", "quantile"),
                 np.stack([bands(cell.slope_again) for cell in cells]),
@@ -219,13 +219,13 @@ def _wrap_lines(
     law = np.empty((len(lines), GRID, len(QUANTILES)))
     for place, (size, n, level) in enumerate(lines):
         group = groups[size, n]
-        here = slice(len(group))
-        angle[place, here] = [cell.line.wrap_angle_deg for cell in group]
-        friction[place, here] = [cell.friction(level) for cell in group]
+        filled = slice(len(group))
+        angle[place, filled] = [cell.line.wrap_angle_deg for cell in group]
+        friction[place, filled] = [cell.friction(level) for cell in group]
         new = np.stack([cell.friction_again(level) for cell in group], axis=1)
-        again[place, here] = bands(new)
-        slope[place] = _lines(angle[place, here], friction[place, here])[0]
-        slope_again[place] = bands(_lines(angle[place, here], new)[0])
+        again[place, filled] = bands(new)
+        slope[place] = _lines(angle[place, filled], friction[place, filled])[0]
+        slope_again[place] = bands(_lines(angle[place, filled], new)[0])
         law[place] = bands(baseline.at_tension(_draws(named, size), n, grid, level))
     sizes = list(dict.fromkeys(size for size, _ in groups))
     counts = sorted({n for _, n in groups})

@@ -85,8 +85,8 @@ class GravityBoard:
 
     def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
         """Return by how much the clocks of the two sensors differ."""
-        found = self.trials(recording)
-        text = None if found is None else found.screened.clocks.described
+        trials = self.trials(recording)
+        text = None if trials is None else trials.screened.clocks.described
         return () if text is None else (("sensor clocks", text),)
 
     def left_out(self, recording: Recording) -> list[Fault]:
@@ -114,7 +114,7 @@ class GravityBoard:
         self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
     ) -> Simulated:
         """Return trials in their order and their events; see :mod:`.simulator`."""
-        streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
+        streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
         order, *rngs = (streams[place] for place in STREAMS)
         trials = lay_trials(design, order)
         events, moved, stayed = draw_events(trials, constants, truth, *rngs)
@@ -211,10 +211,10 @@ class GravityTrials(PulleyTrials):
     @cached_property
     def measured(self) -> MeasuredMotion:
         """What events say of the motion, whatever the law is."""
-        found = measured_motion(self.gravity, self.constants)
+        motion = measured_motion(self.gravity, self.constants)
         if self.event_error_m is None:
-            return found
-        return found._replace(rough=np.full_like(found.rough, self.event_error_m))
+            return motion
+        return motion._replace(rough=np.full_like(motion.rough, self.event_error_m))
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
@@ -349,10 +349,12 @@ class GravityTrials(PulleyTrials):
         """Return friction against tension, the paper's slopes, and a few trajectories."""
         model, board = self._mine(view), (self.gravity, self.constants)
         assert isinstance(view.likelihood, ExactLikelihood)
-        found = {"curves": curves(model, view.named, view.law)}
-        found |= paper_slopes(view.likelihood, model, self.estimate, view.named, view.law, view.rng)
-        found["trajectories"] = trajectories(model, *board, view.named, view.factor, view.law)
-        return found
+        figures = {"curves": curves(model, view.named, view.law)}
+        figures |= paper_slopes(
+            view.likelihood, model, self.estimate, view.named, view.law, view.rng
+        )
+        figures["trajectories"] = trajectories(model, *board, view.named, view.factor, view.law)
+        return figures
 
     @staticmethod
     def _mine(view: Predictive) -> GravityModel:

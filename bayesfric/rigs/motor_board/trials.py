@@ -77,7 +77,7 @@ class MotorBoard:
     ) -> Simulated:
         """Return runs in their order and the idle motor; see :mod:`.simulator`."""
         del design
-        streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
+        streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
         motor = simulate_motor(constants, truth, *(streams[place] for place in STREAMS))
         return Simulated({"motor": motor}, len(motor.runs))
 

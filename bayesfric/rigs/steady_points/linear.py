@@ -44,11 +44,11 @@ def points_rows(
         Coefficients of each pulley size.
     """
     table = bench.table
-    each = zip(*(laws[size] for size in table["pulley_size"]), strict=True)
-    coefficients = Coefficients(*(np.array(one) for one in each))
+    by_trial = zip(*(laws[size] for size in table["pulley_size"]), strict=True)
+    coefficients = Coefficients(*(np.array(values) for values in by_trial))
     state = state_of(bench, coefficients)
     friction = law.at_tension(coefficients, *(table[name].to_numpy(float) for name in CONDITION))
-    known, one = known_errors(bench), np.ones(len(table))
+    known_sd, ones = known_errors(bench), np.ones(len(table))
     unit = rough_error(bench)
 
     def noise(priors: Priors) -> tuple[NoiseParameter, ...]:
@@ -67,15 +67,15 @@ def points_rows(
         loads=loads,
         state=state,
         friction_n=friction,
-        feedback=one,
+        feedback=ones,
         reading=table["friction_n"].to_numpy(dtype=np.float64) - friction,
-        per_newton=one,
-        errors=(np.where(np.isnan(known), 1.0, 0.0),),
+        per_newton=ones,
+        errors=(np.where(np.isnan(known_sd), 1.0, 0.0),),
         noise=noise,
         curve=np.zeros((len(table), 0)),
         still_curve=np.zeros((0, 0)),
         still=np.zeros(0),
-        known_error=np.nan_to_num(known),
+        known_error=np.nan_to_num(known_sd),
         # Two directions leave a smooth force nothing that an effect of them does not say.
         further={name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
     )
