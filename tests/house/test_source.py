@@ -45,10 +45,6 @@ NOT_YET_SHORT = {
     "report/chapters/diagnostics.py diagnostics",
     "report/chapters/posteriors.py posteriors",
     "report/chapters/prior_friction.py prior_friction",
-    "rigs/gravity_board/slopes.py _wrap_lines",
-    "rigs/gravity_board/trajectories.py trajectories",
-    "rigs/motor_board/linear.py motor_rows",
-    "rigs/points.py evaluate",
     "rigs/single_axis/entering.py entering",
     "rigs/single_axis/run_rows.py rows_of_run",
 }
