@@ -16,7 +16,7 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
-from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.unsupported import Unsupported
 
 __all__ = ["COEFFICIENTS", "Layout", "ModelColumns"]
 

@@ -21,8 +21,8 @@ from bayesfric.inference.information import Information
 from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout, ModelColumns
+from bayesfric.rigs.unsupported import Unsupported
 from bayesfric.rigs.windows import Windows
 
 __all__ = [

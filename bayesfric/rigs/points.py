@@ -25,7 +25,7 @@ from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["PointPart"]
+__all__ = ["LinearReadings", "PointPart"]
 
 
 class _WeightedReadings(NamedTuple):
@@ -256,3 +256,11 @@ class PointPart:
         """Return none: nothing runs freely."""
         del noise, numbers
         return {}
+
+
+class LinearReadings(PointRows):
+    """Trials of one reading each, with which a diagnosis can be made."""
+
+    def laid_out(self, model: ModelColumns, place: int) -> PointPart:
+        """Return the rig with the columns of a model."""
+        return PointPart(self, model, place)

@@ -38,7 +38,7 @@ from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["GravityPart"]
+__all__ = ["GravityPart", "LinearEvents"]
 
 _Sizes = tuple[OneSize, ...]
 
@@ -301,3 +301,11 @@ class GravityPart:
         """
         scatter = self.scatter(noise)
         return runs_of(self.rows, self.columns, self.random, self._travel, scatter, noise, numbers)
+
+
+class LinearEvents(GravityRows):
+    """Events of the gravity board, with which a diagnosis can be made."""
+
+    def laid_out(self, model: ModelColumns, place: int) -> GravityPart:
+        """Return the rig with the columns of a model."""
+        return GravityPart(self, model, place)

@@ -31,8 +31,7 @@ from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
-from bayesfric.rigs.layout import ModelColumns
-from bayesfric.rigs.linear import LinearRig, rms_of
+from bayesfric.rigs.linear import rms_of
 
 __all__ = ["NO_CURRENT", "GravityRows"]
 
@@ -310,12 +309,6 @@ class GravityRows(ReferenceMotion):
         """Return none: all that the board has of its own scatters from trial to trial."""
         del priors
         return ()
-
-    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        from bayesfric.rigs.gravity_board.linear import GravityPart
-
-        return GravityPart(self, model, place)
 
     def relative_deviation(self) -> Array:
         """Return how far each trial's friction is from the law, as a share of it, (N,)."""

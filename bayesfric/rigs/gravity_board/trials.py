@@ -26,13 +26,13 @@ from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsuppor
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityModel, trial_condition
+from bayesfric.rigs.gravity_board.linear import LinearEvents
 from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
 from bayesfric.rigs.gravity_board.next_trials import lay_out, on_time
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
-from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
 from bayesfric.rigs.gravity_board.sensor_clocks import clock_faults
@@ -218,9 +218,9 @@ class GravityTrials(PulleyTrials):
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> GravityRows:
+    ) -> LinearEvents:
         """Return the events as rows of a linear model."""
-        return GravityRows(self.gravity, self.constants, laws, self.measured, acting, self.law)
+        return LinearEvents(self.gravity, self.constants, laws, self.measured, acting, self.law)
 
     def entering(self) -> "GravityTrials":
         """Return the trials that enter a diagnosis.

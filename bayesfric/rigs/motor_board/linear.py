@@ -18,7 +18,7 @@ from bayesfric.physics.motor import (
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 
 __all__ = ["motor_rows"]
 
@@ -30,7 +30,7 @@ def motor_rows(
     constants: RigConstants,
     laws: Mapping[str, Coefficients],
     baseline: FrictionLaw = BASELINES["paper"],
-) -> PointRows:
+) -> LinearReadings:
     """Return the runs around a reference law, their readings in ampere.
 
     The torque constant is the specified one: that it may be another is an effect.
@@ -63,7 +63,7 @@ def motor_rows(
     rough_a = max(float((idle_current - idle @ fit).std()), 1e-4)
 
     per_newton = np.sign(speed) * radius / torque
-    return PointRows(
+    return LinearReadings(
         name="motor",
         table=runs,
         loads=("hanging_mass_kg",),

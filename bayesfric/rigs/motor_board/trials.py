@@ -26,7 +26,7 @@ from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 
@@ -134,7 +134,7 @@ class MotorRuns(PlainTrials):
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> PointRows:
+    ) -> LinearReadings:
         """Return the currents as rows of a linear model; nothing starts to move here."""
         del acting
         return motor_rows(self.motor, self.constants, laws, self.law)

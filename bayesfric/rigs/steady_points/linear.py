@@ -8,7 +8,7 @@ from bayesfric.analysis import HalfNormal, Priors
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import (
     NAME,
@@ -29,7 +29,7 @@ NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share a
 
 def points_rows(
     bench: Bench, loads: tuple[str, ...], law: FrictionLaw, laws: Mapping[str, Coefficients]
-) -> PointRows:
+) -> LinearReadings:
     """Return the points around a reference law.
 
     Parameters
@@ -61,7 +61,7 @@ def points_rows(
         error = noise_parameter(SIGMA, error_prior(bench, priors), unit, bounds, unit)
         return own, load, setup, error
 
-    return PointRows(
+    return LinearReadings(
         name=NAME,
         table=table,
         loads=loads,

@@ -19,7 +19,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsModel
@@ -174,7 +174,7 @@ class SteadyTrials(PlainTrials):
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> PointRows:
+    ) -> LinearReadings:
         """Return the readings as rows of a linear model; nothing starts to move here."""
         del acting
         return points_rows(self.bench, self.loads, self.law, laws)
