@@ -7,7 +7,7 @@ good rig give the error with which the data know each coefficient and each effec
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Flags
 from bayesfric.claims.comparison import FOUND_WITH
+from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import condition_of
 from bayesfric.effects import all_effects, with_priors
@@ -34,7 +35,7 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import left_out as why_left_out
 from bayesfric.rigs.opening import with_own_priors
 
-__all__ = ["Power", "power"]
+__all__ = ["Power", "power", "power_of_measured"]
 
 Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
@@ -52,7 +53,7 @@ class Power:
     ----------
     coefficients : DataFrame
         By coefficient and size: ``value`` that was taken, ``sd`` that its posterior would have,
-        ``informed``, whether the data would say more than the prior.
+        ``unit``, and ``informed``, whether the data would say more than the prior.
     effects : DataFrame
         By effect and law that the data would tell: ``smallest`` amplitude that is found with
         probability 0.9, its ``unit``, and ``share``, its rms as a share of friction; null of
@@ -126,6 +127,51 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
         return _power(model, left_out | missing, analysis)
 
 
+def power_of_measured(
+    recording: Recording,
+    analysis: Analysis | None = None,
+    *,
+    baseline: str = "paper",
+    numbers_alone: bool = False,
+) -> Power:
+    """Return what a recording can tell, with the noise and around the law that it shows.
+
+    Its coefficients have ``sd_where_law_is_off`` too: their errors where the law may be wrong by
+    the share of friction below which no gap counts.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of one joint, or of boards.
+    analysis : Analysis or None
+        As of :func:`power`.
+    baseline : str
+        The friction law, as of a diagnosis.
+    numbers_alone : bool
+        Whether effects and next trials are left out, which takes most of the time.
+
+    Raises
+    ------
+    InputError
+        No trial of the recording enters.
+    """
+    data, law = data_of(recording, baseline, None)
+    analysis = with_own_priors(Analysis() if analysis is None else analysis, data.rigs)
+    with threadpool_limits(limits=1):
+        data, _, laws, psi = fitted_baseline(data, analysis, frozenset(), {}, law)
+        held = frozenset(law.without)
+        off = LinearModel(data, laws, (), analysis, held)  # with the discrepancy of all hypotheses
+        loosely = _power(off, {}, analysis, psi, pd.DataFrame()).coefficients
+        if numbers_alone:
+            model = LinearModel(data, laws, (), analysis, held, discrepancy=False)
+            told = _power(model, {}, analysis, psi, pd.DataFrame())
+        else:
+            model, missing = _model(data, laws, analysis, held)
+            told = _power(model, missing, analysis, psi)
+        wider = told.coefficients.assign(sd_where_law_is_off=loosely["sd"])
+        return replace(told, coefficients=wider)
+
+
 def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]:
     """Return Table I, and of sizes that it does not have the middle of their priors.
 
@@ -148,7 +194,10 @@ def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]
 
 
 def _model(
-    data: Data, laws: Mapping[str, Coefficients], analysis: Analysis
+    data: Data,
+    laws: Mapping[str, Coefficients],
+    analysis: Analysis,
+    held: frozenset[str] = frozenset(),
 ) -> tuple[LinearModel, dict[str, str]]:
     """Return the model with each law of each effect at the middle of its shape's prior."""
     offered: frozenset[str] = frozenset().union(*(trials.offers for trials in data.rigs))
@@ -171,11 +220,17 @@ def _model(
             missing[name] = reasons[0]
         else:
             chosen += middle
-    return LinearModel(data, laws, chosen, analysis, discrepancy=False), missing
+    return LinearModel(data, laws, chosen, analysis, held, discrepancy=False), missing
 
 
-def _power(model: LinearModel, left_out: dict[str, str], analysis: Analysis) -> Power:
-    psi = np.log([noise.usual for noise in model.noise])
+def _power(
+    model: LinearModel,
+    left_out: dict[str, str],
+    analysis: Analysis,
+    psi: Array | None = None,
+    following: pd.DataFrame | None = None,
+) -> Power:
+    psi = np.log([noise.usual for noise in model.noise]) if psi is None else psi
     information = model.said_of(psi, range(len(model.candidates)))
     priors = [candidate.effect.amplitude.prior for candidate in model.candidates]
     _, sd = model.prior(priors)
@@ -196,9 +251,15 @@ def _power(model: LinearModel, left_out: dict[str, str], analysis: Analysis) -> 
         _coefficients(model, rest, covariance, sd),
         _effects(model, information_left, nothing, analysis),
         _pairs(model, information_left, nothing),
-        _next(model, psi, rest, covariance),
+        _next(model, psi, rest, covariance) if following is None else following,
         left_out,
     )
+
+
+def _units(model: LinearModel) -> dict[str, str]:
+    return {
+        name: unit for size in model.layout.sizes for name, unit in model.data.law_numbers(size)
+    }
 
 
 def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
@@ -213,12 +274,13 @@ def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
 
 
 def _coefficients(model: LinearModel, rest: Places, covariance: Matrix, sd: Array) -> pd.DataFrame:
-    rows = {}
+    rows, units = {}, _units(model)
     for name, size, column, at in _named(model, rest):
         spread = float(np.sqrt(covariance[at, at]))
         rows[name] = {
             "value": float(np.asarray(model.laws[model.layout.sizes[size]][column])),
             "sd": spread * float(model.scales[column]),
+            "unit": units[name],
             "informed": spread < float(sd[rest[at]]) / np.sqrt(2),
         }
     return pd.DataFrame.from_dict(rows, orient="index")

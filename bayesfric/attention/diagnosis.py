@@ -21,12 +21,30 @@ def of_diagnosis(diagnosis: DiagnosisFile) -> tuple[str, ...]:
     """
     lines = [
         *diagnosis.attention,
+        *_bent_by_the_loop(diagnosis),
         *_biased(diagnosis),
         *_held_out(diagnosis),
         *(line for cause in diagnosis.causes for line in _of_cause(cause)),
         *_rest(diagnosis),
     ]
     return tuple(dict.fromkeys(lines))
+
+
+def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
+    """Yield that least squares and an instrument are apart, with the numbers of both."""
+    instrument = diagnosis.instrument
+    if instrument is None or not instrument.alarms:
+        return
+    numbers = "; ".join(
+        f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
+        f"{number.ordinary:.3g}"
+        for name, number in instrument.numbers.items()
+    )
+    yield (
+        "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "
+        f"an instrument (the {instrument.kind}) gives {numbers} (Durbin, Wu and Hausman: "
+        f"p = {instrument.p_value:.1g})"
+    )
 
 
 def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:

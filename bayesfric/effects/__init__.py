@@ -19,6 +19,7 @@ from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading
 from bayesfric.errors import Fault, InputError
 
 __all__ = [
+    "NO_OFFSET",
     "PULLEYS",
     "ActsOn",
     "Effect",
@@ -34,6 +35,8 @@ __all__ = [
 
 PULLEYS = frozenset({"pulleys", "turns"})
 """What boards with pulleys offer: these, and trials that begin anew, as an axis that turns."""
+NO_OFFSET = "law-without-offset"
+"""What a rig offers whose law has no constant force: on one that goes both ways it may be one."""
 
 
 @cache

@@ -33,7 +33,7 @@ from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
 from bayesfric.rigs.unsupported import Unsupported, why_inert
-from bayesfric.schemas import LawNumber, PointEstimate
+from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
@@ -280,6 +280,15 @@ class RigTrials(Protocol):
         ----------
         mean, covariance : ndarray, shape (n,) and (n, n)
             Of the rig's nuisances, in units of their scale.
+        """
+
+    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+        """Return the law by an instrument, which errors in a loop do not move; else why not.
+
+        Parameters
+        ----------
+        acting : sequence of (Candidate, float)
+            Effects that act beside the law, with their amplitudes.
         """
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":

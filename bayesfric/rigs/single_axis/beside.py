@@ -13,7 +13,7 @@ from bayesfric.arrays import Array, Flags
 __all__ = ["Mixing", "leading", "rough_amounts"]
 
 LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
-MOST = 60  # directions
+MOST = 120  # directions
 ROWS_AN_AMOUNT = 4  # at the least
 NO_LESS = 0.02  # of the rms force, that is left at the least, in a rough estimate
 ROUNDS = 3  # of the size of what is left

@@ -235,7 +235,7 @@ def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterat
     if rotary:
         shapes += [turn(a) for a in _inner(paths, near) for turn in (np.cos, np.sin)]
         angles = list(_sums(paths, near, own))
-        pull = force / np.sqrt(2 * len(angles))
+        pull = force
         yield from (WeakForce(pull * turn(a)) for a in angles for turn in (np.cos, np.sin))
     for group in ("momentum", "pull"):
         if group == "momentum":

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.observation.exact import ExactLikelihood
@@ -142,7 +142,7 @@ class SteadyTrials(PlainTrials):
     @property
     def offers(self) -> frozenset[str]:
         """Loads as pulleys have them, and the covariates that were recorded."""
-        return PULLEYS | frozenset(covariates_of(self.bench))
+        return PULLEYS | {NO_OFFSET} | frozenset(covariates_of(self.bench))
 
     @property
     def asked(self) -> tuple[str, ...]:
