@@ -214,7 +214,8 @@ class AxisRuns(PlainTrials):
         if loads is not None and shows_both_ways(self.readings, len(loads.loads)):
             found.add("load-both-ways")
         doubtful = contradicts(self.constants, self.measures.rough_mass)
-        if declared and not doubtful and not self.measures.pull:
+        weighed = declared and not doubtful and not self.measures.pull
+        if weighed or self.readings.known_held.any():
             found.add("known-load")
         if np.ptp(self.readings.dwell_s) > LONG_S:
             found.add("dwell")
@@ -244,8 +245,9 @@ class AxisRuns(PlainTrials):
     @property
     def taken_up(self) -> frozenset[str]:
         """Pulls towards a place, where other joints move and no model says what that does."""
-        without_model = self.machine is not None and self.machine.bodies is None
-        return PLACED if without_model and self.readings.beside.shape[1] else frozenset()
+        machine = self.machine
+        coupled = machine is not None and machine.bodies is None and machine.others_move
+        return PLACED if coupled and self._beside is None else frozenset()
 
     @property
     def in_simulator(self) -> Mapping[str, float]:
@@ -422,6 +424,8 @@ class AxisRuns(PlainTrials):
         """Return recorded paths, run otherwise; None beside a simulator, which says no force."""
         if self._beside is not None or self.source is None:
             return None
+        if self.readings.beside.shape[1] or self.readings.known_held.any():
+            return None  # what a run would take depends on other joints, or on its payload
         law = AxisLaw.of(laws[SIZE])
         laid = lay_out(self.source, set(self.table["run"]), self.constants, self.readings, law)
         if laid is None:
