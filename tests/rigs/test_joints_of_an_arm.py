@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from rigs import arm
 from scipy.signal import savgol_filter
@@ -11,6 +12,8 @@ from bayesfric.diagnosis import diagnose
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.joints import joints_of, parted_by_joint
 from bayesfric.rigs.single_axis import RIG
+from bayesfric.rigs.single_axis.other_joints import machine_of
+from bayesfric.rigs.single_axis.simulated import log_of
 
 pytest.importorskip("mujoco")
 HEAVY = tuple(1.1 * mass for mass in arm.MASSES)
@@ -179,3 +182,26 @@ def test_a_joint_that_lacks_a_run_of_another_does_not_enter():
     kept = samples[(samples["joint"] != "base") | (samples["time_s"] < 0.01)]
     recording = replace(recording, axis=replace(recording.axis, samples=kept))
     assert RIG.trials(parted_by_joint(recording)["elbow"]) is None
+
+
+def test_an_amount_is_one_force_whatever_run_it_is_of():
+    """Other joints may rest in a run, and drives give less in one: the columns are the same."""
+    recording = arm.recording()
+    samples = recording.axis.samples
+    again = samples.assign(run="b", force_n=0.1 * samples["force_n"])
+    still = again["joint"] != "shoulder"
+    again.loc[still, "position_m"] = again[still].groupby("joint")["position_m"].transform("first")
+    runs = pd.DataFrame({"run": ["a", "b"]})
+    both = replace(recording.axis, runs=runs, samples=pd.concat([samples, again]))
+    own = parted_by_joint(replace(recording, axis=both))["shoulder"]
+    machine = machine_of(own.axis, own.rig)
+    first, second = (
+        machine.around(log_of(part.reset_index(drop=True), own.rig), run)
+        for run, part in own.axis.samples.groupby("run", sort=False)
+    )
+    assert len(first.beside) == len(second.beside) > 20
+    alone = samples[samples["joint"] == "shoulder"]["position_m"].to_numpy()
+    resting = [one.value for one in second.beside if np.ptp(one.value) > 0]
+    size = np.sqrt(np.mean(np.concatenate([log.force for log in (first, second)]) ** 2))
+    closest = min(np.abs(one - size * np.cos(alone)).max() for one in resting)
+    assert closest < 0.02 * size

@@ -69,6 +69,7 @@ TURNS = {
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
 NO_COULOMB = "law-without-coulomb"
+WELL_KNOWN = 0.05  # of a known force, that its error may be where a gear's gain is to show
 HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
 LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
@@ -215,7 +216,7 @@ class AxisRuns(PlainTrials):
             found.add("load-both-ways")
         doubtful = contradicts(self.constants, self.measures.rough_mass)
         weighed = declared and not doubtful and not self.measures.pull
-        if weighed or self.readings.known_held.any():
+        if weighed or self._load_is_known:
             found.add("known-load")
         if np.ptp(self.readings.dwell_s) > LONG_S:
             found.add("dwell")
@@ -226,6 +227,13 @@ class AxisRuns(PlainTrials):
         if not self._offset_sd:
             found.add(NO_OFFSET)
         return frozenset(found | ({*self._further} - OFFERED))
+
+    @property
+    def _load_is_known(self) -> bool:
+        """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
+        known = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
+        stated = self.constants.known_force_sd
+        return stated is not None and stated < WELL_KNOWN * float(known)
 
     @property
     def _carried(self) -> Carried | None:
