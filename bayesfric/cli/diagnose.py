@@ -120,10 +120,13 @@ def diagnosed(
 ) -> "Diagnosed":
     """Diagnose a recording; what is done on the way is kept in the folder of the results."""
     from bayesfric.diagnosis import diagnose as diagnose_recording
+    from bayesfric.readiness import readiness_of, refuse_untold
     from bayesfric.recording import read_recording
 
     checkpoint = output / CHECKPOINT
     found = read_recording(recording)
+    if asked.get("simulator") is None:
+        refuse_untold(readiness_of(found, analysis, baseline=baseline, numbers_alone=True))
     return diagnose_recording(found, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
 
 

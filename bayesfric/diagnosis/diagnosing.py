@@ -39,10 +39,11 @@ from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
-from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
+from bayesfric.diagnosis.showing import loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.undeclared import undeclared
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
@@ -240,10 +241,10 @@ def _diagnose(
     if effects or simulator is not None:
         checkpoint = None
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
-    climbing = keeping.each("climb", At, climb)
+    climbing = keeping.keep_each_call("climb", At, climb)
     steps = Steps(
-        keeping.each("weigh", Weighed, weigh),
-        keeping.each("unknown", Unknown | None, unknown_force),
+        keeping.keep_each_call("weigh", Weighed, weigh),
+        keeping.keep_each_call("unknown", Unknown | None, unknown_force),
     )
     data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
@@ -251,8 +252,8 @@ def _diagnose(
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
     model, found = _finals(first, first_found, steps)
-    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(6)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
     )
     judged = judge(model, found, law_shipped, practical, draw_rng)
     found, best = judged.search, judged.search.best()
@@ -286,14 +287,17 @@ def _diagnose(
         present, possible = apart.present, apart.possible
         chances = found.probabilities()
     together = () if elsewhere else sets_of_one(chances, known, named)
-    not_shown = why_not_shown(found, residuals)
+    not_shown = why_not_shown(found, residuals) or loosely_known(model, residuals, posterior)
+    unexplained_by_scatter = unlike_scatter(
+        gap, residuals, held_out.inside[1], posterior, practical, order_rng
+    )
     verdict, chance = decide(
         chances,
         [] if contradicted else [effect for effect in known if effect.effect in named],
         above,
         together,
         none_before=analysis.diagnosis.hypotheses.none,
-        shown=not_shown is None,
+        shown=not_shown is None and unexplained_by_scatter is None,
     )
     where, unexplained, why_all = where_it_lies(
         plain, held_out.before, residuals, posterior, examined, where_rng
@@ -342,8 +346,10 @@ def _diagnose(
         not_shown if above < MOSTLY else None,
         elsewhere,
         why,
+        unexplained_by_scatter if above < MOSTLY else None,
     )
     errors = () if amounts is None else model_errors([amounts])
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -401,6 +407,8 @@ def _diagnose(
         joint_in_model=_in_model(recording),
         other_joints=others,
         model_error=errors,
+        instrument=None if isinstance(instrument, str) else instrument,
+        instrument_why=instrument if isinstance(instrument, str) else None,
         model_error_why=None if amounts is None or errors else NOTHING_TOLD,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}

@@ -25,6 +25,7 @@ from scipy.stats import rankdata
 from bayesfric.arrays import Array
 
 __all__ = [
+    "LARGEST_PARETO_K",
     "LIMITS",
     "Convergence",
     "batch_means_ess",
@@ -39,6 +40,8 @@ __all__ = [
 ]
 
 
+LARGEST_PARETO_K = 0.7
+"""Shape of the tail of importance weights above which they are not to be relied on."""
 LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""
 
@@ -270,9 +273,9 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     log_weights : ndarray, shape (N,)
         Smoothed, on the scale of those given.
     pareto_k : float
-        Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
-        largest weights are all the same, inf where fewer than 25 are not zero or where a
-        quarter of the tail is one and the same draw or nothing beside the largest.
+        Shape of the tail: above :data:`LARGEST_PARETO_K` the weights are not to be relied on.
+        0 where the largest weights are all the same, inf where fewer than 25 are not zero or
+        where a quarter of the tail is one and the same draw or nothing beside the largest.
 
     References
     ----------

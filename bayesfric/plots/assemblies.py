@@ -9,11 +9,10 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, figure, key, size_styles
 
 __all__ = ["assemblies_left_out", "has_assemblies"]
 
-NORMAL_90 = 1.6449  # half the width of a standard normal's 90 % interval
 NAMED = 6  # far assemblies that carry their name
 CROWD = 100  # points that are drawn small
 CROWDED = 6  # conditions beyond which their names stand upright

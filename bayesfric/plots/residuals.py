@@ -10,11 +10,10 @@ from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure, key, size_styles
 
 __all__ = ["residuals_by_order"]
 
-NORMAL_90 = 1.6449
 """Half the width of a standard normal's 90 % interval, the unit of the stored z."""
 
 NAMED = 6  # outliers that carry their id; more would hide the points

@@ -13,6 +13,7 @@ from bayesfric.plots.style import (
     LINES,
     MARKERS,
     NEUTRAL,
+    PAPER_DASHES,
     LineStyle,
     SizeStyle,
     figure,
@@ -22,7 +23,6 @@ from bayesfric.plots.style import (
 
 __all__ = ["line_against_pulleys", "wrap_slopes"]
 
-DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
 MARKER_SIZE = 3.6
 
 
@@ -57,7 +57,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
                 printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
                 if np.isfinite(printed).all():
                     axes.plot(
-                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=DASHES
+                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES
                     )
                 _draw_points(
                     axes,
@@ -191,4 +191,4 @@ def _keys() -> list[Line2D | Patch]:
 
 
 def _dashed_key(label: str) -> Line2D:
-    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label=label)
+    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES, label=label)

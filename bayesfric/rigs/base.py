@@ -16,6 +16,7 @@ import xarray as xr
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
+from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault
 from bayesfric.inference.model import RigLikelihood
@@ -29,7 +30,7 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import LawNumber, PointEstimate
+from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
@@ -325,6 +326,15 @@ class RigTrials(Protocol):
         ----------
         mean, covariance : ndarray, shape (n,) and (n, n)
             Of the rig's nuisances, in units of their scale.
+        """
+
+    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+        """Return the law by an instrument, which errors in a loop do not move; else why not.
+
+        Parameters
+        ----------
+        acting : sequence of (Candidate, float)
+            Effects that act beside the law, with their amplitudes.
         """
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":

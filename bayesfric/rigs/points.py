@@ -14,6 +14,7 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout, ModelColumns
@@ -23,8 +24,6 @@ from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["PointPart"]
-
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 class PointPart:

@@ -1,6 +1,6 @@
 """What is true of every rig whose cable runs over pulleys: it is what all was argued for."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal, Self, cast
 
@@ -10,13 +10,14 @@ import pandas as pd
 from bayesfric.analysis import PriorOverrides
 from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.effects.candidates import Candidate
 from bayesfric.observation.coefficients import coefficient_name, coefficient_units
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import OF_AXES, FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_law import OwnLaw
-from bayesfric.schemas import LawNumber
+from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -118,6 +119,11 @@ class PulleyTrials:
     def other_joints(self) -> Literal["still", "logged", "moving", "unknown"] | None:
         """None: it is no joint."""
         return None
+
+    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+        """Say that no controller is in a loop with it."""
+        del acting
+        return "no controller moves it along a path"
 
     def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
         """Return None: it has no model."""

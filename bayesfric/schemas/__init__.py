@@ -59,6 +59,7 @@ from bayesfric.schemas.fit import (
     Uniformity,
     WithoutExclusions,
 )
+from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 from bayesfric.schemas.margins import (
     Bode,
     Certificate,
@@ -135,6 +136,8 @@ __all__ = [
     "HeldOutDensity",
     "HuntingMap",
     "Inclusion",
+    "Instrument",
+    "InstrumentNumber",
     "Interval",
     "JointFit",
     "LawNumber",

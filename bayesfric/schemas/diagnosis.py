@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
+from bayesfric.schemas.instrument import Instrument
 
 __all__ = [
     "Absorbed",
@@ -455,6 +456,10 @@ class DiagnosisFile(Provenance):
         (), description="Numbers of the machine's model of which data tell something."
     )
     model_error_why: Annotated[Why, Because("no model of the machine was given")] = None
+    instrument: Instrument | None = Field(
+        None, description="The law by an instrument, which errors in a loop do not move."
+    )
+    instrument_why: Annotated[Why, Because("it was not asked")] = None
     scatter: dict[str, Number] = Field(
         default_factory=dict, description="Noise of every rig at its most probable, by name."
     )

@@ -19,6 +19,8 @@ def frames(recording: Recording) -> dict[str, pd.DataFrame]:
     for kind in ("gravity", "motor", "axis"):
         tables = getattr(recording, kind)
         found |= {f"{kind}.{k}": v for k, v in vars(tables).items()} if tables else {}
+    if recording.axis is not None:
+        found |= {f"axis.others.{joint}": of for joint, of in recording.axis.others.items()}
     return {name: frame for name, frame in found.items() if isinstance(frame, pd.DataFrame)}
 
 

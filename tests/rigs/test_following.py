@@ -37,3 +37,24 @@ def test_runs_that_are_followed_together_are_each_as_alone(monkeypatch):
     monkeypatch.setattr(following, "AT_ONCE", 130_000)
     assert [len(one) for one in following._batches(paths, 100)] == [1, 2]
     assert all(np.array_equal(*pair) for pair in zip(found, rows(paths), strict=True))
+
+
+def test_a_long_path_is_followed_in_parts_as_it_is_in_one(monkeypatch):
+    """On an axis that turns every third of a second loads forget within a second and a half."""
+    time = 1e-3 * np.arange(24_000)
+    centres = np.arange(20, time.size - 20, 7)
+    place = 0.05 * np.sin(9 * time) + 0.01 * np.sin(23.7 * time)
+    way = np.sign(np.gradient(place))[centres]
+    path = DrivePath(place, 1e-3, TEST, centres, way)
+    assert len(list(path.parts())) == 8
+
+    def rows(held):
+        lengths = {"play": 0.1 * LENGTHS["play"], "spring": 0.1 * LENGTHS["spring"]}
+        load = Followed([path]).load(np.arange(centres.size), 2.0, lengths, 0.06)
+        return np.concatenate([part[:, 0] for part in load(held, 1.0, 0.001)])
+
+    parted = {held: rows(held) for held in ("play", "spring")}
+    monkeypatch.setattr(following, "LONG", 10**9)
+    for held, found in parted.items():
+        whole = rows(held)
+        assert np.std(found - whole) < 0.01 * np.std(whole)

@@ -161,3 +161,11 @@ def test_an_effect_in_one_of_two_orders_has_no_other_form_along_order():
     assert forms
     assert all(np.isfinite(one.sd) for one in forms)
     assert "order" not in {one.axis for one in forms}
+
+
+def test_a_small_swing_shows_a_part_of_a_weight_that_pulls_less_than_friction():
+    """In a tenth of a turn it pulls with 0.1 N·m of 0.7: a prior of friction's width is off."""
+    swinging = Joint(gravity=0.7, strokes_rad=(0.17, 0.05))
+    runs = runs_of(swinging.recording())
+    assert runs.measures.pull < swinging.coulomb
+    assert runs.suited(all_effects(None)["gravity-torque"]).amplitude.prior.sd > 0.5

@@ -41,3 +41,9 @@ def test_a_sensor_that_is_slow_is_set_right_too():
 def test_what_a_drive_may_be_late_by_is_left_to_the_effects():
     for joint in (Joint(), LoopedJoint(sampled_hz=200.0, late_s=0.02, **CLOSED)):
         assert AXIS.trials(joint.recording()).late_s == 0.0
+
+
+def test_a_tenth_of_a_second_is_no_lag():
+    """A drive that lags by as much bends the force almost alike where the joint is slow."""
+    runs = AXIS.trials(LoopedJoint(sampled_hz=200.0, closed=False, late_s=0.1).recording())
+    assert runs.late_s == pytest.approx(0.1, abs=2e-3)

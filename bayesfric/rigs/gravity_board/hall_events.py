@@ -35,6 +35,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.quadratic import contract, eliminate
 from bayesfric.rigs.gravity_board.late_clock import (
     CLOCK,
@@ -61,7 +62,6 @@ __all__ = [
 ]
 
 Motions: TypeAlias = Sequence[Sequence[Array | float]]
-LOG_2PI = float(np.log(2 * np.pi))
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
 CACHED = 200_000  # numbers of forms at a time: more are given back to the system each time
 INTERVAL = 1.0  # of log ρ

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.trial_motion import NUISANCES, Events
@@ -36,7 +37,6 @@ BESIDE = CLOCK + 1
 FAR_BETTER = 25.0  # times the prior's precision, by which events tell the offset of each trial
 RIDGE = 1e-12  # of a unit diagonal: columns that a trial does not have
 LEAST_SD_M = 1e-9  # of an event: below it, as without noise, rounding is all that is left
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)

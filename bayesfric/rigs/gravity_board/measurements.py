@@ -15,11 +15,10 @@ import pandas as pd
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Whole
-from bayesfric.inference.priors import Parameter
+from bayesfric.inference.priors import LOG_2PI, Parameter
 from bayesfric.inference.quadratic import contract, eliminate, gram
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import (
-    LOG_2PI,
     EventTable,
     Motions,
     TrialForm,

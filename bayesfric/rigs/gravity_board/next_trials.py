@@ -7,14 +7,13 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import coulomb_acceleration
+from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
 __all__ = ["lay_out", "on_time"]
 
 PAIRS_OF_MASSES = 10  # of each size
-TRAVEL_M = 0.6  # where the rig does not say
 MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
 
 

@@ -19,6 +19,7 @@ from scipy.integrate import cumulative_simpson
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects import Effect
+from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
@@ -27,7 +28,6 @@ __all__ = ["Paths", "motion_untold", "trial_paths"]
 
 DEGREE = 4  # of the travel in time: a force that changes linearly in time needs 3
 POINTS = 129  # of the grid in time; odd, for Simpson's rule
-TRAVEL_M = 0.6  # of a trial that has an acceleration alone, where the rig does not say
 LEAST_SPEED_SHARE = 0.02  # of a trial's greatest speed, where smoothing would reverse it
 NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
 NO_MOTION = Unsupported(

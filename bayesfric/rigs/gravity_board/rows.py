@@ -26,7 +26,7 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import rows_of_trials, variance_of, with_accelerations
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s, clock_shifts, late_column
-from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
+from bayesfric.rigs.gravity_board.measured_motion import LEAST_ACCELERATION, MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
@@ -36,7 +36,6 @@ from bayesfric.rigs.linear import LinearRig, rms_of
 
 __all__ = ["NO_CURRENT", "GravityRows"]
 
-LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 PRETENDED = 8  # windows of a trial
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 

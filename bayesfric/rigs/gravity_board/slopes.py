@@ -24,13 +24,13 @@ from bayesfric.rigs.gravity_board.estimator import (
     SizeEstimate,
     is_upright,
 )
+from bayesfric.rigs.gravity_board.estimator.slopes import LEAST_TENSION_RATIO
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 
 __all__ = ["paper_slopes"]
 
 GRID = 13
 LEVELS = 3  # tensions at which friction is shown against the wrap angle
-LEAST_TENSION_RATIO = 1.1  # of the largest over the least of them
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Reading, State
-from bayesfric.physics.gravity import nominal_tension, trajectory
+from bayesfric.physics.gravity import TRAVEL_M, nominal_tension, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
 from bayesfric.rigs.gravity_board.simulator import conditions_of, lay_trials
-from bayesfric.rigs.protocols import TRAVEL_M, Protocol
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 __all__ = ["change_of_readings", "change_of_trials"]

@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
 __all__ = ["Beyond", "TrialSums", "orthogonal", "trial_sums"]
-
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.carried import carried_by
 from bayesfric.rigs.single_axis.declared import MEASURED
+from bayesfric.rigs.single_axis.dither import Dither, steady
 from bayesfric.rigs.single_axis.enough import (
     too_few_windows,
     too_little_motion,
@@ -24,7 +25,7 @@ from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
-from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
 from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
@@ -50,6 +51,7 @@ class Entering(NamedTuple):
     turns: int
     machine: Machine
     late_s: float
+    dither: Dither
 
 
 def entering(
@@ -97,6 +99,13 @@ def entering(
     logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     found = within_limit(logs, starts, resolution, clips=clips)
+    dither = Dither()
+    if found is not None:
+        mass = rough_law_of(found[0], found[1].within(found[0])).mass
+        calm, dither = steady(logs, mass, found[0].half_s, resolution)
+        logs = list(calm)
+        if dither.left_out:
+            found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])
     if found is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
@@ -140,6 +149,7 @@ def entering(
         turns,
         machine,
         late_s,
+        dither,
     )
 
 

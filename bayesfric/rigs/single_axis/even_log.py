@@ -52,6 +52,8 @@ class EvenLog:
         that model, or the pull of other joints.
     known_inertia : float
         What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
+    dithers : ndarray of bool, shape (N,), or None
+        Where it turns back between two counts; None where nobody looked.
     """
 
     time_s: Array
@@ -64,6 +66,7 @@ class EvenLog:
     known_force: WeakForce | None = None
     beside: tuple[WeakForce, ...] = ()
     known_inertia: float = 0.0
+    dithers: Flags | None = None
 
 
 def even_grid(

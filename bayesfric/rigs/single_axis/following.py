@@ -11,6 +11,7 @@ more than if the load were fixed to the drive: no derivative is taken here eithe
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -30,6 +31,9 @@ DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
 TRIED = {"play": LENGTHS["play"].size, "spring": LENGTHS["spring"].size * len(DAMPINGS)}
 """Of how a load is held, forms that were tried."""
 AT_ONCE = 4_000_000  # numbers of all loads along the paths that are followed together
+LONG = 20_000  # samples of a path, beyond which it is followed in parts
+PART = 3_000  # samples of such a part
+LEAD = 1_500  # samples before it, from which on it is followed
 HEAVY = (0.5, 1.0, np.inf)  # of a load: share of the mass over share of the friction
 
 
@@ -57,6 +61,28 @@ class DrivePath:
     centres: Whole
     way: Array
 
+    def parts(self) -> Iterator["DrivePath"]:
+        """Yield a long path in parts that are followed side by side, each from some way before.
+
+        A load forgets where it was: at a reversal it is caught again, and what rings dies out.
+        """
+        if self.position.size <= LONG:
+            yield self
+            return
+        ends = np.arange(PART, self.position.size + PART, PART)
+        for first, last in pairwise(np.searchsorted(self.centres, [0, *ends])):
+            if first == last:
+                continue
+            start = max(int(self.centres[first]) - self.test.half - LEAD, 0)
+            end = int(self.centres[last - 1]) + self.test.half + 1
+            yield DrivePath(
+                self.position[start:end],
+                self.interval_s,
+                self.test,
+                self.centres[first:last] - start,
+                self.way[first:last],
+            )
+
     def rows(self, ahead: Array, rubs: Array) -> Array:
         """Return ∫ φ'' d dt and ∫ φ s dt − 1 in the way's sense, shape (2, W, K)."""
         first, way = self.centres - self.test.half, self.way[:, None]
@@ -76,7 +102,7 @@ class Followed:
     """
 
     def __init__(self, paths: Sequence[DrivePath]) -> None:
-        self._paths = tuple(paths)
+        self._paths = tuple(part for path in paths for part in path.parts())
         self._kept: dict[tuple[str, float, bytes, float], dict[float, Array]] = {}
 
     def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:

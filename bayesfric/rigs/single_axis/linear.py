@@ -225,6 +225,7 @@ class AxisPart:
                 "order": order,
                 "direction": mean @ readings.way,
                 "travel_since_reversal": mean @ travel,
+                "time_s": mean @ readings.time_s,
             },
         )
 

@@ -116,11 +116,12 @@ class Measures:
 
     def effect(self, effect: Effect) -> Effect:
         """Return an effect with priors in these measures."""
-        if effect.needs & PULLING and self.pull > self.friction:
+        if effect.needs & PULLING and self.pull:
             # What pulls towards a place is counted in what pulls here, not in friction. Of a
             # weight, which pulls with a sine, a small swing shows a part.
             shown = min(1.0, 0.5 * self.stroke) if "angle" in effect.needs else 1.0
-            return replace(self, friction=self.pull / shown, pull=0.0).effect(effect)
+            size = max(self.pull, self.friction) / shown
+            return replace(self, friction=size, pull=0.0).effect(effect)
         shape = None if effect.shape is None else self._parameter(effect.shape)
         amplitude, laws = self._parameter(effect.amplitude), {**effect.laws, **effect.turning}
         if "travel_m" in effect.edge:

@@ -19,7 +19,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.late_rates import following
 from bayesfric.rigs.single_axis.rough import pull_columns
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
-from bayesfric.rigs.single_axis.weak_form import test_function
+from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 from bayesfric.rigs.single_axis.windows import (
     LATEST_S,
     half_samples,
@@ -180,9 +180,15 @@ LAW = ("centre", "way", "force", "acceleration", "speed", "position", "beside")
 
 def _columns(parts: Sequence[dict[str, Array]]) -> Array:
     """Return the columns of a rough law with what pulls by place, shape (W, k)."""
-    acceleration = joined(parts, "acceleration")
-    columns = [acceleration, np.ones_like(acceleration), joined(parts, "speed")]
-    pull = pull_columns(joined(parts, "position"), joined(parts, "way"))
+    acceleration, way = joined(parts, "acceleration"), joined(parts, "way")
+    position = np.concatenate([part["position"] for part in parts])
+    weights = node_weights()[1]
+    speed = np.concatenate([part["speed"] for part in parts]) @ weights
+    columns = [acceleration, np.ones_like(acceleration), speed]
+    # Over a wide window a weight's mean pull is not that at its mean place.
+    inside = np.repeat(way, weights.size)
+    pull = pull_columns(position.ravel(), inside).reshape(*position.shape, -1)
+    pull = np.einsum("wpk,p->wk", pull, weights)
     beside = np.concatenate([part["beside"] for part in parts])
     others = leading(beside, joined(parts, "force"))[0]
     return np.column_stack([*columns, pull, others])

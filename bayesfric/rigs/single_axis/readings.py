@@ -53,6 +53,8 @@ class Readings:
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
+    instruments : ndarray, shape (W, m)
+        What the motion is told by without the window's own errors; see :mod:`.instruments`.
     simulated : ndarray, shape (W, K)
         Means of what a simulator says of the force, times the direction; K is 0 without one.
     beside : ndarray, shape (W, K)
@@ -90,6 +92,7 @@ class Readings:
     known_moved: Array
     position_lag: Array
     force_lag: Array
+    instruments: Array
     simulated: Array
     beside: Array
     place: Whole

@@ -6,14 +6,15 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import uniform_filter1d
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
+from bayesfric.rigs.single_axis.instruments import instruments_of
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, node_weights
 
-__all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run"]
+__all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run", "turns_back"]
 
 NARROWEST = 8  # samples on either side of a window's middle
 FEWEST = 4  # the same, where the axis turns too soon for so many
@@ -21,6 +22,7 @@ SMOOTHED = 4  # samples on either side that a speed is of, at the least
 LOCAL = 5  # samples over which jumps of the force are averaged
 UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
+A_MOMENT = 0.01  # of a window
 FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
 
 
@@ -53,6 +55,8 @@ def rows_of_run(
     # A window counts where all of its samples run the same way.
     runs = np.concatenate([[0.0], np.cumsum(way)])
     one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
+    if log.dithers is not None:
+        one_way &= ~turns_back(log.dithers, test, centres)
     place = np.flatnonzero(one_way)
     centres = centres[one_way]
     sign = way[centres]
@@ -97,6 +101,7 @@ def rows_of_run(
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
+        "instruments": sign[:, None] * instruments_of(log, test, centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
         "beside": np.reshape(beside, (len(beside), centres.size)).T,
     }
@@ -112,6 +117,21 @@ def _known_load(log: EvenLog) -> tuple[Array, Array]:
         return nothing, nothing
     moved = nothing if known.momentum is None else np.gradient(known.momentum, log.interval_s)
     return known.value, moved
+
+
+def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:
+    """Return in which windows a joint runs against its mean speed for more than a moment, (W,).
+
+    Parameters
+    ----------
+    dithers : ndarray of bool, shape (N,)
+        Samples at which it does.
+    test : TestFunction
+        Of the windows.
+    centres : ndarray of int, shape (W,)
+        Their middles.
+    """
+    return test.over(dithers.astype(np.float64), test.value, centres) > A_MOMENT
 
 
 def _lagged(kernel: Array, step: int, lags: range) -> Array:

@@ -157,6 +157,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         "sim_position": "sim_position_m",
         "temperature": "temperature_c",
         "known_force": "known_force_n",
+        "reference": "command_m",
     }
     if constants.moving_mass_kg is None:
         del names["sim_position"]  # it takes the simulated mass to make a force of a path

@@ -28,7 +28,9 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
+from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
+from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
@@ -40,7 +42,7 @@ from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
-from bayesfric.schemas import LawNumber
+from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -156,6 +158,8 @@ class AxisRuns(PlainTrials):
         That the joint is of, with its other joints.
     late_s : float
         By how much the force was moved in time, because it acts later than it was logged [s].
+    dither : Dither
+        Windows in which the joint turns back between two counts.
     """
 
     rig: SingleAxis
@@ -172,6 +176,7 @@ class AxisRuns(PlainTrials):
     turns: int = 0
     machine: Machine | None = None
     late_s: float = 0.0
+    dither: Dither = field(default_factory=Dither)
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -322,7 +327,7 @@ class AxisRuns(PlainTrials):
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared, and in the log itself.
 
-        See :mod:`.declared` and :mod:`.on_time`.
+        See :mod:`.declared`, :mod:`.on_time` and :mod:`.dither`.
         """
         found = [*doubts(self.constants, law, self.measures.rough_mass)]
         if self.late_s:
@@ -331,7 +336,43 @@ class AxisRuns(PlainTrials):
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
             )
+        if self.dither.windows:
+            done = (
+                "They do not enter"
+                if self.dither.left_out
+                else "They enter, for too few would be left: friction is told too low at low speed"
+            )
+            found.append(
+                f"In {self.dither.windows} of {self.dither.of} windows the joint dithers: counts "
+                "of its encoder in the controller's damping turn it back again and again, so that "
+                f"friction has not one sign there. {done}"
+            )
         return tuple(found)
+
+    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+        """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
+        if self._beside is not None:
+            return "a simulator has the place of the law"
+        rows, readings = self._rows(self._rough), self.readings
+        speed = rows.mean(readings.speed)
+        others = [rows.candidate_column(one) for one, _ in acting]
+        columns = np.column_stack(
+            [
+                readings.acceleration,
+                speed,
+                np.ones(readings.count),
+                *rows.nuisance_columns().T,
+                *(one for one in others if not isinstance(one, Unsupported)),
+            ]
+        )
+        inside = self.measures.limit.within(readings)
+        found = compared(
+            readings.force[inside],
+            columns[inside],
+            readings.instruments[inside],
+            readings.piece[inside],
+        )
+        return found if isinstance(found, str) else found.told(self.measures.unit)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

@@ -1,0 +1,95 @@
+"""A joint that dithers: counts of its encoder in the controller's damping shake it to and fro.
+
+A controller that takes the speed from counts answers each of them with a kick. Where the joint is
+slow it then turns back between two counts: friction has not one sign in a window in which the
+smoothed speed has, and its mean looks like friction that grows with speed. The kicks are in the
+log: over the inertia they are the speed that the smoothed one lacks. Windows in which the joint
+turns back are left out, and counted.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from bayesfric.arrays import Array, Flags
+from bayesfric.rigs.single_axis.even_log import EvenLog, smooth_motion
+from bayesfric.rigs.single_axis.run_rows import SMOOTHED, turns_back
+from bayesfric.rigs.single_axis.weak_form import test_function
+from bayesfric.rigs.single_axis.windows import half_samples, position_sd
+
+__all__ = ["Dither", "steady"]
+
+ANSWERS = 0.5  # correlation of quick forces with quick changes of the position, against them
+LEFT = 0.2  # of the windows that must stay, so that those that dither are left out
+
+
+class Dither(NamedTuple):
+    """Windows in which a joint turns back between two counts.
+
+    Parameters
+    ----------
+    windows, of : int
+        How many, and of all that otherwise enter.
+    left_out : bool
+        Whether they do not enter; they do where too few would be left.
+    """
+
+    windows: int = 0
+    of: int = 0
+    left_out: bool = False
+
+
+def steady(
+    logs: Sequence[EvenLog], mass: float, half_s: float, resolution: float | None
+) -> tuple[tuple[EvenLog, ...], Dither]:
+    """Return runs that know where they dither, and how much they do.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        Runs.
+    mass : float
+        Rough mass, or inertia.
+    half_s : float
+        Half of a window [s].
+    resolution : float or None
+        Of the encoder.
+    """
+    noise = position_sd(logs, resolution)
+    marked, dithering, total = [], 0, 0
+    for log in logs:
+        half = half_samples(half_s, log)
+        way, dithers = _turned_back(log, mass, half, noise)
+        marked.append(replace(log, dithers=dithers))
+        test = test_function(half, log.interval_s)
+        centres = np.arange(half, log.time_s.size - half, half)
+        runs = np.concatenate([[0.0], np.cumsum(way)])
+        one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
+        total += int(one_way.sum())
+        dithering += int(turns_back(dithers, test, centres[one_way]).sum())
+    if not dithering:
+        return tuple(logs), Dither()
+    enough = total - dithering >= LEFT * total
+    return tuple(marked if enough else logs), Dither(dithering, total, enough)
+
+
+def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Array, Flags]:
+    """Return which way a run seems to go, and at which samples it goes the other, (N,) each."""
+    _, speed, way = smooth_motion(log, max(SMOOTHED, half // 2), noise)
+    nothing = np.zeros(way.size, dtype=np.bool_)
+    quick, moved = _quick(log.force, half), _quick(np.diff(log.position, prepend=0.0), half)
+    moved[: half + 1] = 0.0  # nothing is known from before the first sample
+    size = float(np.linalg.norm(quick) * np.linalg.norm(moved))
+    if not mass > 0 or size == 0 or quick @ moved > -ANSWERS * size:
+        return way, nothing
+    kicked = _quick(np.cumsum(quick), half) * log.interval_s / mass
+    within = 0.5 * np.abs(quick) * log.interval_s / mass  # from the middle of a step to its end
+    return way, (way != 0) & (way * (speed + kicked) < within)
+
+
+def _quick(values: Array, half: int) -> Array:
+    """Return what changes within a window, shape (N,)."""
+    return np.asarray(values - uniform_filter1d(values, 2 * half + 1))

@@ -1,0 +1,230 @@
+"""What the motion is told by without a window's own errors: an instrument against the loop.
+
+Errors of an encoder are in the regressors, and what disturbs a joint inside a controller is in its
+force and, a little later, in its motion: least squares then take the one for the other. An
+instrument goes with the motion and not with either. It is the path of the reference where that was
+logged, and else the motion in the two windows before, of which later errors know nothing.
+
+Least squares with and without it are compared as Durbin, Wu and Hausman do: what the instruments
+leave of acceleration and speed explains nothing more of the force where least squares are right.
+
+References
+----------
+A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
+robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
+"""
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+
+from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.weak_form import TestFunction
+from bayesfric.schemas import Instrument, InstrumentNumber
+
+__all__ = ["Compared", "Estimate", "compared", "instruments_of"]
+
+BEFORE = 2  # windows, whose motion tells that of the present one
+MOVED = 2  # regressors that are the motion's: acceleration and speed
+FEWEST_PIECES = 12  # stretches of rows, between which errors are independent
+ROWS_A_NUMBER = 4
+WEAK = 10.0  # of the F statistic, below which instruments tell too little (Staiger, Stock 1997)
+ALIKE = 1e-4  # of a column, that those before it leave, below which it is one of them
+SURE = 1e-3  # probability below which the two differ by more than chance
+MATTERS = 0.02  # of a number, below which it does not matter that they do
+UNITS = {"inertia": "kg", "viscous": "N s/m", "coulomb": "N"}
+NAMES = tuple(UNITS)  # of the first columns
+
+
+class Estimate(NamedTuple):
+    """A number with its standard error."""
+
+    value: float
+    error: float
+
+
+class Compared(NamedTuple):
+    """Least squares with instruments and without.
+
+    Parameters
+    ----------
+    kind : str
+        ``"reference"`` or ``"earlier motion"``.
+    statistic, p_value : float
+        Of Durbin, Wu and Hausman.
+    strength : float
+        The smaller F statistic of the instruments, for acceleration and for speed.
+    instrumental, ordinary : dict of str to Estimate
+        Inertia, viscous and Coulomb friction.
+    rows : int
+        That both are of.
+    """
+
+    kind: Literal["reference", "earlier motion"]
+    statistic: float
+    p_value: float
+    strength: float
+    instrumental: dict[str, Estimate]
+    ordinary: dict[str, Estimate]
+    rows: int
+
+    @property
+    def alarms(self) -> bool:
+        """Whether least squares are off by more than chance, and by what matters."""
+        if self.p_value >= SURE or self.strength < WEAK:
+            return False
+        off = (
+            abs(self.instrumental[name].value - one.value) > MATTERS * abs(one.value)
+            for name, one in self.ordinary.items()
+            if name != "viscous"
+        )
+        return any(off)
+
+    def told(self, unit: Callable[[str], str]) -> Instrument:
+        """Return it as it is stored, its numbers in the axis' own units."""
+        numbers = {
+            name: InstrumentNumber(
+                unit=unit(UNITS[name]),
+                ordinary=one.value,
+                ordinary_se=one.error,
+                instrumental=self.instrumental[name].value,
+                instrumental_se=self.instrumental[name].error,
+            )
+            for name, one in self.ordinary.items()
+        }
+        return Instrument(
+            kind=self.kind,
+            statistic=self.statistic,
+            p_value=self.p_value,
+            strength=self.strength,
+            windows=self.rows,
+            alarms=self.alarms,
+            numbers=numbers,
+        )
+
+
+def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) -> Array:
+    """Return instruments for windows, nan where the log does not reach back so far.
+
+    Parameters
+    ----------
+    log : EvenLog
+        A run.
+    test : TestFunction
+        Of the windows.
+    centres : ndarray of int, shape (W,)
+        Their middles.
+
+    Returns
+    -------
+    ndarray, shape (W, 4)
+        Acceleration and speed of the reference and nothing more, or of the motion in two
+        windows before.
+    """
+    reference = log.further.get("reference")
+    found = np.full((centres.size, 2 * BEFORE), np.nan)
+    if reference is not None:
+        found[:, 0] = test.over(reference, test.curvature, centres)
+        found[:, 1] = -test.over(reference, test.slope, centres)
+        return found
+    for before in range(BEFORE):
+        middle = centres - (before + 1) * (2 * test.half + 1)
+        inside = middle >= test.half
+        found[inside, 2 * before] = test.over(log.position, test.curvature, middle[inside])
+        found[inside, 2 * before + 1] = -test.over(log.position, test.slope, middle[inside])
+    return found
+
+
+def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> Compared | str:
+    """Compare least squares with instruments and without; else say why that is not possible.
+
+    Parameters
+    ----------
+    force : ndarray, shape (W,)
+        Of rows, without what errors of the motion have no part in.
+    columns : ndarray, shape (W, k)
+        Acceleration, speed and 1, and what else acts.
+    instruments : ndarray, shape (W, 4)
+        Of :func:`instruments_of`, in the way's sense.
+    piece : ndarray of int, shape (W,)
+        Stretches of rows, ascending.
+    """
+    kind: Literal["reference", "earlier motion"] = "earlier motion"
+    if np.isnan(instruments[:, 2:]).all():
+        kind = "reference"
+    own = instruments[:, : 2 if kind == "reference" else 4]
+    kept = np.isfinite(own).all(axis=1)
+    force, columns, own = force[kept], columns[kept], own[kept]
+    groups = np.unique(piece[kept], return_inverse=True)[1]
+    pieces = int(groups.max()) + 1 if groups.size else 0
+    columns = columns[:, _independent(columns)]
+    if pieces < FEWEST_PIECES or len(force) < ROWS_A_NUMBER * columns.shape[1]:
+        return f"{len(force)} windows in {pieces} stretches are too few to tell"
+    columns, widths = _scaled(columns)
+    own = _scaled(own)[0]
+    moved, rest = columns[:, :MOVED], columns[:, MOVED:]
+    excluded = np.column_stack([own, rest])
+    fitted = excluded @ np.linalg.lstsq(excluded, moved, rcond=1e-10)[0]
+    strength = min(_wald(moved[:, [one]], own, rest, groups)[0] for one in range(MOVED))
+    left = moved - fitted
+    statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
+    if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
+        statistic, p_value = _wald(force[:, None], left, columns, groups)
+    second = np.column_stack([fitted, rest])
+    numbers = np.asarray(np.linalg.lstsq(second, force, rcond=1e-10)[0], dtype=np.float64)
+    instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
+    numbers = np.asarray(np.linalg.lstsq(columns, force, rcond=1e-10)[0], dtype=np.float64)
+    ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
+    return Compared(kind, statistic, p_value, strength, instrumental, ordinary, len(force))
+
+
+def _independent(columns: Array) -> list[int]:
+    """Return places of columns that those before do not make; the law's own ones are first."""
+    basis, kept = np.zeros((len(columns), 0)), []
+    for place, column in enumerate(columns.T):
+        rest = column - basis @ (basis.T @ column)
+        rest = rest - basis @ (basis.T @ rest)
+        size = float(np.linalg.norm(rest))
+        if size > ALIKE * float(np.linalg.norm(column)) or place <= MOVED:
+            kept.append(place)
+            basis = np.column_stack([basis, rest / (size or 1.0)])
+    return kept
+
+
+def _scaled(columns: Array) -> tuple[Array, Array]:
+    width = np.maximum(np.abs(columns).max(axis=0, initial=0.0), 1e-300)
+    return columns / width, width
+
+
+def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[float, float]:
+    """Return F that columns add nothing beside others, and its p-value; errors go by groups."""
+    design = np.column_stack([asked, beside])
+    numbers = np.linalg.lstsq(design, goal[:, 0], rcond=1e-10)[0]
+    covariance = _covariance(design, goal[:, 0] - design @ numbers, groups)
+    count = asked.shape[1]
+    own = numbers[:count]
+    statistic = float(own @ np.linalg.pinv(covariance[:count, :count]) @ own) / count
+    return statistic, float(f_distribution.sf(statistic, count, groups.max()))
+
+
+def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
+    """Return the covariance of least squares whose errors hang together within groups."""
+    count = int(groups.max()) + 1
+    sums = np.zeros((count, design.shape[1]))
+    np.add.at(sums, groups, design * rest[:, None])
+    inverse = np.linalg.pinv(design.T @ design, rcond=1e-12)
+    return np.asarray(count / (count - 1) * inverse @ (sums.T @ sums) @ inverse)
+
+
+def _estimates(
+    numbers: Array, design: Array, rest: Array, groups: Whole, widths: Array
+) -> dict[str, Estimate]:
+    error = np.sqrt(np.diag(_covariance(design, rest, groups)))
+    return {
+        name: Estimate(float(numbers[place] / widths[place]), float(error[place] / widths[place]))
+        for place, name in enumerate(NAMES)
+    }

@@ -1,0 +1,64 @@
+"""Least squares beside an instrument, where errors are in the regressors or go round a loop."""
+
+import numpy as np
+import pytest
+from rigs.looped_joint import LoopedJoint
+
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.single_axis.instruments import compared
+
+AXIS = all_rigs()["single-axis"]
+TRUTH = {"inertia": 0.06, "viscous": 0.05, "coulomb": 0.2}
+
+
+def rows(seed, *, error=0.0, looped=0.0, count=600):
+    """Return rows of a smooth motion whose acceleration is read wrongly, or feels what disturbs."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(count)
+    acceleration = 8 * np.sin(0.41 * time) + 3 * np.sin(0.137 * time)
+    speed = np.abs(2 + np.cos(0.29 * time))
+    disturbed = 0.05 * rng.standard_normal(count)
+    moved = acceleration + looped * disturbed
+    force = np.column_stack([moved, speed, np.ones(count)]) @ list(TRUTH.values()) - disturbed
+    seen = moved + error * rng.standard_normal(count)
+    reference = acceleration + rng.standard_normal(count), speed + 0.1 * rng.standard_normal(count)
+    instruments = np.column_stack([*reference, np.full((count, 2), np.nan)])
+    columns = np.column_stack([seen, speed, np.ones(count)])
+    return force, columns, instruments, np.arange(count) // 16
+
+
+@pytest.mark.parametrize("wrong", [{"error": 3.0}, {"looped": 100.0}], ids=["encoder", "loop"])
+def test_what_bends_least_squares_does_not_bend_the_instrument(wrong):
+    found = compared(*rows(1, **wrong))
+    assert found.alarms
+    assert found.p_value < 1e-6
+    assert abs(found.ordinary["inertia"].value / 0.06 - 1) > 0.05
+    for name, true in TRUTH.items():
+        number = found.instrumental[name]
+        assert abs(number.value - true) < 3 * number.error
+    assert found.instrumental["inertia"].value == pytest.approx(0.06, rel=0.03)
+
+
+def test_where_nothing_is_wrong_the_alarm_is_as_rare_as_it_says():
+    values = np.array([compared(*rows(seed)).p_value for seed in range(400)])
+    assert 0.02 < np.mean(values < 0.05) < 0.09
+    assert not any(compared(*rows(seed)).alarms for seed in range(40))
+
+
+def test_weak_instruments_and_few_windows_raise_no_alarm():
+    force, columns, instruments, piece = rows(1, error=3.0)
+    noise = np.random.default_rng(5).standard_normal((600, 2))
+    weak = np.column_stack([noise, instruments[:, 2:]])
+    assert not compared(force, columns, weak, piece).alarms
+    few = compared(force[:60], columns[:60], instruments[:60], piece[:60])
+    assert few == "60 windows in 4 stretches are too few to tell"
+
+
+def test_a_looped_joint_has_its_figure():
+    """Counts of 1e-2 rad in the loop: the instrument is as near the truth as its error says."""
+    joint = LoopedJoint(count=1e-2, stiffness=20.0, damping=0.8, gravity=0.0)
+    found = AXIS.trials(joint.recording()).instrument(())
+    assert found.kind == "earlier motion"
+    assert found.strength > 10
+    number = found.numbers["inertia"]
+    assert abs(number.instrumental - joint.inertia) < 3 * number.instrumental_se
