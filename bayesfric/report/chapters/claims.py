@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
-import xarray as xr
-
 from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.style import svg_of
@@ -27,7 +25,7 @@ from bayesfric.report.quantities import error_cells, format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
-__all__ = ["claims", "fallen"]
+__all__ = ["claims", "fallen", "further_claims"]
 
 Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}
@@ -137,7 +135,6 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
             for one in found.self_contradictions
         ]
     )
-    yield from _figures(found, stored.curves)
 
 
 def _claim(one: ClaimResult) -> Iterator[Block]:
@@ -198,12 +195,10 @@ def _rules(found: ClaimsFile) -> list[str]:
     ]
 
 
-def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
-    factors = {
-        one.id: rivals
-        for one in found.claims
-        if isinstance(rivals := one.figures.get("log10_bayes_factor_against"), dict)
-    }
+def further_claims(stored: StoredClaims) -> Iterator[Block]:
+    """Yield each claim against each rival, what could stay hidden, and what priors change."""
+    found, curves = stored.found, stored.curves
+    factors = _factors(found)
     if not factors:
         return
     yield Heading(2, "Against each rival")
@@ -211,9 +206,7 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         [
             Reference("rivals"),
             " sets each claim against each of its rivals, which are an effect beside the law, "
-            "written as effect/variant, or another law; ",
-            Reference("prior-width"),
-            " shows how far a verdict rests on the width of the rivals' priors.",
+            "written as effect/variant, or another law.",
         ]
     )
     yield Figure(
@@ -247,6 +240,15 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         "logarithmic axis; lines rise with the width where the effect is small.",
         label="prior-width",
     )
+
+
+def _factors(found: ClaimsFile) -> dict[str, dict[str, float]]:
+    """Return log10 Bayes factors against each rival, by claim."""
+    return {
+        claim.id: rivals
+        for claim in found.claims
+        if isinstance(rivals := claim.figures.get("log10_bayes_factor_against"), dict)
+    }
 
 
 def _power(found: ClaimsFile) -> Iterator[Block]:
