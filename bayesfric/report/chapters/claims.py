@@ -21,7 +21,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import error_cells, format_fixed
+from bayesfric.report.quantities import error_cells, factor_cells, format_factor, format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
@@ -94,9 +94,8 @@ def _verdicts(found: ClaimsFile) -> Table:
             [
                 Code(one.id),
                 Strong(f"{SIGNS[one.verdict]} {_worded(one.verdict)}"),
-                *error_cells(one.log10_bayes_factor, one.log10_bayes_factor_se),
-                format_fixed(one.elpd_difference, 1),
-                _elpd_error(one),
+                *factor_cells(one.log10_bayes_factor, one.log10_bayes_factor_se),
+                *_elpd(one),
             ]
             for one in found.claims
         ],
@@ -156,7 +155,7 @@ def _alone(one: ClaimResult) -> list[str]:
     if not one.by_pulley:
         return []
     each = ", ".join(
-        f"{size} {format_fixed(entry.log10_bayes_factor, 1)}"
+        f"{size} {format_factor(entry.log10_bayes_factor)}"
         + (f" ({_short(entry.log10_bayes_factor_why)})" if entry.log10_bayes_factor is None else "")
         for size, entry in ((size, one.by_pulley[size]) for size in ordered_sizes(one.by_pulley))
     )
@@ -168,10 +167,13 @@ def _short(why: str | None) -> str:
     return (why or "").partition(":")[0]
 
 
-def _elpd_error(one: ClaimResult) -> str:
-    number = format_fixed(one.elpd_difference_se, 1)
-    unreliable = one.elpd_difference_se is not None and not one.figures.get("elpd_reliable", True)
-    return f"({number})" if unreliable else number
+def _elpd(claim: ClaimResult) -> tuple[str, str]:
+    """Return the difference of the predictive densities and its error, to digits of the error."""
+    difference, error = error_cells(claim.elpd_difference, claim.elpd_difference_se)
+    known = claim.elpd_difference_se is not None
+    return difference, f"({error})" if known and not claim.figures.get(
+        "elpd_reliable", True
+    ) else error
 
 
 def _rules(found: ClaimsFile) -> list[str]:

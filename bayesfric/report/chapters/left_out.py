@@ -16,6 +16,8 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import (
+    MISSING,
+    error_cells,
     format_count,
     format_fixed,
     format_number,
@@ -155,8 +157,11 @@ def _densities(found: tuple[Prediction, ...]) -> Table:
             [
                 _kind(one),
                 format_count(one.groups),
-                format_fixed(one.elpd, 1),
-                "—" if one.elpd_se is None else format_number(one.elpd_se, 2),
+                *(
+                    (format_fixed(one.elpd, 1), MISSING)
+                    if one.elpd_se is None
+                    else error_cells(one.elpd, one.elpd_se)
+                ),
                 format_count(one.bad),
                 format_count(one.refitted),
             ]

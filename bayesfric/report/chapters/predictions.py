@@ -49,9 +49,14 @@ def further_predictions(stored: StoredFit) -> Iterator[Block]:
     if figures:
         yield Heading(2, "The paper's own steps")
         yield Paragraph(
-            "The slope of friction in tension, and the slopes of that in the number of pulleys and "
-            "the wrap angle. The posterior takes no such steps: its bands come from all trials at "
-            "once."
+            [
+                Reference(str(figures[0].label)),
+                " to ",
+                Reference(str(figures[-1].label)),
+                " show the slope of friction in tension, and the slopes of that in the number of "
+                "pulleys and the wrap angle. The posterior takes no such steps: its bands come "
+                "from all trials at once.",
+            ]
         )
         yield from figures
 
@@ -64,6 +69,7 @@ def _caption(text: str, paper: str) -> list[Inline]:
 def _trajectories(stored: StoredFit) -> Iterator[Block]:
     if not _holds(stored, "trajectories", "travel_m"):
         return
+    law = _holds(stored, "curves", "law_n")
     yield Paragraph(
         [
             "The prediction of ",
@@ -71,6 +77,7 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
             " starts with the speed that the trial had at its first event and runs free to the "
             "end of travel. Its band is that of a new trial on a new assembly, scatter included, "
             "so nine trials in ten should stay inside it.",
+            *([" ", Reference("tension"), " has the friction of each trial."] if law else []),
         ]
     )
     yield Figure(
