@@ -30,19 +30,19 @@ def of_diagnosis(found: DiagnosisFile) -> tuple[str, ...]:
     return tuple(dict.fromkeys(lines))
 
 
-def _bent_by_the_loop(found: DiagnosisFile) -> Iterator[str]:
+def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
     """Yield that least squares and an instrument are apart, with the numbers of both."""
-    if found.instrument is None or not found.instrument.alarms:
+    if diagnosis.instrument is None or not diagnosis.instrument.alarms:
         return
     numbers = "; ".join(
-        f"{name} {one.instrumental:.3g} ± {one.instrumental_se:.1g} {one.unit}, not "
-        f"{one.ordinary:.3g}"
-        for name, one in found.instrument.numbers.items()
+        f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
+        f"{number.ordinary:.3g}"
+        for name, number in diagnosis.instrument.numbers.items()
     )
     yield (
         "Errors of the encoder, or what disturbs the joint inside of its loop, bend the law: "
-        f"an instrument (the {found.instrument.kind}) tells {numbers} (Durbin, Wu and Hausman: "
-        f"p = {found.instrument.p_value:.1g})"
+        f"an instrument (the {diagnosis.instrument.kind}) tells {numbers} (Durbin, Wu and Hausman: "
+        f"p = {diagnosis.instrument.p_value:.1g})"
     )
 
 

@@ -75,7 +75,6 @@ NOT_YET_SHORT = {
     "rigs/motor_board/linear.py motor_rows",
     "rigs/points.py evaluate",
     "rigs/single_axis/entering.py entering",
-    "rigs/single_axis/readings.py _of_run",
 }
 NOT_YET_STRAIGHT = [
     {"diagnosis/diagnosing.py", "diagnosis/joints.py"},

@@ -42,7 +42,7 @@ TRIED = {
     "play": LENGTHS["play"].size,
     "spring": LENGTHS["spring"].size * len(DAMPINGS)
     + OWN.size * NEAR.size
-    + int(np.prod([one.size for one in REFINED.values()])),
+    + int(np.prod([values.size for values in REFINED.values()])),
 }
 """Of how a load is held, forms that were tried."""
 AT_ONCE = 4_000_000  # numbers of all loads along the paths that are followed together
@@ -136,7 +136,8 @@ class Followed:
         """
 
         def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
-            tried, shares = lengths[held], HEAVY
+            tried: Array = lengths[held]
+            shares: tuple[float, ...] = HEAVY
             if heavy not in HEAVY:  # of its own shares, whose lengths go with them
                 tried, shares = tried / heavy, (heavy,)
             at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
@@ -153,8 +154,8 @@ class Followed:
         """Return rows by how heavy the load is, (2, W, K)."""
         key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0, shares)
         if key not in self._kept:
-            each = np.repeat(shares, lengths.size), np.tile(lengths, len(shares))
-            whole = self.side_by_side(held, slows, *each, damping)
+            heavy, tried = np.repeat(shares, lengths.size), np.tile(lengths, len(shares))
+            whole = self.side_by_side(held, slows, heavy, tried, damping)
             parts = np.split(whole, len(shares), axis=2)
             self._kept[key] = dict(zip(shares, parts, strict=True))
         return self._kept[key]
@@ -175,13 +176,13 @@ class Followed:
         damping : float or ndarray, shape (K,)
             Of a spring.
         """
-        found = []
+        rows = []
         for together in _batches(self._paths, heavy.size):
             places, intervals = _side_by_side(together)
             moved = behind(held, places, intervals, slows, heavy, lengths, damping)
-            for place, one in enumerate(together):
-                found.append(one.rows(*(part[: one.position.size, place] for part in moved)))
-        return np.concatenate(found, axis=1)
+            for place, path in enumerate(together):
+                rows.append(path.rows(*(part[: path.position.size, place] for part in moved)))
+        return np.concatenate(rows, axis=1)
 
 
 def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]]:

@@ -78,23 +78,23 @@ class Compared(NamedTuple):
         if self.p_value >= SURE or self.strength < WEAK:
             return False
         off = (
-            abs(self.instrumental[name].value - one.value) > MATTERS * abs(one.value)
-            for name, one in self.ordinary.items()
+            abs(self.instrumental[name].value - number.value) > MATTERS * abs(number.value)
+            for name, number in self.ordinary.items()
             if name != "viscous"
         )
         return any(off)
 
-    def told(self, unit: Callable[[str], str]) -> Instrument:
+    def stored(self, unit: Callable[[str], str]) -> Instrument:
         """Return it as it is stored, its numbers in the axis' own units."""
         numbers = {
             name: InstrumentNumber(
                 unit=unit(UNITS[name]),
-                ordinary=one.value,
-                ordinary_se=one.error,
+                ordinary=number.value,
+                ordinary_se=number.error,
                 instrumental=self.instrumental[name].value,
                 instrumental_se=self.instrumental[name].error,
             )
-            for name, one in self.ordinary.items()
+            for name, number in self.ordinary.items()
         }
         return Instrument(
             kind=self.kind,
@@ -126,17 +126,17 @@ def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) 
         windows before.
     """
     reference = log.further.get("reference")
-    found = np.full((centres.size, 2 * BEFORE), np.nan)
+    instruments = np.full((centres.size, 2 * BEFORE), np.nan)
     if reference is not None:
-        found[:, 0] = test.over(reference, test.curvature, centres)
-        found[:, 1] = -test.over(reference, test.slope, centres)
-        return found
+        instruments[:, 0] = test.over(reference, test.curvature, centres)
+        instruments[:, 1] = -test.over(reference, test.slope, centres)
+        return instruments
     for before in range(BEFORE):
         middle = centres - (before + 1) * (2 * test.half + 1)
         inside = middle >= test.half
-        found[inside, 2 * before] = test.over(log.position, test.curvature, middle[inside])
-        found[inside, 2 * before + 1] = -test.over(log.position, test.slope, middle[inside])
-    return found
+        instruments[inside, 2 * before] = test.over(log.position, test.curvature, middle[inside])
+        instruments[inside, 2 * before + 1] = -test.over(log.position, test.slope, middle[inside])
+    return instruments
 
 
 def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> Compared | str:
@@ -169,13 +169,13 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     moved, rest = columns[:, :MOVED], columns[:, MOVED:]
     excluded = np.column_stack([own, rest])
     fitted = excluded @ np.linalg.lstsq(excluded, moved, rcond=1e-10)[0]
-    strength = min(_wald(moved[:, [one]], own, rest, groups)[0] for one in range(MOVED))
+    strength = min(_wald(moved[:, [place]], own, rest, groups)[0] for place in range(MOVED))
     left = moved - fitted
     statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
         statistic, p_value = _wald(force[:, None], left, columns, groups)
     second = np.column_stack([fitted, rest])
-    numbers = np.linalg.lstsq(second, force, rcond=1e-10)[0]
+    numbers: Array = np.linalg.lstsq(second, force, rcond=1e-10)[0]
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
     numbers = np.linalg.lstsq(columns, force, rcond=1e-10)[0]
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
