@@ -168,16 +168,16 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     own = _scaled(own)[0]
     moved, rest = columns[:, :MOVED], columns[:, MOVED:]
     excluded = np.column_stack([own, rest])
-    fitted = excluded @ np.linalg.lstsq(excluded, moved, rcond=1e-10)[0]
+    fitted = excluded @ _least_squares(excluded, moved)
     strength = min(_wald(moved[:, [place]], own, rest, groups)[0] for place in range(MOVED))
     left = moved - fitted
     statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
         statistic, p_value = _wald(force[:, None], left, columns, groups)
     second = np.column_stack([fitted, rest])
-    numbers: Array = np.linalg.lstsq(second, force, rcond=1e-10)[0]
+    numbers = _least_squares(second, force)
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
-    numbers = np.linalg.lstsq(columns, force, rcond=1e-10)[0]
+    numbers = _least_squares(columns, force)
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
     return Compared(kind, statistic, p_value, strength, instrumental, ordinary, len(force))
 
@@ -200,10 +200,14 @@ def _scaled(columns: Array) -> tuple[Array, Array]:
     return columns / width, width
 
 
+def _least_squares(columns: Array, goal: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(columns, goal, rcond=1e-10)[0], dtype=np.float64)
+
+
 def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[float, float]:
     """Return F that columns add nothing beside others, and its p-value; errors go by groups."""
     design = np.column_stack([asked, beside])
-    numbers = np.linalg.lstsq(design, goal[:, 0], rcond=1e-10)[0]
+    numbers = _least_squares(design, goal[:, 0])
     covariance = _covariance(design, goal[:, 0] - design @ numbers, groups)
     count = asked.shape[1]
     own = numbers[:count]
