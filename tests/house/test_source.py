@@ -49,7 +49,6 @@ NOT_YET_SHORT = {
     "report/chapters/posteriors.py posteriors",
     "report/chapters/prior_friction.py prior_friction",
     "rigs/single_axis/entering.py entering",
-    "rigs/single_axis/run_rows.py rows_of_run",
 }
 NOT_YET_STRAIGHT = [
     {"diagnosis/diagnosing.py", "diagnosis/joints.py"},
