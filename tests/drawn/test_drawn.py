@@ -10,7 +10,7 @@ from report.diagnosis_sample import diagnosis, interval
 
 from bayesfric.diagnosis.checking import looked_at
 from drawn.kinds import KINDS, drawn_of
-from drawn.plans import PLANS, recording_of
+from drawn.plans import PLANS, Drive, recording_of
 from drawn.through import answered, faults_are_told
 
 NIGHTLY = settings(
@@ -62,6 +62,30 @@ def test_a_contradiction_that_is_told_is_an_answer_and_one_that_is_not_is_none()
     with pytest.raises(AssertionError):
         faults_are_told(named)
     assert faults_are_told(looked_at(beside(0.1))).verdict == "named"
+
+
+ODD = {
+    "no force": Drive(force="none"),
+    "a constant force": Drive(force="constant"),
+    "at rest": Drive(motion="still"),
+    "one way": Drive(motion="one way"),
+    "ten samples": Drive(samples=10),
+    "20 Hz": Drive(sampled_hz=20.0),
+    "10 kHz": Drive(sampled_hz=10_000.0, samples=1500),
+    "far from zero": Drive(offset=1e4),
+    "a stroke of a micrometre": Drive(stroke=1e-6, resolution=1e-12),
+    "sixty runs": Drive(runs=60, samples=60),
+    "roles on one run": Drive(columns=("role",)),
+    "half of the rows lost": Drive(lost=0.5, jitter=0.9, samples=1500),
+    "a clock of its own, late": Drive(late_s=0.5, columns=("force_time_s",), samples=1500),
+    "a reference": Drive(columns=("command_m",), constants={"force_is": "commanded"}),
+}
+
+
+@pytest.mark.parametrize("plan", ODD.values(), ids=ODD)
+def test_an_odd_log_of_an_axis_comes_to_an_answer_or_a_reason(plan):
+    (answer,) = answered(recording_of(plan), ("diagnose",), report=False).values()
+    assert answer == "answered" or "expected" in answer
 
 
 @pytest.mark.nightly

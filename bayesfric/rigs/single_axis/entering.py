@@ -102,7 +102,8 @@ def entering(
     dither = Dither()
     if found is not None:
         mass = rough_law_of(found[0], found[1].within(found[0])).mass
-        logs, dither = steady(logs, mass, found[0].half_s, resolution)
+        calm, dither = steady(logs, mass, found[0].half_s, resolution)
+        logs = list(calm)
         if dither.left_out:
             found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])

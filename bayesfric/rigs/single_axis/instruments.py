@@ -175,9 +175,9 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
         statistic, p_value = _wald(force[:, None], left, columns, groups)
     second = np.column_stack([fitted, rest])
-    numbers = np.linalg.lstsq(second, force, rcond=1e-10)[0]
+    numbers = np.asarray(np.linalg.lstsq(second, force, rcond=1e-10)[0], dtype=np.float64)
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
-    numbers = np.linalg.lstsq(columns, force, rcond=1e-10)[0]
+    numbers = np.asarray(np.linalg.lstsq(columns, force, rcond=1e-10)[0], dtype=np.float64)
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
     return Compared(kind, statistic, p_value, strength, instrumental, ordinary, len(force))
 
