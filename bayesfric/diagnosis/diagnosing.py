@@ -40,7 +40,12 @@ from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
-from bayesfric.diagnosis.showing import loosely_known, share_of_friction, why_not_shown
+from bayesfric.diagnosis.showing import (
+    loosely_known,
+    share_of_friction,
+    why_not_shown,
+    windows_told,
+)
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
@@ -356,6 +361,7 @@ def _diagnose(
         elsewhere,
         why,
         unexplained_by_scatter if above < MOSTLY else None,
+        windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
     instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
