@@ -166,10 +166,10 @@ def test_the_gap_shrinks_to_the_floor(named):
 
 
 def test_held_out_data_are_predicted_better_with_the_cause(named):
-    """Five assemblies, each held out once."""
+    """Assemblies of both boards in twenty blocks, each held out once."""
     summary = named[0].summary
     density = summary.gap.held_out_log_density
-    assert density.blocks == 5
+    assert density.blocks == 20
     assert density.difference > 3 * density.error
     assert f"raises the log density of these data by {density.difference:.3g} ±" in summary.sentence
     assert (summary.considered, summary.overruled_by) == ((), None)
