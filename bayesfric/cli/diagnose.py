@@ -145,7 +145,7 @@ def diagnosed(
         return diagnose_recording(
             found, analysis, baseline=baseline, checkpoint=checkpoint, **asked
         )
-    from bayesfric.export.replaying import held_out_parts, with_replay
+    from bayesfric.replaying import held_out_parts, with_replay
 
     seen, held_out, what = held_out_parts(found)
     done = diagnose_recording(seen, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
