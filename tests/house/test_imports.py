@@ -45,6 +45,7 @@ ROWS = (
     ("margins", "planning"),
     ("comparing", "readiness"),
     ("export", "blind/engines"),
+    ("replaying",),
     ("blind",),
     ("plots",),
     ("report",),

@@ -24,12 +24,9 @@ NOT_YET_NAMED = {
     "export": 23,
     "inference": 1,
     "logs": 9,
-    "planning": 2,
-    "readiness": 7,
     "recording": 27,
     "report": 165,
     "rigs/single_axis": 141,
-    "robots": 4,
 }
 NOT_YET_SHORT = {
     "cli/blind.py blind",
