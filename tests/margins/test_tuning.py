@@ -9,6 +9,7 @@ from reasons import explained
 
 from bayesfric.margins import tuning
 from bayesfric.margins.assembly import draw_assembly
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
@@ -106,7 +107,7 @@ def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     monkeypatch.setattr(tuning, "find_hunting", lambda *given: next(each))
     found = tune(shaft, 0.05)
     assert found.why is None
-    assert found.kp_scale < tuning.WIDEST
+    assert found.kp_scale < MARGIN_RULES.gains_widest
     # nothing is chosen where one of twenty hunts without any, and so no error excuses it
     one = replace(hunting, threshold=np.where(np.arange(20) < 2, 0.0, 2.0))
     monkeypatch.setattr(tuning, "find_hunting", lambda *given: one)
