@@ -13,7 +13,7 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
 from bayesfric.margins.spec import HUNTS
-from bayesfric.margins.terms import chance_told
+from bayesfric.margins.terms import chance_of_missing
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import bound_of, stated_of_draws
 from bayesfric.schemas import GammaProbability, Metric
@@ -171,7 +171,7 @@ def against_the_spec(
         Of the file.
     """
     chances = {
-        " ".join(filter(None, (metric.name, metric.direction))): chance_told(metric)
+        " ".join(filter(None, (metric.name, metric.direction))): chance_of_missing(metric)
         for metric in metrics
         if metric.spec is not None
     }

@@ -14,7 +14,7 @@ from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST, run
-from bayesfric.margins.terms import tuning_told
+from bayesfric.margins.terms import tuning_sentence
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, scaled, tune
 from bayesfric.schemas import Tuning
@@ -151,4 +151,4 @@ def test_a_setting_without_a_gain_is_told_as_earlier_versions_stored_it():
         probability=0.96,
         probability_se=0.01,
     )
-    assert "kd × 1, no γ, since the loop hunts at every γ: with" in tuning_told(stored)
+    assert "kd × 1, no γ, since the loop hunts at every γ: with" in tuning_sentence(stored)
