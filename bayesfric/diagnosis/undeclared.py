@@ -9,6 +9,7 @@ __all__ = ["undeclared"]
 
 COMMANDED = "commanded-force"
 LIMITED = "limit"
+BY_LOAD = frozenset({"load-friction", "load-quadratic", "load-stribeck"})
 
 
 def undeclared(
@@ -47,6 +48,13 @@ def undeclared(
                 f"{' and '.join(names)} can act on a force that was commanded, and not on one "
                 "that was measured"
             )
+    by_load = sorted(name for name in told if name in BY_LOAD)
+    if by_load and "load-asymmetry" not in examined:
+        yield (
+            f"{' and '.join(by_load)} may be of one way of the power alone: what a gear loses more "
+            "when driving than when driven back looks like an error of the force's gain, of "
+            "inertia and of gravity. A load whose torque is known tells them apart"
+        )
     if verdict == "unknown" and other_joints == "unknown" and rig.rotary:
         yield (
             "Nobody says what the machine's other joints did (rig.other_joints): their pull, if "

@@ -72,6 +72,7 @@ def rows_of_run(
     force = test.over(log.force, test.value, centres)
     if log.known_force is not None:
         force = force - log.known_force.over(test, centres)
+    held, moved = _known_load(log)
     lags = range(0, 2 * half // step + 1)
     acting = given(log, limit)
     curvature = force_curvature(acting, test, centres, runs)
@@ -94,6 +95,8 @@ def rows_of_run(
         "since_rest": since[centres],
         "temperature": warm[centres],
         "position": inside(position),
+        "known_held": inside(held),
+        "known_moved": inside(moved),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
@@ -102,6 +105,18 @@ def rows_of_run(
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
         "beside": np.reshape(beside, (len(beside), centres.size)).T,
     }
+
+
+def _known_load(log: EvenLog) -> tuple[Array, Array]:
+    """Return what a known force holds, and what its masses take, at every sample, (N,) twice.
+
+    Of a force that somebody computed elsewhere all counts as held.
+    """
+    known, nothing = log.known_force, np.zeros(log.time_s.size)
+    if known is None:
+        return nothing, nothing
+    moved = nothing if known.momentum is None else np.gradient(known.momentum, log.interval_s)
+    return known.value, moved
 
 
 def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:
