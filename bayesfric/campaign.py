@@ -211,7 +211,7 @@ def _run(
                 running[executor.submit(function, cases[name])] = name
             finished, _ = wait(running, return_when=FIRST_COMPLETED)
             # What is good is saved before anything is raised.
-            for future in sorted(finished, key=lambda done: done.exception() is not None):
+            for future in sorted(finished, key=lambda case: case.exception() is not None):
                 name = running[future]
                 try:
                     result = future.result()

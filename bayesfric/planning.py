@@ -331,7 +331,7 @@ def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> p
     named = _named(model, rest)
     best: dict[str, tuple[float, dict[str, float | str]]] = {}
     for trials, rig in zip(data.rigs, more.rigs, strict=True):
-        for trial, information in enumerate(rig.told(noise)):
+        for trial, information in enumerate(rig.information_by_trial(noise)):
             size = model.layout.sizes.index(more.layout.sizes[int(rig.size[trial])])
             own = [(name, column, at) for name, of, column, at in named if of == size]
             columns, place = [entry[1] for entry in own], [entry[2] for entry in own]

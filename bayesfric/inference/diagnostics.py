@@ -127,7 +127,7 @@ def diagnose_all(theta: Array) -> list[Convergence]:
 
 
 def walkers_r_hat(draws: Array) -> float:
-    """Return R-hat with each walker as a chain, without what chance adds to it.
+    """Return R-hat with each walker as a chain, corrected for the Monte Carlo error of their means.
 
     The variance of walkers' means is that of their places and the Monte Carlo error of a mean.
     Halves of a walker share the place alone, so that the covariance of their means estimates
@@ -204,7 +204,7 @@ def rank_counts(draws: Array, bins: int) -> NDArray[np.int_]:
 
 
 def mean_ess(draws: Array) -> float:
-    """Return the number of independent draws whose mean would be as well known.
+    """Return the number of independent draws whose mean would have the same error.
 
     Parameters
     ----------
@@ -294,9 +294,9 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
         return log_weights, float("inf")  # a quarter of the tail is one draw
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
-        return log_weights, float("inf")  # beside the largest, a quarter of the tail is nothing
+        return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
     normalised, k = array_stats.psislw(-weights, r_eff=1.0)
-    # The library normalises; the smallest weight is as it was but for that.
+    # The library normalises the weights: undo it by the smallest, which smoothing leaves.
     smallest = np.argmin(weights)
     smoothed = log_weights.copy()
     smoothed[finite] = normalised + (weights[smallest] - normalised[smallest])
@@ -304,7 +304,7 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
 
 
 def power_scaling(values: Array, log_component: Array) -> Array:
-    """Return how much marginals move if the prior or the likelihood counts for more or less.
+    """Return how much marginals move when the prior or the likelihood is raised to a power.
 
     Parameters
     ----------

@@ -249,7 +249,7 @@ def importance_points(
 
 
 def resampled(weights: Array, size: int, rng: Random) -> NDArray[np.intp]:
-    """Return places of points, each as often as its weight says, to within one.
+    """Return the places of points, resampled in proportion to their weights (systematically).
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ def fastest(shaft: LoopAtShaft) -> float:
 
 
 def needs_motion(shaft: LoopAtShaft) -> list[Fault]:
-    """Return what is wrong with a loop whose reference never moves."""
+    """Return the faults of a loop whose reference never moves."""
     if fastest(shaft) > 0.0:
         return []
     expected = "a range above 0, or none, for --ensembles: this reference never moves"

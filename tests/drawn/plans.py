@@ -161,6 +161,9 @@ class Drive:
     size: float = 1.0  # of the forces
     gravity: float = 0.0
     held: int = 1
+    jitter: float = 0.0  # of an interval
+    lost: float = 0.0  # of all rows
+    late_s: float = 0.0  # the force stands in the log before it acts
     columns: tuple = ()
     covariates: tuple = ()
     constants: dict = field(default_factory=dict)
@@ -198,12 +201,24 @@ class Drive:
             force = np.zeros(time.size)
         place = self.offset + self.resolution * np.round(position / self.resolution)
         last = np.arange(time.size) // self.held * self.held
+        force = np.interp(time + self.late_s, time, force)
         table = {"run": name, "time_s": time, "position_m": place[last], "force_n": force[last]}
+        if self.jitter:
+            early = self.jitter / self.sampled_hz * rng.uniform(0, 0.5, time.size)
+            table["time_s"] = time - early + early[0]
+        if "force_time_s" in self.columns:
+            table["force_time_s"] = 5.0 + time + 0.3 / self.sampled_hz
+        if "command_m" in self.columns:
+            table["command_m"] = self.offset + position
+        if "temperature_c" in self.columns:
+            table["temperature_c"] = 20 + 5 * time / max(time.max(initial=0.0), 1e-9)
         if "sim_force_n" in self.columns:
             table["sim_force_n"] = 0.8 * force
         if "sim_position_m" in self.columns:
             table["sim_position_m"] = place + 0.01 * self.stroke * np.sin(3 * time)
-        return pd.DataFrame(table)
+        kept = rng.random(time.size) >= self.lost
+        kept[: min(2, time.size)] = True
+        return pd.DataFrame(table)[kept]
 
     def _path(self, time, rng):
         if self.motion == "still":
@@ -304,7 +319,7 @@ CONSTANTS = st.fixed_dictionaries(
     {},
     optional={
         "rotary": st.booleans(),
-        "force_is": st.sampled_from(["commanded", "measured"]),
+        "force_is": st.sampled_from(["commanded", "motor", "link", "measured"]),
         "moving_mass_kg": st.sampled_from([1e-6, 0.5, 1e4]),
         "encoder_resolution": st.sampled_from([1e-9, 1e-4, 1e-4]),
     },
@@ -324,7 +339,12 @@ DRIVE_PLANS = st.builds(
     size=mostly([1.0], 1e-9, 1e6),
     gravity=mostly([0.0], 2.0, 40.0),
     held=mostly([1], 4),
-    columns=some_of(["order", "role", "setup", "sim_force_n", "sim_position_m"]),
+    jitter=mostly([0.0], 0.1, 0.9),
+    lost=mostly([0.0], 0.02, 0.5),
+    late_s=mostly([0.0], -0.3, 0.02, 0.5),
+    columns=some_of(
+        "order role setup sim_force_n sim_position_m force_time_s command_m temperature_c".split()
+    ),
     covariates=some_of(COVARIATES),
     constants=CONSTANTS,
     names=NAMES,

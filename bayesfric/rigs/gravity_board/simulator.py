@@ -149,11 +149,11 @@ def _motion(
     if wander or of_kind(acting, "friction") or of_kind(acting, "drive"):
         end = TRAVEL_M + PAST_M
         return trial_motion(law, condition, factor, acting, around, end, wander, push_m_s)
-    each = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in condition]
+    condition_columns = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in condition]
     columns = Coefficients(*(np.asarray(column)[:, None, None] for column in law))
     return trajectory(
         columns,
-        Condition(*each),
+        Condition(*condition_columns),
         start_speed_m_s=push_m_s[:, None, None],
         friction_factor=factor[:, None, None],
     )

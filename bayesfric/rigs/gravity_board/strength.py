@@ -79,8 +79,8 @@ def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) 
 
     def change(applied: AppliedEffect) -> Array:
         step = DERIVATIVE_SHARE * duration
-        before, here, after = (applied(reading(times + k * step)) for k in (-1, 0, 1))
-        bend = (after - 2 * here + before) / step**2
+        before, now, after = (applied(reading(times + k * step)) for k in (-1, 0, 1))
+        bend = (after - 2 * now + before) / step**2
         # Phases differ between sensors: their squares add up, not their values.
         mean = np.sqrt((bend**2).sum(axis=-2)) / 2 if applied.effect.components else bend.mean(-2)
         return np.asarray((drive + load)[:, 0] * mean / friction)

@@ -284,7 +284,7 @@ class AxisRuns(PlainTrials):
         before = self.machine.amounts_before()
         shares = self.readings.mixing.shares
         first = 1 + len(self.shared_numbers)
-        return ModelAmounts.told(mean[first:], covariance[first:, first:], shares, before)
+        return ModelAmounts.after_data(mean[first:], covariance[first:, first:], shares, before)
 
     @property
     def unit(self) -> str:

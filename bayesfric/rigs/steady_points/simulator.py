@@ -78,7 +78,7 @@ def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
     """Return the table of points."""
     del constants
     streams = np.random.SeedSequence(seed).spawn(4)
-    lay, scatter, noise, phases = (np.random.default_rng(one) for one in streams)
+    lay, scatter, noise, phases = (np.random.default_rng(child) for child in streams)
     table = lay_points(lay)
     state = _state(table, truth)
     acting = draw_phases(truth, len(table), 1, phases)
