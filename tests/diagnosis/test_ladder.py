@@ -1,4 +1,4 @@
-"""The ladder of friction models M1 to M6 on joints that were drawn: the rung that made one is named.
+"""The ladder of friction models M1 to M6 on drawn joints: the rung that made one is named.
 
 Two loads, and lifting and lowering at each pose. Numbers are drawn over what the parameters have
 that were published with the ladder (Duclusaud et al. 2024), two joints a rung.
