@@ -119,6 +119,7 @@ def write(computed: dict[str, dict[str, Number]], why: str | None, *, anew: bool
         }
     stored.write({part: numbers for part, numbers in kept.items() if part in PARTS})
     entries = [] if anew else stored.moves()
+    moved_parts = []
     for part in stored.parts() if anew else computed:
         new = stored.digest(part)
         if anew or part not in before:
@@ -126,8 +127,10 @@ def write(computed: dict[str, dict[str, Number]], why: str | None, *, anew: bool
         elif new != before[part]:
             assert why is not None
             entries.append({"part": part, "digest": new, "why": why})
-            stored.write_reason(part, why)
-            sys.stdout.write(f"{stored.changelog_line(part, why)}\n")
+            moved_parts.append(part)
+    if moved_parts and why is not None:
+        stored.write_reason(moved_parts, why)
+        sys.stdout.write(f"{stored.changelog_line(moved_parts, why)}\n")
     stored.write_moves(entries)
     return 0
 

@@ -9,7 +9,7 @@ of a part has no reason.
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -73,9 +73,16 @@ def write_moves(entries: list[dict[str, str | None]], path: Path | None = None) 
     (path or MOVES).write_text(f"[\n{rows}\n]\n", encoding="utf-8")
 
 
-def changelog_line(part: str, why: str) -> str:
-    """Return what CHANGELOG.md says of a move."""
-    return f"Fingerprint: `{part}` moved: {why}"
+def changelog_line(moved_parts: Sequence[str], why: str) -> str:
+    """Return what CHANGELOG.md says of a move of some parts."""
+    names = ", ".join(f"`{part}`" for part in moved_parts)
+    return f"Fingerprint: {names} moved: {why}"
+
+
+def is_said(part: str, why: str, changelog_text: str) -> bool:
+    """Return whether a line of the changelog tells why this part moved, by itself or with others."""
+    lines = re.finditer(rf"Fingerprint: ([^:]*) moved: {re.escape(why)}", changelog_text)
+    return any(f"`{part}`" in line[1] for line in lines)
 
 
 def unexplained(
@@ -94,8 +101,8 @@ def unexplained(
                 wrong.append(f"{part}: the first entry of a part in moves.json has no reason")
         elif not why:
             wrong.append(f"{part}: a move in moves.json has no reason")
-        elif changelog_line(str(part), why) not in said:
-            wrong.append(f"{part}: CHANGELOG.md lacks {changelog_line(str(part), why)!r}")
+        elif not is_said(str(part), why, said):
+            wrong.append(f"{part}: CHANGELOG.md lacks {changelog_line([str(part)], why)!r}")
         newest[part] = entry["digest"]
     kept = parts(numbers)
     for part in kept:
@@ -105,7 +112,7 @@ def unexplained(
     return wrong
 
 
-def write_reason(part: str, why: str, changelog: Path | None = None) -> None:
+def write_reason(moved_parts: Sequence[str], why: str, changelog: Path | None = None) -> None:
     """Add the line of a move below the first "### Changed" of the newest version's section.
 
     Raises
@@ -120,5 +127,5 @@ def write_reason(part: str, why: str, changelog: Path | None = None) -> None:
     if newest is None or heading is None:
         raise SystemExit("CHANGELOG.md: its newest section has no heading '### Changed'")
     at = newest.start() + heading.end()
-    line = f"- {changelog_line(part, why)}\n"
+    line = f"- {changelog_line(moved_parts, why)}\n"
     changelog.write_text(text[:at] + line + text[at:], encoding="utf-8")
