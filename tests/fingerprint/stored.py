@@ -80,7 +80,7 @@ def changelog_line(moved_parts: Sequence[str], why: str) -> str:
 
 
 def is_said(part: str, why: str, changelog_text: str) -> bool:
-    """Return whether a line of the changelog tells why this part moved, by itself or with others."""
+    """Return whether a line of the changelog tells why this part moved, alone or with others."""
     lines = re.finditer(rf"Fingerprint: ([^:]*) moved: {re.escape(why)}", changelog_text)
     return any(f"`{part}`" in line[1] for line in lines)
 
