@@ -300,7 +300,7 @@ def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
     try:
         return Analysis.model_validate(values)
     except ValidationError as error:
-        tags = {one.model_fields["family"].default for one in Family.__subclasses__()}
+        tags = {family.model_fields["family"].default for family in Family.__subclasses__()}
         raise InputError(key_faults(name, error, "docs/analysis.md", Analysis, tags)) from error
 
 

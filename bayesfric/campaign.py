@@ -211,7 +211,7 @@ def _run(
                 running[executor.submit(function, cases[name])] = name
             finished, _ = wait(running, return_when=FIRST_COMPLETED)
             # What is good is saved before anything is raised.
-            for future in sorted(finished, key=lambda one: one.exception() is not None):
+            for future in sorted(finished, key=lambda case: case.exception() is not None):
                 name = running[future]
                 try:
                     result = future.result()
@@ -234,10 +234,10 @@ def _run(
 def _kept(path: Path) -> Result | None:
     """Return a result that is done, None where there is none or it is damaged."""
     try:
-        found = json.loads(path.read_bytes())
+        kept = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    return kept if isinstance(kept, dict) else None
 
 
 def _count(tries: Counter[str], name: str, fault: BaseException) -> None:

@@ -61,7 +61,7 @@ class Checkpoint:
             return
         key = f"{code_sha256()} {key}"
         label = folder / "key"
-        with _told(folder):
+        with _writable(folder):
             if not label.is_file() or label.read_bytes() != key.encode():
                 _remove(folder)
                 folder.mkdir(parents=True)
@@ -89,7 +89,7 @@ class Checkpoint:
         if kept is None:
             computed = compute()
             partial = path.with_suffix(".partial")
-            with _told(self._folder):
+            with _writable(self._folder):
                 _remove(path)
                 with partial.open("wb") as stream:
                     np.savez(stream, allow_pickle=False, **computed)
@@ -121,10 +121,10 @@ class Checkpoint:
         object
             The same, whether it was computed or kept, or nothing is kept at all.
         """
-        found = self.piece(name, lambda: _taken_apart(compute()))
-        return cast(T, _put_together(kind, json.loads(str(found[RECORD])), found))
+        arrays = self.piece(name, lambda: _taken_apart(compute()))
+        return cast(T, _put_together(kind, json.loads(str(arrays[RECORD])), arrays))
 
-    def each(self, name: str, kind: Any, function: Callable[P, T]) -> Callable[P, T]:
+    def keep_each_call(self, name: str, kind: Any, function: Callable[P, T]) -> Callable[P, T]:
         """Return a function of which each call is a piece, by its place among the calls.
 
         Parameters
@@ -159,44 +159,48 @@ def _taken_apart(value: Any) -> Arrays:
     """Return the arrays of a record, and beside them all else as JSON."""
     arrays: Arrays = {}
 
-    def plain(one: Any) -> Any:
-        if isinstance(one, np.ndarray):
+    def plain(value_part: Any) -> Any:
+        if isinstance(value_part, np.ndarray):
             name = f"array-{len(arrays)}"
             # Laid out as it will be read: sums of an array that is not whole round otherwise.
-            arrays[name] = np.asarray(one, order="A")
+            arrays[name] = np.asarray(value_part, order="A")
             return name
-        if is_dataclass(one):
-            return {field.name: plain(getattr(one, field.name)) for field in fields(one)}
-        if hasattr(one, "_asdict"):
-            one = one._asdict()
-        if isinstance(one, Mapping):
-            return {name: plain(part) for name, part in one.items()}
-        if isinstance(one, tuple):
-            return [plain(part) for part in one]
-        return one.item() if isinstance(one, np.generic) else one
+        if is_dataclass(value_part):
+            return {
+                field.name: plain(getattr(value_part, field.name)) for field in fields(value_part)
+            }
+        if hasattr(value_part, "_asdict"):
+            value_part = value_part._asdict()
+        if isinstance(value_part, Mapping):
+            return {name: plain(part) for name, part in value_part.items()}
+        if isinstance(value_part, tuple):
+            return [plain(part) for part in value_part]
+        return value_part.item() if isinstance(value_part, np.generic) else value_part
 
-    told = json.dumps(plain(value))
-    return {RECORD: np.array(told), **arrays}
+    text = json.dumps(plain(value))
+    return {RECORD: np.array(text), **arrays}
 
 
-def _put_together(kind: Any, told: Any, arrays: Arrays) -> Any:
+def _put_together(kind: Any, plain: Any, arrays: Arrays) -> Any:
     """Return a record of a type, or a part of one."""
     outer, parts = _origin(kind), get_args(kind)
     if outer is UnionType:
         (kind,) = (part for part in parts if part is not NoneType)
-        return None if told is None else _put_together(kind, told, arrays)
+        return None if plain is None else _put_together(kind, plain, arrays)
     if outer is np.ndarray:
-        return arrays[told]
+        return arrays[plain]
     if outer is tuple:
-        each = parts[:1] * len(told) if Ellipsis in parts else parts
-        whole = zip(each, told, strict=True)
-        return tuple(_put_together(part, one, arrays) for part, one in whole)
-    if isinstance(told, dict):
+        kinds = parts[:1] * len(plain) if Ellipsis in parts else parts
+        whole = zip(kinds, plain, strict=True)
+        return tuple(_put_together(part, item, arrays) for part, item in whole)
+    if isinstance(plain, dict):
         if outer is not None:  # a mapping
-            return {name: _put_together(parts[1], one, arrays) for name, one in told.items()}
+            return {name: _put_together(parts[1], item, arrays) for name, item in plain.items()}
         hints = get_type_hints(kind)
-        return kind(**{name: _put_together(hints[name], one, arrays) for name, one in told.items()})
-    return told
+        return kind(
+            **{name: _put_together(hints[name], item, arrays) for name, item in plain.items()}
+        )
+    return plain
 
 
 def _origin(kind: Any) -> Any:
@@ -223,7 +227,7 @@ def _remove(path: Path) -> None:
 
 
 @contextmanager
-def _told(folder: Path) -> Iterator[None]:
+def _writable(folder: Path) -> Iterator[None]:
     """Tell the user of a folder that cannot be written."""
     try:
         yield

@@ -38,10 +38,10 @@ def _end(path: Path) -> bytes:
 
 
 def _digest(path: Path, size: int) -> bytes:
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     with path.open("rb") as file:
         while size > 0:
             chunk = file.read(min(CHUNK, size))
-            found.update(chunk)
+            digest.update(chunk)
             size -= len(chunk)
-    return found.digest()
+    return digest.digest()

@@ -68,22 +68,25 @@ def compare(a: str | PathLike[str], b: str | PathLike[str]) -> ComparisonFile:
         raise InputError([Fault(str(b), expected)])
     pairs = [(name, first[name], second[name]) for name in common]
     return ComparisonFile(
-        run_ids={name: (one.run_id, other.run_id) for name, one, other in pairs},
+        run_ids={
+            name: (first_result.run_id, second_result.run_id)
+            for name, first_result, second_result in pairs
+        },
         only_in_a=tuple(name for name in first if name not in second),
         only_in_b=tuple(name for name in second if name not in first),
-        same=all(one == other for _, one, other in pairs),
-        settings=tuple(found for pair in pairs for found in _settings(*pair)),
-        flips=tuple(found for pair in pairs for found in _flips(*pair)),
+        same=all(first_result == second_result for _, first_result, second_result in pairs),
+        settings=tuple(setting for pair in pairs for setting in _settings(*pair)),
+        flips=tuple(flip for pair in pairs for flip in _flips(*pair)),
         shifts=tuple(
             sorted(
-                (found for pair in pairs for found in _shifts(*pair)),
-                key=lambda one: -abs(one.shift or 0.0),
+                (shift for pair in pairs for shift in _shifts(*pair)),
+                key=lambda shift: -abs(shift.shift or 0.0),
             )
         ),
     )
 
 
-def write_comparison(found: ComparisonFile, folder: Path) -> None:
+def write_comparison(comparison: ComparisonFile, folder: Path) -> None:
     """Write ``comparison.json``.
 
     Raises
@@ -91,39 +94,39 @@ def write_comparison(found: ComparisonFile, folder: Path) -> None:
     InputError
         The folder cannot be written.
     """
-    data = json_bytes(found)
+    data = json_bytes(comparison)
     replace_outputs(folder, {"comparison.json": lambda path: path.write_bytes(data)})
 
 
-def comparison_text(found: ComparisonFile) -> list[str]:
+def comparison_text(comparison: ComparisonFile) -> list[str]:
     """Return a comparison in lines of text, what matters most first."""
-    if found.same and not found.only_in_a and not found.only_in_b:
-        return ["no difference: " + ", ".join(found.run_ids)]
+    if comparison.same and not comparison.only_in_a and not comparison.only_in_b:
+        return ["no difference: " + ", ".join(comparison.run_ids)]
     lines = []
-    for flip in found.flips:
+    for flip in comparison.flips:
         lines.append(f"{flip.file}  {flip.name}: {flip.a} -> {flip.b}")
-    if not found.flips:
+    if not comparison.flips:
         lines.append("no verdict differs")
-    moved = [one for one in found.shifts if one.a != one.b or one.sd_a != one.sd_b]
+    moved = [shift for shift in comparison.shifts if shift.a != shift.b or shift.sd_a != shift.sd_b]
     if moved:
-        lines.append(f"{len(moved)} of {len(found.shifts)} numbers moved, the furthest first:")
-    for one in moved[:SHOWN]:
-        unit = "" if one.unit == "1" else f" {one.unit}"
-        far = "" if one.shift is None else f"  ({one.shift:+.2f} sd)"
+        lines.append(f"{len(moved)} of {len(comparison.shifts)} numbers moved, the furthest first:")
+    for shift in moved[:SHOWN]:
+        unit = "" if shift.unit == "1" else f" {shift.unit}"
+        far = "" if shift.shift is None else f"  ({shift.shift:+.2f} sd)"
         lines.append(
-            f"  {one.file}  {one.name}: {one.a:.4g} ± {one.sd_a:.2g} -> "
-            f"{one.b:.4g} ± {one.sd_b:.2g}{unit}{far}"
+            f"  {shift.file}  {shift.name}: {shift.a:.4g} ± {shift.sd_a:.2g} -> "
+            f"{shift.b:.4g} ± {shift.sd_b:.2g}{unit}{far}"
         )
     if not moved:
-        lines.append(f"none of {len(found.shifts)} numbers moved")
-    for setting in found.settings:
+        lines.append(f"none of {len(comparison.shifts)} numbers moved")
+    for setting in comparison.settings:
         lines.append(
             f"{setting.file}  {setting.key}: {_or_none(setting.a)} -> {_or_none(setting.b)}"
         )
-    if not found.settings:
+    if not comparison.settings:
         lines.append("no setting differs")
-    lines += [f"{name} is in the first folder alone" for name in found.only_in_a]
-    lines += [f"{name} is in the second folder alone" for name in found.only_in_b]
+    lines += [f"{name} is in the first folder alone" for name in comparison.only_in_a]
+    lines += [f"{name} is in the second folder alone" for name in comparison.only_in_b]
     return lines
 
 
@@ -132,22 +135,24 @@ def _or_none(text: str | None) -> str:
 
 
 def _results(folder: Path) -> dict[str, Provenance]:
-    found: dict[str, Provenance] = {}
+    results: dict[str, Provenance] = {}
     for name, model in MODELS.items():
         if (folder / name).is_file():
-            found[name] = read_json(model, folder / name)
-            refuse_mixed(found[name], folder / name)
-    if not found:
+            results[name] = read_json(model, folder / name)
+            refuse_mixed(results[name], folder / name)
+    if not results:
         raise InputError([Fault(str(folder), f"a folder with one of {', '.join(MODELS)}")])
-    return found
+    return results
 
 
 def _settings(name: str, a: Provenance, b: Provenance) -> Iterator[Setting]:
     """Yield what went in and is not the same."""
-    one, other = (_flat(record.model_dump(mode="json", include=set(WENT_IN))) for record in (a, b))
-    for key in dict.fromkeys([*one, *other]):
-        if one.get(key) != other.get(key):
-            yield Setting(file=name, key=key, a=one.get(key), b=other.get(key))
+    first_settings, second_settings = (
+        _flat(record.model_dump(mode="json", include=set(WENT_IN))) for record in (a, b)
+    )
+    for key in dict.fromkeys([*first_settings, *second_settings]):
+        if first_settings.get(key) != second_settings.get(key):
+            yield Setting(file=name, key=key, a=first_settings.get(key), b=second_settings.get(key))
 
 
 def _flat(value: Any, place: str = "") -> dict[str, str]:
@@ -159,29 +164,29 @@ def _flat(value: Any, place: str = "") -> dict[str, str]:
 
 
 def _flips(name: str, a: Provenance, b: Provenance) -> Iterator[Flip]:
-    one, other = _verdicts(a), _verdicts(b)
-    for key in one:
-        if key in other and one[key] != other[key]:
-            yield Flip(file=name, name=key, a=one[key], b=other[key])
+    first_verdicts, second_verdicts = _verdicts(a), _verdicts(b)
+    for key in first_verdicts:
+        if key in second_verdicts and first_verdicts[key] != second_verdicts[key]:
+            yield Flip(file=name, name=key, a=first_verdicts[key], b=second_verdicts[key])
 
 
 def _verdicts(record: Provenance) -> dict[str, str]:
     if isinstance(record, FitFile):
         return {"converged": "yes" if record.converged else "no"}
     if isinstance(record, ClaimsFile):
-        return {one.id: one.verdict for one in record.claims}
+        return {claim.id: claim.verdict for claim in record.claims}
     if isinstance(record, DiagnosisFile):
-        causes = ", ".join(sorted(one.effect for one in record.causes)) or "none"
+        causes = ", ".join(sorted(cause.effect for cause in record.causes)) or "none"
         return {"verdict": record.verdict, "causes": causes}
     return {}
 
 
 def _shifts(name: str, a: Provenance, b: Provenance) -> Iterator[Shift]:
-    one, other = _quantities(a), _quantities(b)
-    for key in one:
-        if key not in other:
+    first_numbers, second_numbers = _quantities(a), _quantities(b)
+    for key in first_numbers:
+        if key not in second_numbers:
             continue
-        (left, sd_left, unit), (right, sd_right, _) = one[key], other[key]
+        (left, sd_left, unit), (right, sd_right, _) = first_numbers[key], second_numbers[key]
         sd = float(np.sqrt((sd_left**2 + sd_right**2) / 2))
         yield Shift(
             file=name,
@@ -198,11 +203,11 @@ def _shifts(name: str, a: Provenance, b: Provenance) -> Iterator[Shift]:
 
 def _quantities(record: Provenance) -> dict[str, Quantity]:
     """Return every number with an uncertainty that both runs of a verb may have."""
-    found: dict[str, Quantity] = {}
+    quantities: dict[str, Quantity] = {}
 
     def add(key: str, interval: Interval | None, unit: str) -> None:
         if interval is not None:
-            found[key] = Quantity(interval.mean, interval.sd, unit)
+            quantities[key] = Quantity(interval.mean, interval.sd, unit)
 
     if isinstance(record, FitFile):
         for size, entries in record.pulleys.items():
@@ -215,16 +220,16 @@ def _quantities(record: Provenance) -> dict[str, Quantity]:
         for claim in record.claims:
             if claim.log10_bayes_factor is not None:
                 error = claim.log10_bayes_factor_se or 0.0
-                found[f"{claim.id}.log10_bayes_factor"] = Quantity(
+                quantities[f"{claim.id}.log10_bayes_factor"] = Quantity(
                     claim.log10_bayes_factor, error, "1"
                 )
     elif isinstance(record, DiagnosisFile):
-        for one in record.inclusion:
-            add(f"inclusion.{one.effect}.strength", one.strength, "1")
+        for effect in record.inclusion:
+            add(f"inclusion.{effect.effect}.strength", effect.strength, "1")
         add("gap.systematic", record.gap.systematic, record.gap.unit)
     elif isinstance(record, MarginsFile):
         for loop in record.loops:
             for metric in loop.metrics:
                 way = f".{metric.direction}" if metric.direction else ""
                 add(f"{loop.name}.{metric.name}{way}", metric.interval, metric.unit)
-    return found
+    return quantities

@@ -46,9 +46,9 @@ class Fault:
             place += f", row {self.row}"
         if self.column is not None:
             place += f", {self.column}"
-        found = "" if self.value is None else f" found {_short(self.value)!r},"
+        value = "" if self.value is None else f" found {_short(self.value)!r},"
         more = f"; and {self.like:,} like it" if self.like else ""
-        return f"{place}:{found} expected {self.expected}{more}"
+        return f"{place}:{value} expected {self.expected}{more}"
 
 
 def _short(value: str) -> str:
@@ -76,8 +76,8 @@ class InputError(ValueError):
 def near(name: str, among: Iterable[str]) -> str:
     """Return the question whether one of these names, which is nearly `name`, is meant."""
     small = {other.casefold(): other for other in among if other}
-    found = get_close_matches(name.casefold(), small, n=1, cutoff=0.75)
-    return f"; is {small[found[0]]!r} meant?" if found else ""
+    matches = get_close_matches(name.casefold(), small, n=1, cutoff=0.75)
+    return f"; is {small[matches[0]]!r} meant?" if matches else ""
 
 
 def one_of(names: Collection[str], value: str) -> str:

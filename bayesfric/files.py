@@ -38,8 +38,8 @@ def file_bytes(path: Path, name: str | None = None, most: int | None = None) -> 
         if not path.is_file():
             if not path.exists():
                 raise InputError([Fault(name, "a readable file (No such file or directory)")])
-            found = "a folder" if path.is_dir() else "a pipe or a device"
-            raise InputError([Fault(name, "a readable file", value=found)])
+            kind = "a folder" if path.is_dir() else "a pipe or a device"
+            raise InputError([Fault(name, "a readable file", value=kind)])
         size = path.stat().st_size
         if most is not None and size > most:
             expected = f"a file of at most {most:,} bytes"
@@ -97,18 +97,18 @@ def key_faults(
     tags : collection of str
         Parts of a place that are no keys, but which of several kinds of table it is.
     """
-    known = tuple(dict.fromkeys(_keys(model)))
+    keys = tuple(dict.fromkeys(_keys(model)))
     faults: list[Fault] = []
     for detail in error.errors():
         key = ".".join(str(part) for part in detail["loc"] if part not in tags)
         if detail["type"] == "extra_forbidden":
-            faults.append(_unknown(file, key, page, known))
+            faults.append(_unknown(file, key, page, keys))
         elif detail["type"] == "missing":
             faults.append(Fault(file, f"this key (see {page})", column=key))
         else:
             faults.append(_wrong(file, key, page, detail))
     meant = " ".join(fault.expected for fault in faults)  # a misspelt key is not missing too
-    return [one for one in faults if f"; is {one.column!r} meant" not in meant]
+    return [fault for fault in faults if f"; is {fault.column!r} meant" not in meant]
 
 
 def _keys(model: Any, before: str = "") -> Iterator[str]:
@@ -121,22 +121,26 @@ def _keys(model: Any, before: str = "") -> Iterator[str]:
 def _inner(kind: Any, before: str) -> Iterator[str]:
     if hasattr(kind, "model_fields"):
         yield from _keys(kind, before)
-    for one in get_args(kind):
-        yield from _inner(one, before)
+    for part in get_args(kind):
+        yield from _inner(part, before)
 
 
-def _unknown(file: str, key: str, page: str, known: Collection[str]) -> Fault:
+def _unknown(file: str, key: str, page: str, keys: Collection[str]) -> Fault:
     """Return that there is no such key: one of another table, or misspelt."""
     last = key.rpartition(".")[2]
-    own = [one for one in known if one.rpartition(".")[2] == last]
+    own = [candidate for candidate in keys if candidate.rpartition(".")[2] == last]
     hint = f"; is {' or '.join(map(repr, own))} meant?" if 0 < len(own) <= FEW else ""
-    return Fault(file, f"no such key (see {page}){hint or _misspelt(key, known)}", column=key)
+    return Fault(file, f"no such key (see {page}){hint or _misspelt(key, keys)}", column=key)
 
 
-def _misspelt(key: str, known: Collection[str]) -> str:
+def _misspelt(key: str, keys: Collection[str]) -> str:
     table, _, last = key.rpartition(".")
-    same = [one for one in known if one.rpartition(".")[0] == table and one != key]
-    return "" if key in known else near(key, same) or near(last, known)
+    same = [
+        candidate
+        for candidate in keys
+        if candidate.rpartition(".")[0] == table and candidate != key
+    ]
+    return "" if key in keys else near(key, same) or near(last, keys)
 
 
 def _wrong(file: str, key: str, page: str, detail: Any) -> Fault:

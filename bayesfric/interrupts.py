@@ -16,7 +16,10 @@ def uninterrupted() -> Iterator[None]:
         return
     came: list[int] = []
     numbers = (signal.SIGINT, signal.SIGTERM)
-    before = {one: signal.signal(one, lambda number, _: came.append(number)) for one in numbers}
+    before = {
+        signal_number: signal.signal(signal_number, lambda number, _: came.append(number))
+        for signal_number in numbers
+    }
     try:
         yield
     finally:

@@ -7,7 +7,7 @@ good rig give the error with which the data know each coefficient and each effec
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,8 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Flags
+from bayesfric.claims.comparison import FOUND_WITH
+from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import condition_of
 from bayesfric.effects import all_effects, with_priors
@@ -33,11 +35,10 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import left_out as why_left_out
 from bayesfric.rigs.opening import with_own_priors
 
-__all__ = ["Power", "power"]
+__all__ = ["Power", "power", "power_of_measured"]
 
 Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
-FOUND_WITH = 0.9  # probability of finding an effect that is so large
 TO_ITS_PRIOR = "these conditions leave it to its prior"
 NEEDED = "conditions at which something moves by the friction of Table I or of the priors"
 AS_TEXT: dict[str, Any] = {"float_format": "{:.3g}".format, "na_rep": ""}
@@ -52,7 +53,7 @@ class Power:
     ----------
     coefficients : DataFrame
         By coefficient and size: ``value`` that was taken, ``sd`` that its posterior would have,
-        ``informed``, whether the data would say more than the prior.
+        ``unit``, and ``informed``, whether the data would say more than the prior.
     effects : DataFrame
         By effect and law that the data would tell: ``smallest`` amplitude that is found with
         probability 0.9, its ``unit``, and ``share``, its rms as a share of friction; null of
@@ -108,18 +109,67 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
         No rig of the recording can be laid out.
     """
     analysis = Analysis() if analysis is None else analysis
-    opened = [one for rig in all_rigs().values() if (one := rig.trials(recording)) is not None]
+    opened = [
+        trials for rig in all_rigs().values() if (trials := rig.trials(recording)) is not None
+    ]
     analysis = with_own_priors(analysis, opened)
     laws = _laws(Data(tuple(opened)).sizes, analysis)
-    planned = {one.rig.name: one.planned(laws) for one in opened}
-    data = Data(tuple(one for one in planned.values() if one is not None))
+    planned = {trials.rig.name: trials.planned(laws) for trials in opened}
+    data = Data(tuple(trials for trials in planned.values() if trials is not None))
     if not data.rigs:
-        there = " and ".join(one.rig.words.rig for one in opened)
+        there = " and ".join(trials.rig.words.rig for trials in opened)
         raise InputError([Fault(recording.name, NEEDED, value=there), *why_left_out(recording)])
-    left_out = {name: "its trials are not laid out" for name, one in planned.items() if one is None}
+    left_out = {
+        name: "its trials are not laid out" for name, trials in planned.items() if trials is None
+    }
     with threadpool_limits(limits=1):
         model, missing = _model(data, laws, analysis)
         return _power(model, left_out | missing, analysis)
+
+
+def power_of_measured(
+    recording: Recording,
+    analysis: Analysis | None = None,
+    *,
+    baseline: str = "paper",
+    numbers_alone: bool = False,
+) -> Power:
+    """Return what a recording can tell, with the noise and around the law that it shows.
+
+    Its coefficients have ``sd_where_law_is_off`` too: their errors where the law may be wrong by
+    the share of friction below which no gap counts.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of one joint, or of boards.
+    analysis : Analysis or None
+        As of :func:`power`.
+    baseline : str
+        The friction law, as of a diagnosis.
+    numbers_alone : bool
+        Whether effects and next trials are left out, which takes most of the time.
+
+    Raises
+    ------
+    InputError
+        No trial of the recording enters.
+    """
+    data, law = data_of(recording, baseline, None)
+    analysis = with_own_priors(Analysis() if analysis is None else analysis, data.rigs)
+    with threadpool_limits(limits=1):
+        data, _, laws, psi = fitted_baseline(data, analysis, frozenset(), {}, law)
+        held = frozenset(law.without)
+        off = LinearModel(data, laws, (), analysis, held)  # with the discrepancy of all hypotheses
+        loosely = _power(off, {}, analysis, psi, pd.DataFrame()).coefficients
+        if numbers_alone:
+            model = LinearModel(data, laws, (), analysis, held, discrepancy=False)
+            told = _power(model, {}, analysis, psi, pd.DataFrame())
+        else:
+            model, missing = _model(data, laws, analysis, held)
+            told = _power(model, missing, analysis, psi)
+        wider = told.coefficients.assign(sd_where_law_is_off=loosely["sd"])
+        return replace(told, coefficients=wider)
 
 
 def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]:
@@ -128,68 +178,88 @@ def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]
     Priors of a machine of its own are as wide as its forces are large; nothing else of what
     was measured enters.
     """
-    found, priors = {}, analysis.priors
+    laws, priors = {}, analysis.priors
     for size in sizes:
         if size in table1():
             row = table1()[size]
-            found[size] = Coefficients(row.c1.value, row.c2.value, row.c3.value)
+            laws[size] = Coefficients(row.c1.value, row.c2.value, row.c3.value)
         else:
             own = priors.pulleys[size]
-            middle = [float(from_normal(getattr(own, one), 0.0)) for one in Coefficients._fields]
-            found[size] = Coefficients(*middle)
-    return found
+            middle = [
+                float(from_normal(getattr(own, coefficient), 0.0))
+                for coefficient in Coefficients._fields
+            ]
+            laws[size] = Coefficients(*middle)
+    return laws
 
 
 def _model(
-    data: Data, laws: Mapping[str, Coefficients], analysis: Analysis
+    data: Data,
+    laws: Mapping[str, Coefficients],
+    analysis: Analysis,
+    held: frozenset[str] = frozenset(),
 ) -> tuple[LinearModel, dict[str, str]]:
     """Return the model with each law of each effect at the middle of its shape's prior."""
-    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    offered: frozenset[str] = frozenset().union(*(trials.offers for trials in data.rigs))
     effects = {
-        name: one if len(data.rigs) > 1 else data.rigs[0].suited(one)
-        for name, one in sorted(with_priors(all_effects(None), analysis.priors.effects).items())
-        if not one.needs - offered
+        name: effect if len(data.rigs) > 1 else data.rigs[0].suited(effect)
+        for name, effect in sorted(with_priors(all_effects(None), analysis.priors.effects).items())
+        if not effect.needs - offered
     }
-    rows = [one.linear(laws) for one in data.rigs]
+    rows = [trials.linear(laws) for trials in data.rigs]
     chosen: list[Candidate] = []
     missing: dict[str, str] = {}
     for name, effect in effects.items():
-        middle = [one for one in candidates_of(effect) if abs(one.node) < 1e-9]
+        middle = [candidate for candidate in candidates_of(effect) if abs(candidate.node) < 1e-9]
         if effect.components or not middle:
             missing[name] = "nobody records its phases: it has no amplitude of its own"
             continue
-        found = [one.relative_force(middle[0]) for one in rows]
-        reasons = [str(one.reason) for one in found if isinstance(one, Unsupported)]
+        forces = [part.relative_force(middle[0]) for part in rows]
+        reasons = [str(force.reason) for force in forces if isinstance(force, Unsupported)]
         if len(reasons) == len(rows):
             missing[name] = reasons[0]
         else:
             chosen += middle
-    return LinearModel(data, laws, chosen, analysis, discrepancy=False), missing
+    return LinearModel(data, laws, chosen, analysis, held, discrepancy=False), missing
 
 
-def _power(model: LinearModel, left_out: dict[str, str], analysis: Analysis) -> Power:
-    psi = np.log([one.usual for one in model.noise])
+def _power(
+    model: LinearModel,
+    left_out: dict[str, str],
+    analysis: Analysis,
+    psi: Array | None = None,
+    following: pd.DataFrame | None = None,
+) -> Power:
+    psi = np.log([noise.usual for noise in model.noise]) if psi is None else psi
     information = model.said_of(psi, range(len(model.candidates)))
-    priors = [one.effect.amplitude.prior for one in model.candidates]
+    priors = [candidate.effect.amplitude.prior for candidate in model.candidates]
     _, sd = model.prior(priors)
-    known = information.precision  # by the data, numbers counted in their scales
+    precision = information.precision  # by the data, numbers counted in their scales
     places = model.places(len(model.candidates))
     rest = np.setdiff1d(np.arange(sd.size), places)
     rest = rest[sd[rest] > 0]
-    weight = known[np.ix_(rest, rest)] + np.diag(1 / sd[rest] ** 2)
-    across = known[np.ix_(rest, places)]
-    told = known[np.ix_(places, places)] - across.T @ np.linalg.solve(weight, across)
-    nothing = 1 + np.diag(told) < TOLD  # an amplitude is counted in widths of its prior
-    open_ = [one for one, left in zip(model.candidates, nothing, strict=True) if left]
-    left_out |= {f"{one.effect.name}/{one.law}": TO_ITS_PRIOR for one in open_}
+    weight = precision[np.ix_(rest, rest)] + np.diag(1 / sd[rest] ** 2)
+    across = precision[np.ix_(rest, places)]
+    information_left = precision[np.ix_(places, places)] - across.T @ np.linalg.solve(
+        weight, across
+    )
+    nothing = 1 + np.diag(information_left) < TOLD  # an amplitude is counted in widths of its prior
+    open_ = [candidate for candidate, left in zip(model.candidates, nothing, strict=True) if left]
+    left_out |= {f"{candidate.effect.name}/{candidate.law}": TO_ITS_PRIOR for candidate in open_}
     covariance = np.linalg.inv(weight)
     return Power(
         _coefficients(model, rest, covariance, sd),
-        _effects(model, told, nothing, analysis),
-        _pairs(model, told, nothing),
-        _next(model, psi, rest, covariance),
+        _effects(model, information_left, nothing, analysis),
+        _pairs(model, information_left, nothing),
+        _next(model, psi, rest, covariance) if following is None else following,
         left_out,
     )
+
+
+def _units(model: LinearModel) -> dict[str, str]:
+    return {
+        name: unit for size in model.layout.sizes for name, unit in model.data.law_numbers(size)
+    }
 
 
 def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
@@ -204,42 +274,45 @@ def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
 
 
 def _coefficients(model: LinearModel, rest: Places, covariance: Matrix, sd: Array) -> pd.DataFrame:
-    rows = {}
+    rows, units = {}, _units(model)
     for name, size, column, at in _named(model, rest):
         spread = float(np.sqrt(covariance[at, at]))
         rows[name] = {
             "value": float(np.asarray(model.laws[model.layout.sizes[size]][column])),
             "sd": spread * float(model.scales[column]),
+            "unit": units[name],
             "informed": spread < float(sd[rest[at]]) / np.sqrt(2),
         }
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def _effects(model: LinearModel, told: Array, nothing: Flags, analysis: Analysis) -> pd.DataFrame:
+def _effects(
+    model: LinearModel, information_left: Array, nothing: Flags, analysis: Analysis
+) -> pd.DataFrame:
     odds = analysis.claims.support_log10_bayes_factor * np.log(10)
     rows = {}
     for place in np.flatnonzero(~nothing):
-        one = model.candidates[place]
-        amplitude = one.effect.amplitude
+        candidate = model.candidates[place]
+        amplitude = candidate.effect.amplitude
         scale = float(model.scales[model.layout.own + place])
-        error = scale / float(np.sqrt(told[place, place]))
+        error = scale / float(np.sqrt(information_left[place, place]))
         smallest = smallest_found(error, amplitude.prior, odds, FOUND_WITH)
         share = None
-        if one.effect.acts_on == "friction":
-            sizes = [rig.rows.size_of(one) ** 2 for rig in model.rigs]
+        if candidate.effect.acts_on == "friction":
+            sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
             share = smallest * float(np.sqrt(np.mean(sizes)))
         entry = {"smallest": smallest, "unit": amplitude.unit, "share": share}
-        rows[f"{one.effect.name}/{one.law}"] = entry
+        rows[f"{candidate.effect.name}/{candidate.law}"] = entry
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def _pairs(model: LinearModel, told: Array, nothing: Flags) -> pd.DataFrame:
-    size = np.sqrt(np.where(nothing, np.inf, np.diag(told)))
-    alike = np.abs(told / np.outer(size, size))
+def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.DataFrame:
+    size = np.sqrt(np.where(nothing, np.inf, np.diag(information_left)))
+    alike = np.abs(information_left / np.outer(size, size))
     best: dict[tuple[str, str], float] = {}
-    for i, one in enumerate(model.candidates):
+    for i, candidate in enumerate(model.candidates):
         for j, other in enumerate(model.candidates[:i]):
-            pair = (other.effect.name, one.effect.name)
+            pair = (other.effect.name, candidate.effect.name)
             if pair[0] != pair[1] and alike[i, j] > max(ALIKE, best.get(pair, 0.0)):
                 best[pair] = float(alike[i, j])
     rows = [{"effect": a, "other": b, "correlation": r} for (a, b), r in best.items()]
@@ -249,8 +322,8 @@ def _pairs(model: LinearModel, told: Array, nothing: Flags) -> pd.DataFrame:
 
 def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> pd.DataFrame:
     """Return for each coefficient the condition at which one more assembly tells most."""
-    laid = [one.next_trials(model.laws) for one in model.data.rigs]
-    data = Data(tuple(one for one in laid if one is not None))
+    laid = [trials.next_trials(model.laws) for trials in model.data.rigs]
+    data = Data(tuple(trials for trials in laid if trials is not None))
     if not data.rigs:
         return pd.DataFrame()
     more = LinearModel(data, model.laws, (), model.analysis, discrepancy=False)
@@ -258,14 +331,14 @@ def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> p
     named = _named(model, rest)
     best: dict[str, tuple[float, dict[str, float | str]]] = {}
     for trials, rig in zip(data.rigs, more.rigs, strict=True):
-        for trial, information in enumerate(rig.told(noise)):
+        for trial, information in enumerate(rig.information_by_trial(noise)):
             size = model.layout.sizes.index(more.layout.sizes[int(rig.size[trial])])
             own = [(name, column, at) for name, of, column, at in named if of == size]
-            columns, place = [one[1] for one in own], [one[2] for one in own]
-            known = covariance[np.ix_(place, place)]
-            after = np.linalg.inv(np.linalg.inv(known) + information[np.ix_(columns, columns)])
+            columns, place = [entry[1] for entry in own], [entry[2] for entry in own]
+            before = covariance[np.ix_(place, place)]
+            after = np.linalg.inv(np.linalg.inv(before) + information[np.ix_(columns, columns)])
             for (name, *_), factor in zip(
-                own, np.sqrt(np.diag(after) / np.diag(known)), strict=True
+                own, np.sqrt(np.diag(after) / np.diag(before)), strict=True
             ):
                 if factor < best.get(name, (1.0, {}))[0]:
                     best[name] = (float(factor), condition_of(trials, rig, trial))

@@ -68,16 +68,16 @@ def stage(
 
 def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
     """Return what tells once about how long a stage still takes."""
-    began, told = monotonic(), False
+    began, announced = monotonic(), False
 
     def tell(done: int, total: int) -> None:
-        nonlocal told
+        nonlocal announced
         passed = monotonic() - began
         left = passed * (total - done) / done if done else 0.0
-        if not told and done >= ENOUGH * total and passed > PATIENCE_S and left > PATIENCE_S:
+        if not announced and done >= ENOUGH * total and passed > PATIENCE_S and left > PATIENCE_S:
             time = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
             LOGGER.info("%s: %s %s to go", title, roughly, time)
-            told = True
+            announced = True
 
     return tell
 

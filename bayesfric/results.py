@@ -159,9 +159,9 @@ def draws_tree(
         if group.sizes.get("chain") == len(ensemble):  # the prior has no ensembles
             group = group.assign_coords(ensemble=("chain", ensemble))
         group.attrs = {}
-        told = _by_variable(units or {})
-        for variable in group.data_vars.keys() & told.keys():
-            group[variable].attrs["units"] = told[str(variable)]
+        by_variable = _by_variable(units or {})
+        for variable in group.data_vars.keys() & by_variable.keys():
+            group[variable].attrs["units"] = by_variable[str(variable)]
         tree[name] = xr.DataTree(group)
     tree.attrs = dict(attributes)
     return tree
@@ -256,14 +256,14 @@ def read_tree(path: Path) -> xr.DataTree:
             raise InputError([_not_netcdf(path, "a folder" if path.is_dir() else "no such file")])
         _check_bytes(path)
         with xr.open_datatree(path, engine=ENGINE) as tree:
-            found = restored(tree.load())
+            restored_tree = restored(tree.load())
     except InputError:
         raise
     except Exception as error:  # whatever the libraries make of bytes that are damaged
         raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
-    if found.attrs.get("layout", _layout(found)) != _layout(found):
+    if restored_tree.attrs.get("layout", _layout(restored_tree)) != _layout(restored_tree):
         raise InputError([_not_netcdf(path, "a part of it is not there")])
-    return found
+    return restored_tree
 
 
 def _check_bytes(path: Path) -> None:
@@ -309,9 +309,9 @@ def read_json(model: type[Record], path: Path) -> Record:
     try:
         return model.model_validate_json(file_bytes(path))
     except ValidationError as error:
-        found = sorted(error.errors(), key=lambda one: one["loc"] != ("schema",))
-        several = found if found[0]["loc"] != ("schema",) else found[:1]  # all else follows
-        raise InputError([_unlike(path, model, one) for one in several]) from error
+        faults = sorted(error.errors(), key=lambda fault: fault["loc"] != ("schema",))
+        several = faults if faults[0]["loc"] != ("schema",) else faults[:1]  # all else follows
+        raise InputError([_unlike(path, model, fault) for fault in several]) from error
 
 
 def _unlike(path: Path, model: type[BaseModel], detail: Any) -> Fault:

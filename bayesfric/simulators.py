@@ -143,7 +143,7 @@ class SimulatorCalls:
         self.parameters = _parameters(self.simulator, self.name)
         self.made = 0
         self._executor, self._announce = executor, announce
-        self._known: dict[tuple[SimulatorRun, tuple[float, ...], ExtraForce], Array] = {}
+        self._torque_by_call: dict[tuple[SimulatorRun, tuple[float, ...], ExtraForce], Array] = {}
 
     def announce(self, most: int, why: str) -> None:
         """Say how many calls are coming, at most."""
@@ -160,17 +160,21 @@ class SimulatorCalls:
             asked for no extra force.
         """
         asked = list(tasks)
-        keys = [(one.run, one.theta, one.extra_force) for one in asked]
-        new = {key: one for key, one in zip(keys, asked, strict=True) if key not in self._known}
-        names = [one.name for one in self.parameters]
+        keys = [(task.run, task.theta, task.extra_force) for task in asked]
+        new = {
+            key: task
+            for key, task in zip(keys, asked, strict=True)
+            if key not in self._torque_by_call
+        }
+        names = [parameter.name for parameter in self.parameters]
         work = [
-            (self._given, self.name, one, dict(zip(names, one.theta, strict=True)))
-            for one in new.values()
+            (self._given, self.name, task, dict(zip(names, task.theta, strict=True)))
+            for task in new.values()
         ]
         run = map if self._executor is None else self._executor.map
-        self._known |= dict(zip(new, run(_called, work), strict=True))
+        self._torque_by_call |= dict(zip(new, run(_called, work), strict=True))
         self.made += len(new)
-        return [self._known[key] for key in keys]
+        return [self._torque_by_call[key] for key in keys]
 
 
 def _called(work: tuple[Any, str, Task, dict[str, float]]) -> Array:
@@ -186,15 +190,15 @@ def _called(work: tuple[Any, str, Task, dict[str, float]]) -> Array:
         return force
 
     try:
-        found = np.asarray(
+        torque = np.asarray(
             found_simulator(given).predict(run, theta, extra_force=noted), dtype=np.float64
         )
     except Exception as error:  # whatever a user's simulator does, it is told where
         raise InputError([Fault(name, f"{expected} ({error!r})")]) from error
-    if found.shape != run.time_s.shape:
-        raise InputError([Fault(name, expected, value=f"an array of shape {found.shape}")])
-    if not np.isfinite(found).all():
-        first = float(run.time_s[int(np.argmin(np.isfinite(found)))])
+    if torque.shape != run.time_s.shape:
+        raise InputError([Fault(name, expected, value=f"an array of shape {torque.shape}")])
+    if not np.isfinite(torque).all():
+        first = float(run.time_s[int(np.argmin(np.isfinite(torque)))])
         at = ", ".join(f"{key} = {value:g}" for key, value in theta.items())
         raise InputError([Fault(name, expected, value=f"none at {first:g} s, with {at}")])
     if not acted:
@@ -240,29 +244,30 @@ def _imported(spec: str, folder: str) -> Simulator:
     if folder not in sys.path:
         sys.path.insert(0, folder)
     try:
-        found = getattr(import_module(module), name)
-        made = found() if callable(found) and not hasattr(found, "parameters") else found
+        named = getattr(import_module(module), name)
+        made = named() if callable(named) and not hasattr(named, "parameters") else named
         made = made() if isinstance(made, type) else made
     except Exception as error:  # whatever a user's module does, it is told where
         raise InputError([Fault("--simulator", f"{expected} ({error!r})", value=spec)]) from error
     return _checked(made, spec)
 
 
-def _checked(found: Any, spec: str | None) -> Simulator:
-    if not isinstance(found, Simulator):
+def _checked(simulator: Any, spec: str | None) -> Simulator:
+    if not isinstance(simulator, Simulator):
         expected = "an object with parameters and predict(run, theta, extra_force=None)"
-        raise InputError([Fault("simulator", expected, value=spec or repr(found))])
-    return found
+        raise InputError([Fault("simulator", expected, value=spec or repr(simulator))])
+    return simulator
 
 
 def _parameters(simulator: Simulator, name: str) -> tuple[Parameter, ...]:
     expected = "parameters as (name, unit, prior), each name once"
     try:
-        found = tuple(
-            one if isinstance(one, Parameter) else Parameter(*one) for one in simulator.parameters
+        parameters = tuple(
+            parameter if isinstance(parameter, Parameter) else Parameter(*parameter)
+            for parameter in simulator.parameters
         )
     except TypeError as error:
         raise InputError([Fault(name, f"{expected} ({error})")]) from error
-    if len({one.name for one in found}) < len(found):
+    if len({parameter.name for parameter in parameters}) < len(parameters):
         raise InputError([Fault(name, expected)])
-    return found
+    return parameters

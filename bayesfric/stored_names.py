@@ -100,8 +100,8 @@ def restored(tree: xr.DataTree) -> xr.DataTree:
 
 
 def _of_attribute(attributes: Mapping[Any, Any], name: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(attributes.get(name, "{}"))
-    return found
+    names: dict[str, Any] = json.loads(attributes.get(name, "{}"))
+    return names
 
 
 def _fits(name: str) -> bool:

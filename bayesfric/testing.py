@@ -126,21 +126,21 @@ def _check_law(effect: Effect, name: str, where_at: State | Reading) -> None:
     where = f"{effect.name}/{name}"
     if (none := np.abs(_value(effect, name, 0.0, where_at)).max()) > 0:
         raise EffectError(f"{where}: at no amplitude it still is {none:g}, not 0")
-    one = 0.01
-    force = _value(effect, name, one, where_at)
+    small = 0.01
+    force = _value(effect, name, small, where_at)
     if not np.isfinite(force).all():
-        raise EffectError(f"{where}: not finite at {effect.amplitude.name} = {one}")
+        raise EffectError(f"{where}: not finite at {effect.amplitude.name} = {small}")
     changes = bool(np.ptp(force, axis=-1).max() > 1e-12 * np.abs(force).max())
     if changes and not effect.along_path and effect.acts_on in ("friction", "drive"):
         raise EffectError(
             f"{where}: it changes with speed or travel, but is not said to act along_path"
         )
-    two = _value(effect, name, 2 * one, where_at)
-    both = _value(effect, name, np.array([[one], [2 * one]]), where_at)
-    if np.abs(both - np.stack([force, two], axis=-2)).max() > 1e-12 * np.abs(two).max():
+    twice = _value(effect, name, 2 * small, where_at)
+    both = _value(effect, name, np.array([[small], [2 * small]]), where_at)
+    if np.abs(both - np.stack([force, twice], axis=-2)).max() > 1e-12 * np.abs(twice).max():
         raise EffectError(f"{where}: a column of amplitudes gives other values than each alone")
     if effect.along_path or effect.components or effect.acts_on in ("drive", "reading"):
-        off = np.abs(two - 2 * force).max()
+        off = np.abs(twice - 2 * force).max()
         if off > 1e-9 * np.abs(force).max():
             raise EffectError(f"{where}: not linear in {effect.amplitude.name}; off by {off:g}")
 
@@ -150,20 +150,20 @@ def _value(effect: Effect, name: str, amplitude: float | Array, where_at: State 
     values = {effect.amplitude.name: np.array(amplitude)}
     if effect.shape is not None:
         values[effect.shape.name] = np.array(effect.shape.typical)
-    found = np.asarray(effect.laws[name](values, where_at), dtype=np.float64)
+    force = np.asarray(effect.laws[name](values, where_at), dtype=np.float64)
     shape = np.broadcast_shapes(np.shape(amplitude), SPEEDS_M_S.shape)
     if not effect.components:
-        fits = found.ndim <= len(shape)
+        fits = force.ndim <= len(shape)
     else:
-        fits = found.ndim > 0 and len(found) == effect.components
+        fits = force.ndim > 0 and len(force) == effect.components
         shape = (effect.components, *shape)
-        fits = fits and found.ndim == len(shape)
+        fits = fits and force.ndim == len(shape)
     if not fits:
         raise EffectError(
-            f"{effect.name}/{name}: the law's array is of shape {found.shape}, which does not "
+            f"{effect.name}/{name}: the law's array is of shape {force.shape}, which does not "
             f"go with {shape}"
         )
-    return np.broadcast_to(found, shape)
+    return np.broadcast_to(force, shape)
 
 
 def check_result(result: Mapping[str, Any] | Path | str) -> list[Check]:

@@ -9,49 +9,50 @@ __all__ = ["biased_numbers", "of_diagnosis"]
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 
-def of_diagnosis(found: DiagnosisFile) -> tuple[str, ...]:
+def of_diagnosis(diagnosis: DiagnosisFile) -> tuple[str, ...]:
     """Return every check of a diagnosis that failed, a sentence each.
 
     What it holds already (settings that a diagnosis does not follow, say) comes first.
 
     Parameters
     ----------
-    found : DiagnosisFile
+    diagnosis : DiagnosisFile
         As it is stored.
     """
     lines = [
-        *found.attention,
-        *_bent_by_the_loop(found),
-        *_biased(found),
-        *_held_out(found),
-        *(line for cause in found.causes for line in _of_cause(cause)),
-        *_rest(found),
+        *diagnosis.attention,
+        *_bent_by_the_loop(diagnosis),
+        *_biased(diagnosis),
+        *_held_out(diagnosis),
+        *(line for cause in diagnosis.causes for line in _of_cause(cause)),
+        *_rest(diagnosis),
     ]
     return tuple(dict.fromkeys(lines))
 
 
 def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
     """Yield that least squares and an instrument are apart, with the numbers of both."""
-    if diagnosis.instrument is None or not diagnosis.instrument.alarms:
+    instrument = diagnosis.instrument
+    if instrument is None or not instrument.alarms:
         return
     numbers = "; ".join(
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
         f"{number.ordinary:.3g}"
-        for name, number in diagnosis.instrument.numbers.items()
+        for name, number in instrument.numbers.items()
     )
     yield (
-        "Errors of the encoder, or what disturbs the joint inside of its loop, bend the law: "
-        f"an instrument (the {diagnosis.instrument.kind}) tells {numbers} (Durbin, Wu and Hausman: "
-        f"p = {diagnosis.instrument.p_value:.1g})"
+        "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "
+        f"an instrument (the {instrument.kind}) gives {numbers} (Durbin, Wu and Hausman: "
+        f"p = {instrument.p_value:.1g})"
     )
 
 
-def biased_numbers(found: DiagnosisFile) -> Mapping[str, LawNumber]:
+def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:
     """Return the numbers that the law alone has wrong where causes are named.
 
     Parameters
     ----------
-    found : DiagnosisFile
+    diagnosis : DiagnosisFile
         As it is stored.
 
     Returns
@@ -60,9 +61,9 @@ def biased_numbers(found: DiagnosisFile) -> Mapping[str, LawNumber]:
         Those whose value without the causes lies outside of the 90 % interval with them, by
         more than a hundredth; none where no cause is named.
     """
-    if not found.causes:
+    if not diagnosis.causes:
         return {}
-    return {name: number for name, number in found.law.items() if _is_biased(number)}
+    return {name: number for name, number in diagnosis.law.items() if _is_biased(number)}
 
 
 def _is_biased(number: LawNumber) -> bool:
@@ -71,28 +72,28 @@ def _is_biased(number: LawNumber) -> bool:
     return matters and not after.q05 <= alone <= after.q95
 
 
-def _biased(found: DiagnosisFile) -> Iterator[str]:
-    names = ", ".join(cause.effect for cause in found.causes)
-    for name, number in biased_numbers(found).items():
+def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
+    names = ", ".join(cause.effect for cause in diagnosis.causes)
+    for name, number in biased_numbers(diagnosis).items():
         unit = "" if number.unit == "1" else f" {number.unit}"
         yield (
-            f"The law without {names} has {name} wrong: {_known(number.before)}{unit} alone, "
-            f"{_known(number.after)}{unit} fitted with what acts. fit.json and claims.json are of "
-            "the law alone"
+            f"The law without {names} has {name} wrong: {_in_words(number.before)}{unit} alone, "
+            f"{_in_words(number.after)}{unit} fitted with what acts. fit.json and claims.json are "
+            "of the law alone"
         )
 
 
-def _known(number: Interval) -> str:
+def _in_words(number: Interval) -> str:
     return f"{number.mean:.4g} ± {number.sd:.2g}"
 
 
-def _held_out(found: DiagnosisFile) -> Iterator[str]:
-    if found.considered and found.verdict == "unknown":
-        names = ", ".join(effect.effect for effect in found.considered)
-        why = "" if found.overruled_by is None else f": {found.overruled_by}"
+def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
+    if diagnosis.considered and diagnosis.verdict == "unknown":
+        names = ", ".join(effect.effect for effect in diagnosis.considered)
+        why = "" if diagnosis.overruled_by is None else f": {diagnosis.overruled_by}"
         yield f"Held-out data contradict {names}{why}."
-    if found.gap.floor_disagreement is not None:
-        yield f"Held-out data and the model disagree: {found.gap.floor_disagreement}."
+    if diagnosis.gap.floor_disagreement is not None:
+        yield f"Held-out data and the model disagree: {diagnosis.gap.floor_disagreement}."
 
 
 def _of_cause(cause: Cause) -> Iterator[str]:
@@ -108,16 +109,20 @@ def _of_cause(cause: Cause) -> Iterator[str]:
         yield f"The Bayes factor of {cause.effect} has no error: {cause.log10_bayes_factor_se_why}"
 
 
-def _rest(found: DiagnosisFile) -> Iterator[str]:
-    if found.stray_trials:
-        names = ", ".join(found.stray_trials)
+def _rest(diagnosis: DiagnosisFile) -> Iterator[str]:
+    if diagnosis.stray_trials:
+        names = ", ".join(diagnosis.stray_trials)
         yield f"Left out, since far from the other trials of their own assembly: {names}"
-    if found.remainder.significant and found.verdict == "named":
-        axis = "" if found.remainder.axis is None else f", most of all along {found.remainder.axis}"
+    if diagnosis.remainder.significant and diagnosis.verdict == "named":
+        axis = (
+            ""
+            if diagnosis.remainder.axis is None
+            else f", most of all along {diagnosis.remainder.axis}"
+        )
         yield f"The causes leave a force that no effect explains{axis}"
-    leader = _likeliest(found.probabilities)
-    others = {_likeliest(chances) for chances in found.prior_sensitivity.values()} - {leader}
-    if others and found.verdict in ("named", "no-gap", "unknown"):
+    leader = _likeliest(diagnosis.probabilities)
+    others = {_likeliest(chances) for chances in diagnosis.prior_sensitivity.values()} - {leader}
+    if others and diagnosis.verdict in ("named", "no-gap", "unknown"):
         yield (
             "Which hypothesis is the likeliest hangs on how likely a law without effects is "
             f"beforehand: {leader}, or {', '.join(sorted(others))}"

@@ -181,8 +181,8 @@ def contradicted(
     parameters: Sequence[Parameter], entries: Mapping[str, ParameterSummary]
 ) -> Iterator[str]:
     """Yield where the data are far from what somebody knew beforehand, as a wrong unit is."""
-    for one in parameters:
-        entry, prior = entries[one.name], one.prior
+    for parameter in parameters:
+        entry, prior = entries[parameter.name], parameter.prior
         if not isinstance(prior, Normal):
             continue
         distance = abs(entry.mean - prior.mean)
@@ -190,39 +190,41 @@ def contradicted(
         surely = distance > SURELY_OFF * entry.sd
         if far > CONTRADICTED:
             yield (
-                f"Parameter {one.name} is {entry.mean:.3g}, and {prior.mean:g} ± {prior.sd:.2g} "
-                f"by its prior: {far:.1f} standard deviations away. One of them is wrong (is a "
-                "unit, in the recording or of the prior?)"
+                f"Parameter {parameter.name} is {entry.mean:.3g}, and {prior.mean:g} ± "
+                f"{prior.sd:.2g} by its prior: {far:.1f} standard deviations away. One of them is "
+                "wrong (is a unit, in the recording or of the prior?)"
             )
-        elif surely and ((prior.mean and far > MISSED) or one.name in NO_DELAY):
-            unit = "" if one.unit == "1" else f" {one.unit}"
+        elif surely and ((prior.mean and far > MISSED) or parameter.name in NO_DELAY):
+            unit = "" if parameter.unit == "1" else f" {parameter.unit}"
             yield (
-                f"Parameter {one.name} is {entry.mean:.3g} ± {entry.sd:.2g}{unit}, "
+                f"Parameter {parameter.name} is {entry.mean:.3g} ± {entry.sd:.2g}{unit}, "
                 f"{distance / entry.sd:.0f} of its standard deviations from the {prior.mean:g} "
                 f"that is declared (± {prior.sd:.2g})"
             )
 
 
-def _uncovered(found: Sequence[Coverage]) -> Iterator[str]:
+def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
     """Yield where more or fewer trials than expected lie inside their predictive intervals."""
-    for one in found:
-        if not one.low <= one.share <= one.high:
+    for coverage in coverages:
+        if not coverage.low <= coverage.share <= coverage.high:
             yield (
-                f"{one.share:.1%} of the {all_rigs()[one.rig].words.rig}'s trials lie inside their "
-                f"90 % predictive interval, where {one.low:.1%} to {one.high:.1%} would if the "
-                "recording were made again: by chance one sound recording in ten is outside of that"
+                f"{coverage.share:.1%} of the {all_rigs()[coverage.rig].words.rig}'s trials lie "
+                f"inside their 90 % predictive interval, where {coverage.low:.1%} to "
+                f"{coverage.high:.1%} would if the recording were made again: by chance one sound "
+                "recording in ten is outside of that"
             )
 
 
-def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:
+def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
     """Yield the assemblies that are far from what all others say of them."""
-    for check in found:
+    for check in checks:
         rig = all_rigs()[check.rig].words.rig
-        for one in check.outlying:
+        for assembly in check.outlying:
             yield (
-                f"Assembly {one.setup} of the {rig} has friction {abs(one.z):.1f} standard "
-                f"deviations {'above' if one.z > 0 else 'below'} what all others predict of it; "
-                f"by chance one recording in {max(round(1 / one.chance), 1):,} has one as far out"
+                f"Assembly {assembly.setup} of the {rig} has friction {abs(assembly.z):.1f} "
+                f"standard deviations {'above' if assembly.z > 0 else 'below'} what all others "
+                f"predict of it; by chance one recording in {max(round(1 / assembly.chance), 1):,} "
+                "has one as far out"
             )
         if check.p_value < NOT_UNIFORM:
             yield (
@@ -233,14 +235,15 @@ def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:
             )
 
 
-def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:
+def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:
     """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
-    for one in found:
-        if one.p_value < NOT_UNIFORM:
-            rig = all_rigs()[one.rig].words.rig
+    for uniformity in uniformities:
+        if uniformity.p_value < NOT_UNIFORM:
+            rig = all_rigs()[uniformity.rig].words.rig
             yield (
                 f"The {rig}'s trials are not where the fit to the others puts them: "
-                f"leave-one-out probabilities depart from uniform with p = {one.p_value:.2g}, and "
-                f"trials lie {one.spread:.2f} times as far from their prediction as the model "
-                f"says ({one.spread_q05:.2f} to {one.spread_q95:.2f} by chance)"
+                "leave-one-out probabilities depart from uniform with p = "
+                f"{uniformity.p_value:.2g}, and trials lie {uniformity.spread:.2f} times as far "
+                f"from their prediction as the model says ({uniformity.spread_q05:.2f} to "
+                f"{uniformity.spread_q95:.2f} by chance)"
             )

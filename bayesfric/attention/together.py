@@ -29,9 +29,9 @@ def attention_of_all(records: Mapping[str, Provenance]) -> list[tuple[str, str]]
     list of (str, str)
         Name of the result, and a line of its list.
     """
-    found: dict[str, str] = {}
+    first_with_line: dict[str, str] = {}
     for name, record in records.items():
         if isinstance(record, WITH_ATTENTION):
             for line in record.attention:
-                found.setdefault(line, name)
-    return [(name, line) for line, name in found.items()]
+                first_with_line.setdefault(line, name)
+    return [(name, line) for line, name in first_with_line.items()]

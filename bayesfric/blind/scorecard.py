@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.blind.design import SCORING_FROM
+from bayesfric.blind.design import KINDS, SCORING_FROM
 from bayesfric.blind.rates import EDGES, estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scoring import NO_CLAIM, OTHERS
 from bayesfric.results import created_date, package_versions
@@ -27,7 +27,6 @@ __all__ = ["BELOW", "scorecard_of"]
 
 BELOW = "below practical share"
 """Row of the confusion matrix: withheld, and too small to count."""
-KINDS = ("none", "effect", "pair", "outsider")
 SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")
 LEAST_CHANCE = 1e-6  # a probability below it is scored as this
 PROMISED = {"1/own": 0.95, "1/foreign": 0.90, "0.3/own": 0.85, "0.3/foreign": 0.75}

@@ -65,7 +65,7 @@ def run_case(given: Given) -> dict[str, Any]:
     with threadpool_limits(limits=1):
         data = Data(open_rigs(recording, (rig,)))
         law = BASELINES["paper"]
-        model = Model([one.likelihood(given.generating, law) for one in data.rigs])
+        model = Model([trials.likelihood(given.generating, law) for trials in data.rigs])
         draws = draw_posterior(model, given.generating.model_copy(update={"seed": seed}))
         theta = model.natural(draws.z)
         flat = theta.reshape(-1, theta.shape[-1])
@@ -76,9 +76,9 @@ def run_case(given: Given) -> dict[str, Any]:
     stalled = len(recording.metadata["simulation"]["stalled"])
     return {
         "ranks": ranks,
-        "r_hat": max(one.r_hat for one in diagnose_all(theta)),
+        "r_hat": max(diagnostics.r_hat for diagnostics in diagnose_all(theta)),
         "stalled": stalled,
-        "trials": stalled + sum(len(one.table) for one in data.rigs),
+        "trials": stalled + sum(len(trials.table) for trials in data.rigs),
     }
 
 

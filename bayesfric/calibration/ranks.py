@@ -104,7 +104,7 @@ def band_of(count: int, places: int, level: float) -> Band:
     tails = _tails(count, probability)
     extremes = _extremes(drawn.cumsum(axis=1)[:, :-1], tails)
     tail = float(np.quantile(extremes, 1 - level)) / 2
-    low, high = (binom.ppf(one, count, probability) / count for one in (tail, 1 - tail))
+    low, high = (binom.ppf(end, count, probability) / count for end in (tail, 1 - tail))
     return Band(count, places, probability, low - probability, high - probability, tails, extremes)
 
 

@@ -72,15 +72,18 @@ def calibrate(
     analysis = Analysis() if analysis is None else analysis
     generating = generating_analysis(analysis)
     protocol = analysis.calibration.protocol
-    given = {f"{one:05d}": Given(generating, protocol, one) for one in range(number)}
+    given = {
+        f"{number_of_case:05d}": Given(generating, protocol, number_of_case)
+        for number_of_case in range(number)
+    }
     key = json.dumps([analysis_sha256(analysis), package_versions()], sort_keys=True)
     kept = folder.resolve() / CASES / hashlib.sha256(key.encode()).hexdigest()[:12]
     if scheduler is not None:
         with cluster(scheduler) as executor:
-            found = run_campaign(run_case, given, kept, executor, progress)
+            cases = run_campaign(run_case, given, kept, executor, progress)
     else:
-        found = run_on_processes(run_case, given, kept, workers, progress)
-    result = calibration_of(list(found.values()), analysis, planned=number)
+        cases = run_on_processes(run_case, given, kept, workers, progress)
+    result = calibration_of(list(cases.values()), analysis, planned=number)
     replace_outputs(folder, {"calibration.json": lambda path: path.write_bytes(json_bytes(result))})
     return result
 
@@ -99,13 +102,13 @@ def calibration_of(
     planned : int
         Cases in all.
     """
-    read = [CalibrationCase.model_validate(one) for one in cases]
+    read = [CalibrationCase.model_validate(case) for case in cases]
     names = list(read[0].ranks)
     allowed = (1 - LEVEL) / len(names)  # Bonferroni: quantities depend on one another
     band = band_of(len(read), RANKED_DRAWS + 1, 1 - allowed)
     quantities = []
     for name in names:
-        ranks = np.array([one.ranks[name] for one in read])
+        ranks = np.array([case.ranks[name] for case in read])
         difference, p_value = band.difference(ranks), band.p_value(ranks)
         quantities.append(
             CalibratedQuantity(
@@ -115,9 +118,9 @@ def calibration_of(
                 inside=p_value >= allowed,
             )
         )
-    stalled = sum(one.stalled for one in read) / sum(one.trials for one in read)
-    r_hat = max(one.r_hat for one in read)
-    outside = [one.name for one in quantities if not one.inside]
+    stalled = sum(case.stalled for case in read) / sum(case.trials for case in read)
+    r_hat = max(case.r_hat for case in read)
+    outside = [quantity.name for quantity in quantities if not quantity.inside]
     attention = []
     if outside:
         attention.append(f"Not calibrated: the ranks of {', '.join(outside)} are not uniform")

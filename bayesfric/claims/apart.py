@@ -16,7 +16,7 @@ MEAN = "rig_difference"
 
 
 class ApartModel(Model):
-    """The posterior of one friction law, and of how far a second rig is from it.
+    """The posterior of a friction law and of how far a second rig's friction differs from it.
 
     The coefficients of a size on the second rig are 1 + d times those on the first, with
     d = mean + own, the mean over sizes and what is a size's own. Both are unknown, so that

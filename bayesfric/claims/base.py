@@ -128,14 +128,14 @@ class Claim:
         return "+".join(str(entered.first(regime)) for regime in needed if regime is not None)
 
     def moving(self, entered: Entered) -> Regime | None:
-        """Return how the trials move that the claim is judged on, of the data that there are."""
+        """Return how the trials move on which the claim is judged with these data."""
         for regime in (self.regime, self.instead):
             if regime is not None and entered.first(regime) is not None:
                 return regime
         return self.regime
 
     def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
-        """Return the rivals; those that add to the law add to the one that is claimed."""
+        """Return the rivals; effects of a rival on the paper's law are added to the claimed law."""
         return tuple(
             replace(rival, law=entered.law) if rival.law == PAPER else rival
             for rival in self.rivals
@@ -176,7 +176,7 @@ class Claim:
         return f" Judged on {words.trials} of the {words.rig}, at constant speed."
 
     def tasks(self, entered: Entered) -> list[Task]:
-        """Return what must be studied, of the data that there are."""
+        """Return the studies that these data allow and the claim needs."""
         if self.regime is None or self.untestable(entered):
             return []
         subject = self.subject(entered)

@@ -63,7 +63,7 @@ def _against_rivals(
     weighed: Mapping[Hypothesis, Studied],
     lacking: Sequence[str],
 ) -> Finding:
-    """Judge a claim by rivals that have an evidence; `lacking` says why others have none."""
+    """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
     rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.claimed)]
     against_each = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
@@ -121,7 +121,7 @@ def _against_rivals(
 def _difference_of_prediction(own: Studied, best: Studied) -> Difference:
     """Return by how much the claim predicts new assemblies better than its best rival."""
     assert own.prediction is not None
-    assert best.prediction is not None  # of all sizes together there is one with each evidence
+    assert best.prediction is not None  # a study of all sizes together has both, or neither
     return difference(own.prediction, best.prediction)
 
 
@@ -227,7 +227,7 @@ def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, f
     """Return the narrowest and widest prior around the analysis's with its verdict."""
     middle = len(WIDTHS) // 2
     other = np.flatnonzero(np.array(verdicts) != verdict)
-    if middle in other:  # it rests on the stability over widths, which no width alone has
+    if middle in other:  # this verdict needs the odds at several widths, so no single width has it
         return WIDTHS[middle], WIDTHS[middle]
     low = other[other < middle].max(initial=-1) + 1
     high = other[other > middle].min(initial=len(WIDTHS)) - 1
@@ -331,7 +331,7 @@ def share(value: float) -> str:
 
 
 def log_evidence(studied: Studied, width: int | None = None) -> float:
-    """Return the log evidence of what has one [nat].
+    """Return the log evidence of a hypothesis at a width of its amplitude's prior [nat].
 
     Parameters
     ----------

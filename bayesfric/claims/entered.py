@@ -78,7 +78,7 @@ class Entered:
         return trials
 
     def first(self, regime: Regime) -> str | None:
-        """Return the name of the first rig that moves so, if one has data."""
+        """Return the name of the first rig with data whose trials move in this way, or None."""
         moving = (
             name
             for name in self.rigs
@@ -92,7 +92,7 @@ class Entered:
         return any(self.trials(name).has_pulleys for name in self.rigs)
 
     def lack(self, regime: Regime) -> str:
-        """Return why there is no rig that moves so, a sentence."""
+        """Return a sentence that says why no rig with data moves in this way."""
         kinds = [rig for rig in all_rigs().values() if rig.regime == regime]
         without = [rig for rig in kinds if rig.name in self.left_out]
         if without:

@@ -9,7 +9,7 @@ from bayesfric.fitting.hypothesis import Hypothesis
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Compare as ever, and say below which speed nothing is known."""
+    """Compare with the rivals, and name the speed below which the claim is not testable."""
     finding = compare(claim, case)
     if finding.verdict == "not-testable":
         return finding

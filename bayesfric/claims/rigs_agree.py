@@ -31,7 +31,7 @@ def agree(rules: ClaimRules, off: Array) -> Array:
 
 
 def most_within(rules: ClaimRules, off: Array) -> Array:
-    """Return whether most conditions lie within the tolerance of most, shape (S,)."""
+    """Return by draw whether most conditions lie within the narrower tolerance, shape (S,)."""
     return np.asarray((np.abs(off) <= rules.rig_usual_tolerance).mean(axis=0) > 0.5)
 
 

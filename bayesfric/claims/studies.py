@@ -95,7 +95,7 @@ class Kept(NamedTuple):
 
 @dataclass(frozen=True)
 class Studied:
-    """What a hypothesis makes of data.
+    """The evidence of a hypothesis, what it predicts, and how large its effect is.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def study_all(
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
-    """Return what takes longest, and should not be left for the end: a rank."""
+    """Return a rank by expected time: the longest studies are started first."""
     shapes = [effects[name].shape is not None for name, _ in task.hypothesis.effects]
     along = [effects[name].along_path for name, _ in task.hypothesis.effects]
     return 8 * task.apart + 4 * task.whole + 2 * any(shapes) + any(along)
@@ -200,9 +200,9 @@ Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
 def _mode(
     data: Data, analysis: Analysis, law: Hypothesis, effects: dict[str, Effect]
 ) -> dict[str, float]:
-    """Return the mode of a law alone, from which the climbs of all hypotheses start.
+    """Return the mode of a law without effects; the climbs of all hypotheses start there.
 
-    What likelihoods of the same trials share is tabulated on the way, and travels with the data.
+    The first call also fills the tables that likelihoods of the same trials share.
     """
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, law, effects)
@@ -211,7 +211,7 @@ def _mode(
 
 
 def _name(given: Given) -> str:
-    """Return the name of a study as a piece, which says all that differs from another's."""
+    """Return the name under which a checkpoint keeps a study: a digest of its task."""
     return f"studied-{sha256(repr(given[2]).encode()).hexdigest()[:16]}"
 
 
@@ -226,7 +226,7 @@ def _study(
     effects: dict[str, Effect],
     near: dict[str, float],
 ) -> Studied:
-    # The seed rests on what is studied, not on how many things are.
+    # The seed depends on what is studied, not on how many studies there are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
     with threadpool_limits(limits=1):
@@ -251,7 +251,7 @@ def _study(
         some = z[np.linspace(0, len(z) - 1, POINTWISE_DRAWS).astype(int)]
         densities = setup_log_densities(model, some)
     named = model.by_name(model.natural(z))
-    by_chain = (SHORT_RUN.ensembles, -1)  # evenly spaced, so that each has as many
+    by_chain = (SHORT_RUN.ensembles, -1)  # draws are evenly spaced, so each chain has as many
     kept = Kept(
         {
             name: values.reshape(by_chain)
@@ -276,7 +276,7 @@ def _study(
 def _weighed(
     model: Model, laplace: Laplace, seed: int, whole: bool = True
 ) -> tuple[Evidence, Array] | None:
-    """Draw by importance, where some hundred draws count; None where weights have heavy tails."""
+    """Draw by importance sampling; None where the weights have heavy tails."""
     return importance_draws(
         model.log_posterior,
         laplace,
@@ -288,7 +288,7 @@ def _weighed(
 
 
 def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
-    """Draw by ensembles, shape (ensembles, kept, walkers, D)."""
+    """Draw with ensembles of walkers, shape (ensembles, draws, walkers, D)."""
     walkers = max(WALKERS, 2 * laplace.mode.size)
     settings = SHORT_RUN.model_copy(update={"walkers": walkers})
     return sample(
@@ -297,7 +297,7 @@ def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
 
 
 def _apart(model: Model, seed: int, proposals: int) -> Studied:
-    """Draw how far two rigs are apart: that is all that is asked of them."""
+    """Draw the relative difference between two rigs; no evidence is computed."""
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     weighed = _weighed(model, laplace, proposals)
     if weighed is not None:
@@ -313,7 +313,7 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
 def _start(
     model: Model, hypothesis: Hypothesis, effects: dict[str, Effect], near: dict[str, float]
 ) -> Array:
-    """Return the best of some amplitudes and shapes, a place to climb from."""
+    """Return a point to climb from: the best of a few amplitudes and shapes of the effects."""
     rough = model.start()
     numbers = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
     start = model.sampling(np.array([numbers[name] for name in model.names]))

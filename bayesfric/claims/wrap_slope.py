@@ -27,7 +27,7 @@ def _bent(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _offset(p: Mapping[str, Array], state: State) -> Array:
-    # What does not grow with n, beside a slope that gives way so that nine pulleys agree.
+    # A term that does not grow with n; the slope falls by as much at nine pulleys.
     rest = MIDDLE_PULLEYS - np.asarray(state.n_pulleys)
     return np.asarray(p["departure"] * rest * _turn(state))
 

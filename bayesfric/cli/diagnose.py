@@ -68,6 +68,13 @@ def diagnose(
             "which the recording says its own.",
         ),
     ] = None,
+    replay: Annotated[
+        bool,
+        typer.Option(
+            "--replay",
+            help="Replay held-out runs in MuJoCo, with your model's values and the proposed ones.",
+        ),
+    ] = False,
     workers: Workers = 2,
     seed: Seed = None,
     config: Config = None,
@@ -105,6 +112,7 @@ def diagnose(
                 effects=effects,
                 simulator=simulator,
                 target=conditions,
+                replay=replay,
                 executor=executor,
                 announce=None if quiet else partial(say, err=True),
             ),
@@ -116,15 +124,32 @@ def diagnose(
 
 
 def diagnosed(
-    recording: Path, output: Path, analysis: "Analysis", *, baseline: str, **asked: Any
+    recording: Path,
+    output: Path,
+    analysis: "Analysis",
+    *,
+    baseline: str,
+    replay: bool = False,
+    **asked: Any,
 ) -> "Diagnosed":
     """Diagnose a recording; what is done on the way is kept in the folder of the results."""
     from bayesfric.diagnosis import diagnose as diagnose_recording
+    from bayesfric.readiness import readiness_of, refuse_untold
     from bayesfric.recording import read_recording
 
     checkpoint = output / CHECKPOINT
     found = read_recording(recording)
-    return diagnose_recording(found, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
+    if asked.get("simulator") is None:
+        refuse_untold(readiness_of(found, analysis, baseline=baseline, numbers_alone=True))
+    if not replay:
+        return diagnose_recording(
+            found, analysis, baseline=baseline, checkpoint=checkpoint, **asked
+        )
+    from bayesfric.export.replaying import held_out_parts, with_replay
+
+    seen, held_out, what = held_out_parts(found)
+    done = diagnose_recording(seen, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
+    return with_replay(done, held_out, what, analysis.seed)
 
 
 def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bool) -> set[str]:
@@ -146,6 +171,8 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
             say(f"  {name:<28} {stated(chance)}")
         for line in entered_lines(block):
             say(line)
+        if block.replay is not None:
+            say(f"  {block.replay.sentence}")
     happened = say_attention(summary.attention, quiet=quiet)
     if summary.target is not None:
         for line in target_lines(summary.target):

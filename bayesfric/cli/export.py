@@ -33,7 +33,7 @@ def export(
         Path | None,
         typer.Option(
             "--into",
-            metavar="MODEL",
+            metavar="PATH",
             help="Your own MJCF, URDF or SDF: a copy of it is written, its joints' fields set.",
         ),
     ] = None,
@@ -41,17 +41,17 @@ def export(
         list[str] | None,
         typer.Option(
             "--joint",
-            metavar="LOG=MODEL",
-            help="A joint's name in the model, where it is another than in the log.",
+            metavar="NAME",
+            help="LOG=MODEL: a joint's name in the model, where it is another than in the log.",
         ),
     ] = None,
     draws: Annotated[
         int | None,
         typer.Option(
             "--draws",
-            metavar="N",
+            metavar="INTEGER",
             min=1,
-            help=f"Write N joint parameter sets too, for domain randomisation: {DRAWS}.",
+            help=f"Write so many joint parameter sets too, for domain randomisation: {DRAWS}.",
         ),
     ] = None,
 ) -> None:

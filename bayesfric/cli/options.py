@@ -62,7 +62,8 @@ Baseline = Annotated[
         metavar="LAW",
         help="Friction law. Of pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
         "proportional (no constant), constant (nothing else). Of an axis: coulomb-viscous "
-        "(inertia, Coulomb, viscous, offset: what it has without a word), coulomb, or none.",
+        "(inertia, Coulomb, viscous, offset; the default), coulomb (inertia, Coulomb, offset), "
+        "none (inertia, offset).",
     ),
 ]
 Workers = Annotated[

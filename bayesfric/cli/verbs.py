@@ -10,6 +10,7 @@ import typer
 
 from bayesfric.cli.blind import blind
 from bayesfric.cli.calibrate import calibrate
+from bayesfric.cli.check import check
 from bayesfric.cli.claims import claims
 from bayesfric.cli.compare import compare
 from bayesfric.cli.diagnose import diagnose
@@ -38,7 +39,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-OF_ONE = (run, validate, claims, diagnose)
+OF_ONE = (run, validate, check, claims, diagnose)
 """Verbs whose argument is a recording, and one alone."""
 
 
@@ -60,6 +61,7 @@ class OneRecording(Verb):
 for verb in (
     run,
     validate,
+    check,
     simulate,
     fit,
     claims,

@@ -22,7 +22,7 @@ from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.entering import numbers_to_enter
-from bayesfric.diagnosis.examined import examinable, examined_effects, widened
+from bayesfric.diagnosis.examined import examinable, examined_effects, no_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
@@ -39,11 +39,13 @@ from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
-from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
+from bayesfric.diagnosis.showing import loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
+from bayesfric.diagnosis.undeclared import undeclared
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
@@ -239,10 +241,10 @@ def _diagnose(
     if effects or simulator is not None:
         checkpoint = None
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
-    climbing = keeping.each("climb", At, climb)
+    climbing = keeping.keep_each_call("climb", At, climb)
     steps = Steps(
-        keeping.each("weigh", Weighed, weigh),
-        keeping.each("unknown", Unknown | None, unknown_force),
+        keeping.keep_each_call("weigh", Weighed, weigh),
+        keeping.keep_each_call("unknown", Unknown | None, unknown_force),
     )
     data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
@@ -250,8 +252,8 @@ def _diagnose(
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
     model, found = _finals(first, first_found, steps)
-    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(6)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
     )
     judged = judge(model, found, law_shipped, practical, draw_rng)
     found, best = judged.search, judged.search.best()
@@ -285,14 +287,17 @@ def _diagnose(
         present, possible = apart.present, apart.possible
         chances = found.probabilities()
     together = () if elsewhere else sets_of_one(chances, known, named)
-    not_shown = why_not_shown(found, residuals)
+    not_shown = why_not_shown(found, residuals) or loosely_known(model, residuals, posterior)
+    unexplained_by_scatter = unlike_scatter(
+        gap, residuals, held_out.inside[1], posterior, practical, order_rng
+    )
     verdict, chance = decide(
         chances,
         [] if contradicted else [effect for effect in known if effect.effect in named],
         above,
         together,
         none_before=analysis.diagnosis.hypotheses.none,
-        shown=not_shown is None,
+        shown=not_shown is None and unexplained_by_scatter is None,
     )
     where, unexplained, why_all = where_it_lies(
         plain, held_out.before, residuals, posterior, examined, where_rng
@@ -341,6 +346,7 @@ def _diagnose(
         not_shown if above < MOSTLY else None,
         elsewhere,
         why,
+        unexplained_by_scatter if above < MOSTLY else None,
     )
     errors = () if amounts is None else model_errors([amounts])
     instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
@@ -352,7 +358,11 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
-        attention=(*_doubted(data.rigs, law_found), *not_followed(analysis)),
+        attention=(
+            *_doubted(data.rigs, law_found),
+            *undeclared(recording.rig, verdict, others, [*named, *rivals, *possible], examined),
+            *not_followed(analysis),
+        ),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -384,7 +394,12 @@ def _diagnose(
         unexplained=unexplained,
         all_unexplained_because=why_all,
         gap=gap,
-        effects=examined_effects(first_found, sorted({**examined, **lacking}), lacking),
+        effects=examined_effects(
+            first_found,
+            [*examined, *lacking],
+            lacking,
+            no_effects(data, [one.name for one in effects]),
+        ),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
         target=asked_for,

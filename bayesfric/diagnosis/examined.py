@@ -1,6 +1,6 @@
 """Which effects are examined, and what is said of each of them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,11 +8,12 @@ import numpy as np
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.effects import Effect, all_effects
+from bayesfric.effects.in_the_model import IN_THE_MODEL
 from bayesfric.errors import Fault, InputError
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import ExaminedEffect
 
-__all__ = ["examinable", "examined_effects", "widened"]
+__all__ = ["examinable", "examined_effects", "no_effects", "widened"]
 
 APART = "a model of the machine, or other joints that are still"
 LN10 = float(np.log(10))
@@ -42,6 +43,12 @@ def examinable(
     return examined, lacking
 
 
+def no_effects(data: Data, own: Collection[str]) -> dict[str, str]:
+    """Return what is no effect of its own on these rigs, by name, with the reason."""
+    joints = any(one.other_joints is not None for one in data.rigs)
+    return {name: why for name, why in IN_THE_MODEL.items() if joints and name not in own}
+
+
 def widened(effect: Effect, analysis: Analysis) -> Effect:
     """Return an effect whose amplitude's prior is as wide as the user wants it."""
     factor = analysis.diagnosis.widths.get(effect.name, 1.0)
@@ -56,9 +63,14 @@ def widened(effect: Effect, analysis: Analysis) -> Effect:
 
 
 def examined_effects(
-    first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
+    first: Search,
+    names: list[str],
+    lacking: Mapping[str, tuple[str, ...]],
+    elsewhere: Mapping[str, str],
 ) -> tuple[ExaminedEffect, ...]:
     """Return what is said of each effect: its Bayes factor against the baseline, or why not.
+
+    `elsewhere` is what is no effect of its own, with the reason.
 
     All are of the model around the baseline, where every effect has been weighed: evidences
     of the model around the leader's law, which has its finalists alone, have another zero.
@@ -66,12 +78,14 @@ def examined_effects(
     absorbed = {one.effect for one in first.classes.absorbed}
     stands = {name: members[0] for members in first.classes.members for name in members}
     listed = []
-    for name in names:
+    for name in sorted({*names, *elsewhere}):
         value, bound = None, False
         why, needs = first.classes.left_out.get(name), lacking.get(name, ())
         if needs:
             why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
-        if name in absorbed:
+        if name in elsewhere:
+            why = elsewhere[name]
+        elif name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:
             own = first.weighed[stands[name]]

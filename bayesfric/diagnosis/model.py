@@ -22,6 +22,7 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, is_positive, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.smooths import Smooth
+from bayesfric.inference.truncated import drawn_above
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
@@ -368,14 +369,26 @@ class LinearModel:
             size: Coefficients(*map(float, one)) for size, one in zip(sizes, found, strict=True)
         }
 
-    def coefficients_of(self, moves: Array) -> Array:
-        """Return coefficients that are so far from the model's, in its scales, (…, sizes, 3)."""
+    def coefficients_of(self, moves: Array, *, drawn: bool = False) -> Array:
+        """Return coefficients that are so far from the model's, in its scales, (…, sizes, 3).
+
+        None is below what a law may have. Of draws, those below are drawn anew above.
+
+        Parameters
+        ----------
+        moves : ndarray, shape (…, sizes, 3)
+            How far.
+        drawn : bool
+            Whether they are draws, along the first axis.
+        """
         origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
         least = np.array([self._least(size) for size in self.layout.sizes])
         scale = self.scales[: least.shape[1]]
-        moved = np.maximum(origin + moves * scale, least * scale)
-        return np.asarray(np.where(self.free, moved, origin))
+        moved = origin + moves * scale
+        if drawn:
+            moved = drawn_above(moved, least * scale)
+        return np.asarray(np.where(self.free, np.maximum(moved, least * scale), origin))
 
     def _least(self, size: str) -> list[float]:
         """Return the least of each coefficient of a size, in its scale."""

@@ -96,7 +96,7 @@ def _most_telling(
     left_open = _left_open(rows)
     best: NextExperiment | None = None
     for trials, rig in zip(data.rigs, rows.rigs, strict=True):
-        told = rig.told(noise)
+        told = rig.information_by_trial(noise)
         mean = np.zeros((told.shape[0], told.shape[2]))
         spreads = []
         start = 0

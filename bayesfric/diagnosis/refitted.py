@@ -74,7 +74,7 @@ class RefittedLaw:
         own : ndarray, shape (n, sizes, 3)
             How far the coefficients are from the model's, in its scales.
         """
-        self.coefficients[rows] = model.coefficients_of(own)
+        self.coefficients[rows] = model.coefficients_of(own, drawn=True)
         count = sum(model.layout.nuisances)
         if self.nuisances.shape[1] != count:
             self.nuisances = np.zeros((self.draws, count))

@@ -79,6 +79,8 @@ class Residuals:
         Of the covariates, those that some rig has.
     turns : bool
         Whether the machine turns: radians and N·m for m and N.
+    time_s : ndarray, shape (R,), or None
+        Of each window within its run; nan where nobody recorded it, None where nowhere.
     """
 
     residual_n: Array
@@ -98,6 +100,7 @@ class Residuals:
     shown: Flags
     axes: tuple[str, ...] = tuple(AXES)
     turns: bool = False
+    time_s: Array | None = None
 
     def unit(self, axis: str) -> str:
         """Of a covariate; nothing of a rig's own, whose name has it."""
@@ -232,6 +235,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         joined("shown").astype(np.bool_),
         tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
         model.data.unit == rotary_unit("N"),
+        joined("time_s"),
     )
 
 
@@ -263,6 +267,7 @@ def _of_rig(
         "pulley_size": rig.size[row].astype(np.float64),
         "rig": np.full(row.size, float(place)),
         "shown": shown[row],
+        "time_s": windows.covariates.get("time_s", nowhere),
     }
 
 

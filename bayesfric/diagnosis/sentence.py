@@ -44,6 +44,8 @@ class Statement:
         Whether what was considered may be the pull of joints that are not in the log.
     overruled_by : str or None
         By which rule held-out data contradict what was considered, with its figures.
+    unlike_scatter : str or None
+        What is left that scatter does not explain; None where it explains all.
     """
 
     verdict: Verdict
@@ -58,6 +60,7 @@ class Statement:
     not_shown: str | None = None
     elsewhere: bool = False
     overruled_by: str | None = None
+    unlike_scatter: str | None = None
 
     @property
     def size(self) -> str:
@@ -168,6 +171,12 @@ def _undecided(told: Statement) -> str:
     if told.not_shown is not None:
         return (
             f"These data could not have shown a gap of {share:.1%} of friction: {told.not_shown}."
+        )
+    if told.unlike_scatter is not None:
+        return (
+            "No effect examined makes a gap that counts, and scatter does not explain all that is "
+            f"left: {told.unlike_scatter}. Something else acts, or scatter is not what it is "
+            "taken for."
         )
     if not told.causes and gap.systematic.q05 >= share * gap.friction_rms:
         there = f"A gap of {told.size} is there {told.chance}"

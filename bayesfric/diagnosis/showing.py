@@ -14,11 +14,13 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["share_of_friction", "why_not_shown", "windows_told"]
+__all__ = ["loosely_known", "share_of_friction", "why_not_shown", "windows_told"]
 
 WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
 HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
+TOLD_OF_AXES = ("mass", "coulomb")
+LARGEST = 700.0  # nat, of which there is an exponential
 TOLD = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
 
@@ -40,11 +42,45 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
         )
     if search.unknown is None:
         return "nothing varied along which a force could show"
-    if search.unknown.log_evidence > search.best().log_evidence - TOLD:
+    better = search.unknown.log_evidence - search.best().log_evidence
+    if better > -TOLD:
         return (
             f"{windows_told(residuals)} do not tell an unknown force from none "
-            f"(Bayes factor {np.exp(search.unknown.log_evidence - search.best().log_evidence):.2g})"
+            f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"
         )
+    return None
+
+
+def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior) -> str | None:
+    """Return whether the data hardly tell mass or friction of an axis; None where they tell both.
+
+    One is told where its error, in the force that it makes, is below half of friction. Of
+    pulleys and of readings of friction the coefficients may stand for one another: what they make
+    together is told.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Whose law the windows are around.
+    residuals : Residuals
+        Windows of it.
+    posterior : Posterior
+        Draws of the law.
+    """
+    moved, scales = posterior.law.coefficients, model.full.scales
+    for place, size in enumerate(model.layout.sizes):
+        mine = residuals.size == place
+        for column, (name, unit) in enumerate(model.data.law_numbers(size)):
+            if name not in TOLD_OF_AXES or not model.free[place, column]:
+                continue
+            sd = float(moved[:, place, column].std())
+            made = residuals.columns[mine, column] * sd / scales[column]
+            error = float(np.sqrt(residuals.weight[mine] @ made**2))
+            if error > WITHIN * residuals.friction_rms:
+                return (
+                    f"{name} is known to ± {sd:.2g} {unit} only, which makes "
+                    f"{error:.2g} {model.data.unit} of force"
+                )
     return None
 
 

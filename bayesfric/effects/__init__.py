@@ -19,6 +19,7 @@ from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading
 from bayesfric.errors import Fault, InputError
 
 __all__ = [
+    "NO_OFFSET",
     "PULLEYS",
     "ActsOn",
     "Effect",
@@ -34,6 +35,8 @@ __all__ = [
 
 PULLEYS = frozenset({"pulleys", "turns"})
 """What boards with pulleys offer: these, and trials that begin anew, as an axis that turns."""
+NO_OFFSET = "law-without-offset"
+"""What a rig offers whose law has no constant force: on one that goes both ways it may be one."""
 
 
 @cache
@@ -46,11 +49,11 @@ def all_effects(offered: frozenset[str] | None = PULLEYS) -> dict[str, Effect]:
         What a rig offers: effects that need more are left out. The default is that of a
         cable over pulleys; None leaves none out.
     """
-    modules = (import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__))
+    modules = (import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__))
     effects = [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
-    effects += [found.load() for found in entry_points(group="bayesfric.effects")]
-    found = sorted(effects, key=lambda effect: effect.name)
-    return {one.name: one for one in found if offered is None or one.needs <= offered}
+    effects += [entry_point.load() for entry_point in entry_points(group="bayesfric.effects")]
+    ordered = sorted(effects, key=lambda effect: effect.name)
+    return {effect.name: effect for effect in ordered if offered is None or effect.needs <= offered}
 
 
 def effect_of_file(path: Path) -> Effect:
@@ -109,15 +112,17 @@ def with_priors(
             faults.append(Fault("priors.effects", f"one of {', '.join(effects)}", value=name))
             continue
         effect = effects[name]
-        known = [parameter.name for parameter in effect.parameters]
+        names = [parameter.name for parameter in effect.parameters]
         faults += [
-            Fault(f"priors.effects.{name}", f"one of {', '.join(known)}", value=wrong)
+            Fault(f"priors.effects.{name}", f"one of {', '.join(names)}", value=wrong)
             for wrong in own
-            if wrong not in known
+            if wrong not in names
         ]
         amplitude, shape = (
-            None if one is None else replace(one, prior=own.get(one.name, one.prior))
-            for one in (effect.amplitude, effect.shape)
+            None
+            if parameter is None
+            else replace(parameter, prior=own.get(parameter.name, parameter.prior))
+            for parameter in (effect.amplitude, effect.shape)
         )
         assert amplitude is not None
         changed[name] = replace(effect, amplitude=amplitude, shape=shape)

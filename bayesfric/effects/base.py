@@ -37,6 +37,8 @@ LADDER = (
 )
 """Source of what friction by the load of a gear may be."""
 REFERENCE_TENSION_N = 15.0
+WRAP_SPAN_DEG = 50.0
+"""Turn of the wrap angle from the paper's 85° that strength 1 of an effect of it refers to."""
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]
 STANDARD_GRAVITY_M_S2 = 9.80665
@@ -385,7 +387,7 @@ def _followed_by_own_shares(held: str, length: str, p: Mapping[str, Array], stat
 
 
 def _followed(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:
-    late, lost = (np.asarray(one) for one in state.load(held, heavy, p[length]))
+    late, lost = (np.asarray(part) for part in state.load(held, heavy, p[length]))
     if np.isinf(heavy):
         return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)
     mass = heavy * np.asarray(state.mass_kg)

@@ -7,8 +7,8 @@ import numpy as np
 from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.physics.gravity import TRAVEL_M
 
-TRAVEL_M = 0.6  # of a trial
 CABLE_M = 1.6  # of cable between the masses, all of which moves
 
 

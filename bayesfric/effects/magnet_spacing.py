@@ -18,8 +18,8 @@ WAVES = (1, 2)  # periods a revolution
 
 def _waves(p: Mapping[str, Array], reading: Reading) -> Array:
     turn = 2 * np.pi * np.asarray(reading.event) / reading.magnets_per_revolution
-    each = p["error"] / np.sqrt(len(WAVES))
-    return np.stack([each * wave(k * turn) for k in WAVES for wave in (np.cos, np.sin)])
+    amplitude = p["error"] / np.sqrt(len(WAVES))
+    return np.stack([amplitude * wave(k * turn) for k in WAVES for wave in (np.cos, np.sin)])
 
 
 EFFECT = Effect(

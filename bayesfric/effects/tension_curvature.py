@@ -6,9 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
 
-REFERENCE_TENSION_N = 15.0  # of the friction of one pulley
 MIDDLE_TENSION_N = 16.5  # of Table II's range
 
 

@@ -77,15 +77,17 @@ def small_values(effect: Effect) -> dict[str, Any]:
 def rough_values(active: Sequence[ActiveEffect]) -> dict[str, float]:
     """Return small amplitudes and median shapes, a place to climb from."""
     return {
-        f"{one.effect.name}.{name}": float(value)
-        for one in active
-        for name, value in small_values(one.effect).items()
+        f"{acting.effect.name}.{name}": float(value)
+        for acting in active
+        for name, value in small_values(acting.effect).items()
     }
 
 
 def total(active: Sequence[ActiveEffect], theta: Mapping[str, Array], state: State) -> Array:
     """Return the sum of what effects of one kind add, of the shape of the state."""
-    return np.asarray(sum(one.effect.laws[one.law](one.values(theta), state) for one in active))
+    return np.asarray(
+        sum(acting.effect.laws[acting.law](acting.values(theta), state) for acting in active)
+    )
 
 
 @dataclass(frozen=True)
@@ -143,19 +145,19 @@ def linear_terms(
         One an effect.
     """
     terms = []
-    for one in active:
-        effect = one.effect
+    for acting in active:
+        effect = acting.effect
         unit = {effect.amplitude.name: np.float64(1.0)}
         if effect.shape is None:
-            terms.append(LinearTerm(one, response(one, unit)[None], None))
+            terms.append(LinearTerm(acting, response(acting, unit)[None], None))
             continue
         place = np.linspace(-SHAPE_RANGE, SHAPE_RANGE, SHAPE_NODES)
         shapes = from_normal(effect.shape.prior, place)
-        table = np.stack([response(one, unit | {effect.shape.name: shape}) for shape in shapes])
+        table = np.stack([response(acting, unit | {effect.shape.name: shape}) for shape in shapes])
         flat = np.stack([seen(row).ravel() for row in table])
         left, singular, _ = np.linalg.svd(flat, full_matrices=False)
         kept = singular > REDUCED_TO * singular[0]
         spline = make_interp_spline(place, left[:, kept] * singular[kept], k=5)
         responses = np.tensordot(left[:, kept].T / singular[kept, None], table, axes=1)
-        terms.append(LinearTerm(one, responses, spline))
+        terms.append(LinearTerm(acting, responses, spline))
     return terms

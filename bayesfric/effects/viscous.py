@@ -6,10 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
-
-REFERENCE_TENSION_N = 15.0
-REFERENCE_WRAP_DEG = 85.0
+from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 
 
 def _constant(p: Mapping[str, Array], state: State) -> Array:
@@ -22,7 +20,7 @@ def _with_tension(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _with_wrap(p: Mapping[str, Array], state: State) -> Array:
-    return _constant(p, state) * (np.asarray(state.wrap_angle_deg) / REFERENCE_WRAP_DEG)
+    return _constant(p, state) * (np.asarray(state.wrap_angle_deg) / REFERENCE_WRAP_ANGLE_DEG)
 
 
 def _with_friction(p: Mapping[str, Array], state: State) -> Array:

@@ -6,14 +6,12 @@ import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
-
-REFERENCE_WRAP_DEG = 85.0
-SPAN_DEG = 50.0
+from bayesfric.effects.base import WRAP_SPAN_DEG, Effect, EffectParameter, State
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 
 
 def _linear(p: Mapping[str, Array], state: State) -> Array:
-    turn = (np.asarray(state.wrap_angle_deg) - REFERENCE_WRAP_DEG) / SPAN_DEG
+    turn = (np.asarray(state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG) / WRAP_SPAN_DEG
     scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
     return np.asarray(p["slope"] * scale * turn)
 

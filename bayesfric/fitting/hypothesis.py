@@ -1,4 +1,4 @@
-"""A hypothesis is a law and what acts beside it; with data it is a model."""
+"""A hypothesis: a friction law and the effects that act. With data it becomes a model."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ class Hypothesis:
 
     @property
     def label(self) -> str:
-        """The law alone, or its effects as in ``viscous/tension``."""
+        """Its effects with their laws, as in ``viscous/tension``; without any, its friction law."""
         return "+".join("/".join(effect) for effect in self.effects) or self.law
 
 

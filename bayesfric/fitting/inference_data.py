@@ -39,7 +39,7 @@ CONDITION = ("setup_of_trial", *CELL)
 
 @dataclass(frozen=True)
 class Stored:
-    """Every so-many-th draw of each walker: what is written, and what trials are left out of.
+    """Evenly spaced draws of each walker: they are written, and trials are left out of them.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Stored:
 
     @classmethod
     def of(cls, z: Array, theta: Array, log_density: Array, trials: int) -> "Stored":
-        """Return at most 4,000 draws, evenly spaced; fewer of very many trials.
+        """Return at most 4,000 evenly spaced draws; fewer where the recording has very many trials.
 
         Parameters
         ----------

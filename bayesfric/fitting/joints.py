@@ -19,7 +19,7 @@ def fitted_together(
     fitted: Callable[[Recording, Path | None], Fit],
     checkpoint: Path | None,
 ) -> Fit:
-    """Fit each joint by itself; what stands at the top is of the first.
+    """Fit each joint by itself; the top level of the result is that of the first joint.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def fitted_together(
 def _called(
     numbers: Mapping[str, ParameterSummary], recording: Recording
 ) -> dict[str, ParameterSummary]:
-    """Return the numbers of a joint as a diagnosis has them: no joint has a mass."""
+    """Return the numbers of a joint with its mass called as in a diagnosis: armature or inertia."""
     robot, joint = recording.rig.robot, None if recording.axis is None else recording.axis.joint
     has_model = robot is not None and joint is not None and joint in robot.joints
     called = {"mass": "armature" if has_model else "inertia"}
@@ -87,7 +87,7 @@ def _called(
 
 
 def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:
-    """Return a tree with those of all joints, by their number, in a group beside its own."""
+    """Return the first joint's tree with a group ``joints`` that numbers all trees from 1."""
     numbered = {str(place): tree for place, tree in enumerate(trees, start=1)}
     joints = xr.DataTree(children={name: tree.copy() for name, tree in numbered.items()})
     return xr.DataTree(first.to_dataset(), children=dict(first.children) | {"joints": joints})

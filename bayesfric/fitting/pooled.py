@@ -19,7 +19,7 @@ from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_poo
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import interval_of, parameter_summary
-from bayesfric.inference.diagnostics import diagnose_all
+from bayesfric.inference.diagnostics import LARGEST_PARETO_K, diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
 from bayesfric.observation.coefficients import coefficient_name, sizes_of
@@ -49,7 +49,6 @@ from bayesfric.schemas import (
 
 __all__ = ["PooledFit", "board_folder", "check_boards", "pool"]
 
-LIMIT_K = 0.7
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "
     "deviation between them"
@@ -97,7 +96,7 @@ class PooledFit:
 
 
 def board_folder(name: str) -> str:
-    """Return where, beside the pooled fit, that of a board is."""
+    """Return the folder of one board's fit, relative to that of the pooled fit."""
     return f"boards/{name}"
 
 
@@ -125,7 +124,8 @@ def check_boards(
     sizes: dict[str, tuple[str, ...]] = {}
     chosen: tuple[str, ...] = ()
     for name, recording in recordings.items():
-        if recording.sha256 and recording.sha256 in seen:  # one that was never read has none
+        # A recording that was made in memory has no checksum.
+        if recording.sha256 and recording.sha256 in seen:
             expected = f"other data than those of {seen[recording.sha256]}: a board counts once"
             raise InputError([Fault(name, expected)])
         seen[recording.sha256] = name
@@ -161,7 +161,7 @@ def pool(
     *,
     progress: Progress | None = None,
 ) -> PooledFit:
-    """Fit the population of which several boards are draws.
+    """Fit the population from which the coefficients of several boards are drawn.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def _summary(
     }
     chains, draws, _ = theta.shape
     least = min(figures.ess_bulk for figures in convergence.values())
-    reliable = drawn.pareto_k <= LIMIT_K
+    reliable = drawn.pareto_k <= LARGEST_PARETO_K
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes.model_dump(),
@@ -245,7 +245,7 @@ def _summary(
         attention=of_pooled(
             {name: fit.summary for name, fit in fits.items()},
             drawn.pareto_k,
-            LIMIT_K,
+            LARGEST_PARETO_K,
             list(unsettled(convergence, entries)),
         ),
         pulleys=_by_size(entries, *_stems_and_sizes(population)),
@@ -282,7 +282,7 @@ def _pooled(
     entries: Mapping[str, ParameterSummary],
     new: Array,
 ) -> Pooled:
-    """Return what boards share, what each keeps for itself, and how far it is drawn in."""
+    """Return the coefficients of the population, and how far pooling moves those of each board."""
     population = drawn.population
 
     def of_board(stem: str, size: str) -> PooledCoefficient:
@@ -328,7 +328,7 @@ def _by_size(
 
 
 def _quality(fits: Mapping[str, Fit]) -> DataQuality:
-    """Return what entered of all boards, trials that did not by board and id."""
+    """Return counts of all boards together; excluded trials are named by board and id."""
     qualities = {name: fit.summary.data_quality for name, fit in fits.items()}
     totals: dict[str, Any] = {
         key: sum(getattr(quality, key) for quality in qualities.values())

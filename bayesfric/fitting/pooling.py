@@ -119,7 +119,7 @@ def draw_pooled(
     theta = population.natural(drawn.z)
     chains, kept, walkers, size = theta.shape
     stride = max(1, -(-chains * kept * walkers // MOST_DRAWS))
-    # In the order of drawing, walkers one after another: neighbours hardly depend.
+    # Walkers one after another within a step, so that neighbours hardly depend on each other.
     theta = theta.reshape(chains, kept * walkers, size)[:, ::stride]
     flat = theta.reshape(-1, size)
     mean, sd = population.split(flat)
@@ -130,9 +130,9 @@ def draw_pooled(
         points, weights = board.draw(mean, sd, TRIES, rng)
         total = np.logaddexp.reduce(weights, axis=1)
         log_weight = log_weight + total
-        with np.errstate(invalid="ignore"):  # a population whose every try has no density
+        with np.errstate(invalid="ignore"):  # a population under which no tried board has a density
             share = np.nan_to_num(np.exp(weights - total[:, None]), nan=1 / TRIES)
-        # One of the tries, each as likely as its weight says.
+        # Choose one of the tried boards with the probabilities that their weights give.
         chosen = (share.cumsum(axis=1) < rng.uniform(size=(len(share), 1))).sum(axis=1)
         tried[name] = points[np.arange(len(points)), np.minimum(chosen, TRIES - 1)]
     _, pareto_k = smooth_weights(log_weight)

@@ -102,7 +102,7 @@ def _fit_rigs(
     with _timed(seconds, "reduce"):
         data, law, analysis = opened(recording, analysis, rigs, baseline)
         model = model_of_law(data, analysis, law)
-    # With the rigs' own priors, so that what is stored says all that was used.
+    # The analysis with the rigs' own priors, so that the file holds all priors that were used.
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis=analysis,
@@ -167,7 +167,7 @@ def _leave_each_out(
     seed: int,
     rng: np.random.Generator,
 ) -> tuple[dict[str, LeftOut], dict[str, Assemblies | None]]:
-    """Return by rig what is expected of each trial, and of each assembly, given all others."""
+    """Return by rig the predictions of each trial, and of each assembly, from all others."""
     start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
     by_rig = dict(zip(rigs, model.likelihoods, strict=True))
     left_out = {
@@ -201,7 +201,7 @@ def opened(
 
 
 def model_of_law(data: Data, analysis: Analysis, law: FrictionLaw) -> Model:
-    """Return the posterior of a law that nothing acts beside."""
+    """Return the posterior of a law without effects."""
     return Model([trials.likelihood(analysis, law) for trials in data.rigs])
 
 

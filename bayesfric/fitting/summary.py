@@ -124,7 +124,7 @@ def _sampler(draws: Draws, theta: Array, least_ess: float) -> SamplerSummary:
 
 
 def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> WithoutExclusions:
-    """Return the coefficients of a fit that no rule kept a trial from.
+    """Return the coefficients of a fit to all trials, those that rules exclude among them.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
 
 
 def _by_pulley(entries: Mapping[str, Summary]) -> dict[str, dict[str, Summary]]:
-    """Return what is known of the coefficients that the law has, by pulley size."""
+    """Return the summaries of the law's coefficients by pulley size."""
     return {
         size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS if f"{c}[{size}]" in entries}
         for size in sizes_of(entries)
@@ -167,7 +167,7 @@ def _of_kind(
 def parameter_summary(
     parameter: Parameter, draws: Array, figures: Convergence, informed: bool
 ) -> ParameterSummary:
-    """Return what is known of a parameter from draws of it, in any shape."""
+    """Summarise draws of a parameter, in any shape."""
     sd = prior_sd(parameter.prior)
     return ParameterSummary(
         **interval_of(draws).model_dump(),
@@ -197,7 +197,7 @@ def interval_of(draws: Array) -> Interval:
 
 
 def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float | None]]:
-    """Return how much each coefficient moves with the power of priors and likelihood."""
+    """Return the power-scaling sensitivity of each coefficient to priors and likelihood."""
     by_walker = draws.z.shape[:-1]
     prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
@@ -220,7 +220,7 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
 
 
 def _quality(recording: Recording, data: Data) -> DataQuality:
-    """Return what entered, as each rig says."""
+    """Return counts of the trials that entered and were excluded, from all rigs."""
     fields: dict[str, Any] = {
         "trials": 0,
         "trials_used": 0,

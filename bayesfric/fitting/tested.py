@@ -1,4 +1,4 @@
-"""In which conditions a fit's friction was measured, and what the recording says of it."""
+"""The conditions in which the friction of a fit was measured, for whoever uses its draws."""
 
 from collections.abc import Mapping
 

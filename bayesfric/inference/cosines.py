@@ -19,7 +19,7 @@ from bayesfric.arrays import Array
 
 __all__ = ["MODES", "cosine_variances", "cosines", "log_variance_slopes"]
 
-MODES = 6  # whose double integral stands out of the noise of events where the rms is 2 %
+MODES = 6  # more would be lost in the noise of events at an rms of 2 %
 
 
 def cosines(place: ArrayLike, count: int) -> Array:

@@ -25,6 +25,7 @@ from scipy.stats import rankdata
 from bayesfric.arrays import Array
 
 __all__ = [
+    "LARGEST_PARETO_K",
     "LIMITS",
     "Convergence",
     "batch_means_ess",
@@ -39,6 +40,8 @@ __all__ = [
 ]
 
 
+LARGEST_PARETO_K = 0.7
+"""Shape of the tail of importance weights above which they are not to be relied on."""
 LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""
 
@@ -124,7 +127,7 @@ def diagnose_all(theta: Array) -> list[Convergence]:
 
 
 def walkers_r_hat(draws: Array) -> float:
-    """Return R-hat with each walker as a chain, without what chance adds to it.
+    """Return R-hat with each walker as a chain, corrected for the Monte Carlo error of their means.
 
     The variance of walkers' means is that of their places and the Monte Carlo error of a mean.
     Halves of a walker share the place alone, so that the covariance of their means estimates
@@ -201,7 +204,7 @@ def rank_counts(draws: Array, bins: int) -> NDArray[np.int_]:
 
 
 def mean_ess(draws: Array) -> float:
-    """Return the number of independent draws whose mean would be as well known.
+    """Return the number of independent draws whose mean would have the same error.
 
     Parameters
     ----------
@@ -270,9 +273,9 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     log_weights : ndarray, shape (N,)
         Smoothed, on the scale of those given.
     pareto_k : float
-        Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
-        largest weights are all the same, inf where fewer than 25 are not zero or where a
-        quarter of the tail is one and the same draw or nothing beside the largest.
+        Shape of the tail: above :data:`LARGEST_PARETO_K` the weights are not to be relied on.
+        0 where the largest weights are all the same, inf where fewer than 25 are not zero or
+        where a quarter of the tail is one and the same draw or nothing beside the largest.
 
     References
     ----------
@@ -291,9 +294,9 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
         return log_weights, float("inf")  # a quarter of the tail is one draw
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
-        return log_weights, float("inf")  # beside the largest, a quarter of the tail is nothing
+        return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
     normalised, k = array_stats.psislw(-weights, r_eff=1.0)
-    # The library normalises; the smallest weight is as it was but for that.
+    # The library normalises the weights: undo it by the smallest, which smoothing leaves.
     smallest = np.argmin(weights)
     smoothed = log_weights.copy()
     smoothed[finite] = normalised + (weights[smallest] - normalised[smallest])
@@ -301,7 +304,7 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
 
 
 def power_scaling(values: Array, log_component: Array) -> Array:
-    """Return how much marginals move if the prior or the likelihood counts for more or less.
+    """Return how much marginals move when the prior or the likelihood is raised to a power.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Normal numbers in groups, each group of a size of its own that nobody knows.
+"""Normal numbers in groups, each group with an unknown standard deviation of its own.
 
 The numbers are those of a linear Gaussian model. One size for all would be that of the groups
 that the data tell most of; a group that is larger than the others would be taken for noise.

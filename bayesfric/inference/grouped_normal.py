@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from bayesfric.arrays import Array
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.quadratic import eliminate, gram, matrices
 
 __all__ = ["LOG_2PI", "Grouped", "GroupedNormal", "Groups"]
 
-LOG_2PI = float(np.log(2 * np.pi))
 LARGEST_CONDITION = 1e12  # of the curve's precision; rounding would be felt beyond
 
 
@@ -57,7 +57,7 @@ class Groups:
 
 
 class _Sums(NamedTuple):
-    """What a set of measurements adds to the density, arrays of shape (…)."""
+    """The terms that a set of measurements adds to the log density, arrays of shape (…)."""
 
     size: Array  # measurements
     log_determinant: Array  # without the curve's part
@@ -189,7 +189,7 @@ class GroupedNormal(Grouped):
             return np.asarray(ndtr(np.where(square > 0, score / np.sqrt(square), np.nan)))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
-        """Draw by how much each measurement would be more if it alone were made again, (W, M).
+        """Draw a new value of each measurement given all others, less its own value, (W, M).
 
         Parameters
         ----------
@@ -200,7 +200,7 @@ class GroupedNormal(Grouped):
         return np.asarray(rng.standard_normal(score.shape) / np.sqrt(precision) - score / precision)
 
     def numbers(self) -> tuple[Array, Array]:
-        """Return what the measurements say of each group's own numbers, without a shared curve.
+        """Return the posterior of each group's own numbers, where no curve is shared.
 
         Returns
         -------
@@ -211,7 +211,7 @@ class GroupedNormal(Grouped):
         return self._numbers(self.groups.total(self._shown()))
 
     def numbers_without_each(self) -> tuple[Array, Array]:
-        """Do as :meth:`numbers` of each measurement's group without it, (W, M, …)."""
+        """Return :meth:`numbers` of each measurement's group without it, (W, M, …)."""
         own = self._shown()
         return self._numbers(self.groups.total(own)[..., self.groups.of_each] - own)
 

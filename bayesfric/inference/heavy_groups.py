@@ -50,7 +50,7 @@ class HeavyGroups(Grouped):
         return np.asarray((self._given_the_rest() * below).sum(axis=0))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
-        """Draw by how much each measurement would be more if it alone were made again, (W, M).
+        """Draw a new value of each measurement given all others, less its own value, (W, M).
 
         Parameters
         ----------

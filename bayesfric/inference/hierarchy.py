@@ -1,4 +1,4 @@
-"""Several boards as draws of one population: normal approximations, and what corrects them.
+"""Several boards as draws of one population: normal approximations and their correction.
 
 Each board's posterior is taken as normal; with its prior divided out it is a likelihood of the
 board's coefficients, correlations kept. The population's mean and scatter are drawn with the
@@ -198,7 +198,7 @@ def second_stage(log_weight: Array, rng: np.random.Generator) -> NDArray[np.intp
     threshold = np.log(rng.uniform(size=log_weight.shape))
     at = np.zeros(log_weight.shape, dtype=np.intp)
     for row, weights in enumerate(log_weight):
-        current = 0  # with a weight of −inf it leaves for any that is finite
+        current = 0  # of weight −inf, the chain leaves it for any finite weight
         for step in range(1, len(weights)):
             if weights[step] - threshold[row, step] > weights[current]:
                 current = step

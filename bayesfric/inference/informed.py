@@ -49,7 +49,7 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     step = curvature_steps(log_likelihood, z, 0.3 * unit)
     curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
     values, vectors = np.linalg.eigh(curvature)
-    # A likelihood is not curved upwards at its own top; away from it, and by rounding, it may be.
+    # At its maximum a likelihood has no negative curvature; elsewhere, or by rounding, it may.
     information = (vectors * np.maximum(values, 0.0)) @ vectors.T
     posterior = np.linalg.inv(information + np.eye(z.size))
     informed = 1 / np.diag(posterior) - 1 > 1

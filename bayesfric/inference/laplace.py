@@ -23,7 +23,7 @@ LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut of
 
 
 class NoModeError(ValueError):
-    """A log density that has no finite curvature where it was climbed to."""
+    """The climb of a log density ended where its curvature is not finite."""
 
 
 @dataclass(frozen=True)

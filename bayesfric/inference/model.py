@@ -26,7 +26,7 @@ BATCH = 24_000  # trials times walkers: more at once fall out of the processor's
 
 
 class GivenRest(NamedTuple):
-    """What is known of each trial and each assembly from all others, W sets of parameters.
+    """Predictive densities of each trial and each assembly given all others, W sets of parameters.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class GivenRest(NamedTuple):
 
 
 class RigLikelihood(Protocol):
-    """What a rig's likelihood offers to a :class:`Model`."""
+    """The likelihood of a rig as a :class:`Model` needs it."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -241,7 +241,7 @@ class Model:
     def start(self) -> Array:
         """Return a sampling-space point to climb from, shape (D,)."""
         estimates: dict[str, float] = {}
-        for rig in reversed(self.likelihoods):  # the first rig has the last word
+        for rig in reversed(self.likelihoods):  # the first rig's values replace those of later rigs
             estimates |= rig.start()
         z = self.sampling(np.array([estimates[name] for name in self.names]))
         return np.clip(z, -START_RANGE, START_RANGE)

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import smooth_weights
-from bayesfric.inference.laplace import Laplace
+from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
+from bayesfric.inference.laplace import Laplace, LogDensity
 
 __all__ = [
     "LEAST_EFFECTIVE",
@@ -33,14 +33,12 @@ __all__ = [
     "resampled",
 ]
 
-LogDensity = Callable[[Array], Array]
 Random = np.random.RandomState | np.random.Generator  # emcee has the former
 
 FREEDOMS = (6.0, 12.0, 24.0, 48.0)  # all of heavier tails than a normal density
 INFLATION = 1.1  # of a covariance: a posterior that is not normal is covered too
 POINTS = 1000  # of an importance sample
 PASSES = 5  # each from a proposal that is fitted to the one before
-LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 LEAST_EFFECTIVE = 0.25  # of the points
 LEAST_A_COORDINATE = 2  # points that count, for a covariance
 SLOPE_STEP = 1e-4  # of a chart's derivative, in standard deviations
@@ -238,7 +236,7 @@ def importance_points(
         if not np.isfinite(log_weights).any():
             return None
         weights = np.exp(log_weights - logsumexp(log_weights))
-        good = k < LIMIT_K and 1 / (weights**2).sum() > least_effective * POINTS
+        good = k < LARGEST_PARETO_K and 1 / (weights**2).sum() > least_effective * POINTS
         # Few points may hold most of the weight, and their covariance would be singular.
         weights = np.minimum(weights, 1 / np.sqrt(POINTS))
         if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
@@ -251,7 +249,7 @@ def importance_points(
 
 
 def resampled(weights: Array, size: int, rng: Random) -> NDArray[np.intp]:
-    """Return places of points, each as often as its weight says, to within one.
+    """Return the places of points, resampled in proportion to their weights (systematically).
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
 
 
 def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
-    """Return the form of two multiples of vectors of the last numbers instead of these.
+    """Replace the last numbers of a form by two numbers that multiply given vectors.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
     for place in range(count):
         row = triangle[start : start + count - place]
         first_share, second_share = first[place], second[place]
-        # What stands on the diagonal is met once, all else in either order.
+        # An entry of the diagonal counts once, all others twice.
         along, across = _dot(row, first[place:]), _dot(row, second[place:])
         before = along - row[0] * first_share
         squares[0] += first_share * (along + before)

@@ -17,15 +17,13 @@ Statistics 22 (1994), on independence chains.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import emcee
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Sampler
 from bayesfric.arrays import Array
-from bayesfric.checkpoint import Checkpoint
+from bayesfric.checkpoint import Arrays, Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
@@ -40,7 +38,6 @@ from bayesfric.inference.proposals import (
 __all__ = ["Draws", "SamplingError", "sample"]
 
 Progress = Callable[[int, int], None]
-Arrays = dict[str, NDArray[Any]]
 
 PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to
 PIECE_STEPS = 50  # steps between two checkpoints

@@ -79,9 +79,10 @@ class GroupedStudent(Grouped):
     def single_log_density(self) -> Array:
         """Return the log density of each measurement given its group's others, (W, M).
 
-        One without others has the density of its group. A grid that is wide enough for the
-        others would step over its peak, which is narrow where the scale is small beside what
-        the numbers of a group move. In a pair whose numbers move its two unlike, that is left:
+        A measurement that is alone in its group has the density of the group: a grid that is
+        wide enough for the others would step over its peak, which is narrow where the scale is
+        small beside what the numbers of a group move. In a pair whose numbers move its two
+        measurements by different amounts, that error is left:
         0.1 nat where the scale is a fifth of what they move.
         """
         log_weight, single, _ = self._on_grid(SINGLE_NODES[len(self.moved)], leave_out=True)
@@ -99,7 +100,7 @@ class GroupedStudent(Grouped):
         return np.asarray((weight * stdtr(self.freedom, distance)).sum(axis=0))
 
     def draw_again(self, rng: np.random.Generator) -> Array:
-        """Draw by how much each measurement would be more if it alone were made again, (W, M).
+        """Draw a new value of each measurement given all others, less its own value, (W, M).
 
         Parameters
         ----------

@@ -19,13 +19,13 @@ UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 
 def _hypotheses(record: Mapping[str, Any]) -> list[str]:
     chances = {"probabilities": record["probabilities"]}
-    for prior, each in record["prior_sensitivity"].items():
-        if len(each) >= len(record["probabilities"]):
-            chances[f"prior_sensitivity.{prior}"] = each
+    for prior, by_hypothesis in record["prior_sensitivity"].items():
+        if len(by_hypothesis) >= len(record["probabilities"]):
+            chances[f"prior_sensitivity.{prior}"] = by_hypothesis
     wrong = []
-    for place, each in chances.items():
-        whole = math.fsum(each.values())
-        if any(not 0 <= chance <= 1 for chance in each.values()):
+    for place, by_hypothesis in chances.items():
+        whole = math.fsum(by_hypothesis.values())
+        if any(not 0 <= chance <= 1 for chance in by_hypothesis.values()):
             wrong.append(f"{place} has a probability outside of 0 to 1")
         if abs(whole - 1) > SUM:
             wrong.append(f"{place} add up to {whole:.12g}")

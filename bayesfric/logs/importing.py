@@ -15,6 +15,7 @@ from bayesfric.logs.cutting import Window, cut, span_of
 from bayesfric.logs.delay import Delay, delay_between
 from bayesfric.logs.mapping import Mapping, Run, read_mapping
 from bayesfric.logs.readers import read_log
+from bayesfric.logs.robot import robot_of
 from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
 from bayesfric.logs.table import Log, texts_of
 from bayesfric.recording.tables import Axis, Recording, RigConstants
@@ -91,6 +92,7 @@ def import_log(
     """
     paths = [logs] if isinstance(logs, Path) else list(logs)
     what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
+    folder = (paths[0] if isinstance(mapping, Mapping) else mapping).parent
     pieces = _pieces(paths, what)
     joints = joints_of(pieces[0].log, what, joint)
     windows = _runs_of(pieces, what)
@@ -113,7 +115,7 @@ def import_log(
     recording = Recording(
         name=name,
         title=f"{whom} {names} of {files}" if names else f"Joint of {files}",
-        rig=_constants(what, joints),
+        rig=_constants(what, joints, folder),
         axis=Axis(runs, samples),
         metadata={
             "sources": [{"title": f"Imported from {files}. {' '.join(notes)}"}],
@@ -123,13 +125,14 @@ def import_log(
     return Imported(recording, delay, tuple(notes))
 
 
-def _constants(what: Mapping, joints: tuple[str | None, ...]) -> RigConstants:
+def _constants(what: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
     return RigConstants(
         rotary=what.rotary,
         force_is=None if what.force is None else what.force.force_is,
         encoder_resolution=what.encoder_resolution if len(joints) == 1 else None,
         moving_mass_kg=what.moving_mass if len(joints) == 1 else None,
         other_joints=what.other_joints,
+        robot=None if what.robot is None else robot_of(what.robot, folder, joints),
     )
 
 

@@ -118,6 +118,15 @@ class Run(_Section):
     role: Literal["calibrate", "test"] | None = None
 
 
+class RobotModel(_Section):
+    """The robot's own model, whose friction and armature are what the simulator has now."""
+
+    model: str = Field(description="A URDF or MJCF file in the folder of the mapping.")
+    joints: dict[str, str] = Field(
+        default_factory=dict, description="Joint of the log to its name there, where it differs."
+    )
+
+
 class Mapping(_Section):
     """What the columns of a log are."""
 
@@ -140,6 +149,7 @@ class Mapping(_Section):
     encoder_resolution: Above | None = None
     moving_mass: Above | None = None
     other_joints: Literal["still", "logged", "moving", "unknown"] | None = None
+    robot: RobotModel | None = None
 
     @property
     def rotary(self) -> bool:

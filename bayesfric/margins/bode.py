@@ -15,7 +15,7 @@ LOWEST, HIGHEST = 0.05, 50.0
 """Over the natural frequency; no higher than half the sample rate, where L(jω) ends."""
 DENSE, SHOWN_EVERY = 1501, 10
 """Frequencies at which phase is followed, and those of the figure."""
-LEVELS = (0.05, 0.5, 0.95)
+SHOWN_QUANTILES = (0.05, 0.5, 0.95)
 
 
 def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
@@ -44,7 +44,7 @@ def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
 
 
 def _levels(values: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(_short(curve) for curve in np.quantile(values, LEVELS, axis=0))
+    return tuple(_short(curve) for curve in np.quantile(values, SHOWN_QUANTILES, axis=0))
 
 
 def _short(values: Array) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""What the pulleys of a loop do to cable force: friction, efficiency and lost motion.
+"""Friction, efficiency and lost motion of the pulleys of a loop.
 
 Friction is that of the cable force at the motor's capstan, in newton, whichever way it
 moves. "Driving" is motion in which the motor pulls the load, "overhauling" that in which
@@ -124,7 +124,7 @@ def run_friction(
     place = length[:, None] * (np.arange(run.count) + 0.5)[None, :] / run.count
     if run.distance_m is not None:
         place = np.broadcast_to(np.asarray(run.distance_m)[None, :], by_pulley.shape)
-    # Friction of the pulleys shares out as eq. (15) has it; of a pair, each side counts once.
+    # Each pulley has its share of eq. (15) in the friction; of a pair, each side counts once.
     share = np.divide(by_pulley, by_pulley.sum(axis=1, keepdims=True), out=np.zeros_like(by_pulley),
                       where=by_pulley.sum(axis=1, keepdims=True) != 0)  # fmt: skip
     lost = chosen / sides * (share * place).sum(axis=1)

@@ -83,7 +83,7 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
         for cable, rho in per_rad.items()
     }
     whole = in_series(list(stiff.values()))
-    # in proportion to stiffness, so that in a row the ringing of both ends is damped alike
+    # damping in proportion to stiffness, so that both cables have the file's damping ratio
     damping = {
         cable: 2 * given[f"{cable}.damping_ratio"] * np.sqrt(whole * reduced) * (k / whole)
         for cable, k in stiff.items()

@@ -60,7 +60,7 @@ COVERS = (
 
 
 def not_applicable(shaft: LoopAtShaft) -> str | None:
-    """Return why no finite sector or no criterion holds of a loop; None where one does."""
+    """Return why the criterion does not apply to a loop; None where it does."""
     compensation = shaft.loop.compensation
     follows = compensation.signal == "measured"
     if (shaft.ki != 0).any():
@@ -151,7 +151,7 @@ def _largest(loop: OpenLoop, omega: Array, *, rigid: bool) -> Array:
 
 
 def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, str | None]:
-    """Return what is certified of a loop, or why the criterion does not apply.
+    """Return the certificate of a loop, or why the criterion does not apply.
 
     Parameters
     ----------

@@ -117,7 +117,7 @@ def compute_margins(
     simulated: int = SIMULATED,
     progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> Margins:
-    """Compute what the uncertainty of friction does to controllers.
+    """Compute the margins of controllers under the uncertainty of friction.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
 def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     """Raise for a loop whose median is unstable, unless the file says that friction holds it."""
     sizes = {run.pulley_size for _, run in loop.every_run} - set(posterior.coefficients)
-    if sizes:  # told with its place by the drawing
+    if sizes:  # draw_assembly raises with the place in the file
         draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))
     unknown = [*refused(loop, posterior), *(needs_motion(shaft) if moves else ())]

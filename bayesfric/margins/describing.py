@@ -1,4 +1,4 @@
-"""What friction and its compensation do to the loop's oscillation, in closed form.
+"""Closed forms of how friction and its compensation sustain or stop a loop's oscillation.
 
 For swings near the natural frequency ω_n = √(kp/J), the loop's damping is
 b_eff = kd + b − kp τ with τ the delay, half a sample of hold, and the time constant of the
@@ -86,7 +86,7 @@ def formula_threshold(shaft: LoopAtShaft) -> Array:
 
 
 def _damping_ratio(shaft: LoopAtShaft) -> Array:
-    """Return ζ of the loop with its delay taken off."""
+    """Return the damping ratio ζ of the loop, b_eff over 2√(kp J)."""
     return np.asarray(effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia)))
 
 

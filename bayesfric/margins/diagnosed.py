@@ -44,7 +44,7 @@ SPEEDS = 60
 
 @dataclass(frozen=True)
 class Diagnosed:
-    """What a diagnosis makes of the friction of a loop.
+    """The law that a diagnosis refitted and the effects that may act, for a loop.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def with_effects(
 
 
 def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, Array]:
-    """Return a force at rest and at top speed, and where it has come 1 − 1/e of the way.
+    """Return a force at rest and at top speed, and the speed at 1 − 1/e of the way between.
 
     Parameters
     ----------

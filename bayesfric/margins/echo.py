@@ -1,4 +1,4 @@
-"""What a loop file comes to at the motor's shaft, so that a forgotten gearbox shows."""
+"""A loop file's plant in numbers at the motor's shaft, in which a forgotten gearbox shows."""
 
 import numpy as np
 

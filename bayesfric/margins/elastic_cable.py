@@ -100,7 +100,7 @@ class Cable:
 
 
 class Step(NamedTuple):
-    """A small step, and what it does to the speeds.
+    """A small time step, and its weights on forces and speeds.
 
     Parameters
     ----------
@@ -208,18 +208,18 @@ class Ends:
         return np.asarray(stand)
 
     def withstands(self) -> tuple[Array, Array]:
-        """Return what pulls at a motor that stands, and what more it withstands [N·m]."""
+        """Return the torque that pulls at a resting motor, and its breakaway torque [N·m]."""
         near = self.ends[0] - self.ends[1]
         return self.stiffness * self._stretched(near) - self.fed, self.breakaway[0]
 
     def _stretched(self, twist: Array) -> Array:
-        """Return what of a twist stretches the cable, beyond the play."""
+        """Return the part of a twist that stretches the cable: all beyond the play."""
         return twist - np.clip(twist, -self.half_play, self.half_play) if self.plays else twist
 
     def cut(self, length: Array, parts: int) -> tuple[int, Step]:
-        """Return into how many steps an interval is cut, at least some parts, and the step."""
+        """Return the number of steps of an interval, at least `parts`, and the step."""
         phase = (self.ringing * length).max()
-        if self.far_stiffness.size:  # a light shaft is braked by both cables
+        if self.far_stiffness.size:  # both cables damp a light shaft
             braked = (self.damping + self.far_damping[0]) * length / self.inertia[1]
             phase = max(phase, braked.max())
         count = int(np.ceil(phase / LARGEST_PHASE))
@@ -229,13 +229,13 @@ class Ends:
         return count, Step(step, over, 1.0 - over * self.viscous, over * self.friction)
 
     def keep(self, rows: Whole) -> None:
-        """Go on with some of the draws alone."""
+        """Keep some of the draws and drop the others."""
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[..., rows])
 
     def advance(self, command: Array, step: Step, running: Flags | None) -> None:
-        """Go on by a step.
+        """Advance by one step.
 
         Parameters
         ----------
@@ -268,7 +268,7 @@ class Ends:
         after -= rubbed
         np.maximum(after, 0.0, out=after)
         np.copysign(after, free, out=after)
-        # who comes to the other side of no speed stands first
+        # an end whose speed changes sign stands first
         stops = after * speed < 0.0
         if self.sticks or self.falls:
             stops |= (speed == 0.0) & (np.abs(push) <= self.breakaway)

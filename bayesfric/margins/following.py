@@ -11,6 +11,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault
+from bayesfric.margins.bode import SHOWN_QUANTILES
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -29,7 +30,6 @@ __all__ = ["band_of", "follow_all", "needs_motion", "observers", "strokes", "wit
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5
 """Of the disturbance observer's low-pass, over the loop's natural frequency √(kp/J)."""
-LEVELS = (0.05, 0.5, 0.95)
 POINTS = 121
 """Of a band over time."""
 ALIKE = 0.02
@@ -46,7 +46,7 @@ def fastest(shaft: LoopAtShaft) -> float:
 
 
 def needs_motion(shaft: LoopAtShaft) -> list[Fault]:
-    """Return what is wrong with a loop whose reference never moves."""
+    """Return the faults of a loop whose reference never moves."""
     if fastest(shaft) > 0.0:
         return []
     expected = "a range above 0, or none, for --ensembles: this reference never moves"
@@ -165,7 +165,7 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         rms = np.sqrt((errors**2).mean(axis=0, where=judged))
         peak = np.abs(errors).max(axis=0, where=judged, initial=0.0)
         shown = errors[np.minimum(at, errors.shape[0] - 1), :, np.arange(n)]
-        by_signal[signal] = rms, peak, np.quantile(shown, LEVELS, axis=1)
+        by_signal[signal] = rms, peak, np.quantile(shown, SHOWN_QUANTILES, axis=1)
     least = np.min([rms for rms, _, _ in by_signal.values()], axis=0)
     trajectories = []
     for row, (name, (_, words)) in enumerate(paths.items()):

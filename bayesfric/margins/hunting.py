@@ -115,7 +115,7 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
         # a compensator that is off at rest leaves more friction there
         excess = excess + loop.array("compensation_gain") * loop.array("compensation_estimate")
     sticks = excess > LEAST_EXCESS * friction
-    with np.errstate(over="ignore"):  # what takes for ever is cut to the longest
+    with np.errstate(over="ignore"):  # endless times are cut to the longest
         settled = 16.0 * inertia / np.maximum(damping, tiny)
         periods = 20.0 * np.pi * np.sqrt(inertia / kp)
         dragged = np.where(speed > 0.0, SLIPS * friction / kp / np.maximum(speed, tiny), 0.0)
@@ -258,7 +258,7 @@ def _bisect(
     hunts: Callable[[Whole, Array], Flags],
     tolerance: float,
 ) -> Thresholds:
-    """Bring thresholds as near to where hunting begins as is asked, and share :data:`WITHIN`.
+    """Bisect thresholds down to a tolerance, or to a share :data:`WITHIN` of smaller ones.
 
     Parameters
     ----------

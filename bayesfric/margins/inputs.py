@@ -1,4 +1,4 @@
-"""Where a loop asks for friction that was not measured: its pulleys, draws and tensions."""
+"""The conditions of a loop in which friction was not measured: pulleys, angles, tensions."""
 
 from collections.abc import Iterator
 
@@ -23,10 +23,10 @@ AXES = {"wrap_angle": ("wrap_angle_deg", "c3"), "tension": ("tension_n", "c1")}
 
 
 def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
-    """Yield where the draws do not know the angle or the tension of a loop.
+    """Yield the faults of a loop whose wrap angles or tensions the draws do not cover.
 
-    A coefficient that only its prior has shaped says nothing outside of the conditions in
-    which it was left unknown.
+    A coefficient that the data left to its prior predicts nothing outside of the conditions
+    that were measured.
     """
     for key, run in loop.every_run:
         tension = central(run.tension_n)
@@ -50,7 +50,7 @@ def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
 
 
 def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) -> tuple[str, ...]:
-    """Return what of a loop lies outside of the tested conditions, counted, in words."""
+    """Return sentences that count what in a loop lies outside of the tested conditions."""
     sentences = []
     where = [
         (stage, run) for stage, cable in enumerate(shaft.stages) for run in range(len(cable.runs))

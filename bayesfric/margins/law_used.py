@@ -1,4 +1,4 @@
-"""Which law the margins are of: as it was fitted, or refitted with what a diagnosis names."""
+"""The law of the margins: that of the fit, or one refitted with the causes of a diagnosis."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -114,7 +114,7 @@ def _refitted(path: Path, record: DiagnosisFile, diagnosed: Diagnosed, names: st
 
 
 def _wrong(numbers: Mapping[str, LawNumber]) -> str:
-    """Return by how much the law alone is wrong, the worst first."""
+    """Return by how much the numbers of the law without causes are wrong, the worst first."""
     off = {
         name: number.before.mean / number.after.mean - 1
         for name, number in numbers.items()

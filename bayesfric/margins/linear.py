@@ -102,7 +102,7 @@ def is_stable(response: Response, omega: Array, on_grid: Complex | None = None) 
     around = 1 + (on_a_grid(response, omega) if on_grid is None else on_grid)
     step = np.angle(around[:, 1:] * around[:, :-1].conj())
     turned = step.sum(axis=1)
-    # A step that is large may hide a whole turn: go through it in smaller ones.
+    # A large step may hide a whole turn: halve it until every step is small.
     for row, left in zip(*np.nonzero(np.abs(step) > COARSE), strict=True):
         turned[row] += _turning(response, omega[row, left], omega[row, left + 1], row)
         turned[row] -= step[row, left]
@@ -217,7 +217,7 @@ def _size(value: Complex) -> Array:
 
 
 def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Array]:
-    """Return min over ω of 2|1 + L|/|1 − L|, and where."""
+    """Return the disk margin, min over ω of 2|1 + L|/|1 − L|, and its ω."""
     least, where = _least(
         response, omega, value, lambda z: _squared(z) / np.maximum(_squared(-z), 1e-300)
     )
@@ -227,7 +227,7 @@ def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Arra
 def _least(
     response: Response, omega: Array, value: Complex, margin: Callable[[Complex], Array]
 ) -> tuple[Array, Array]:
-    """Return the least of a function of L over ω, and where, each of shape (loops,)."""
+    """Return the minimum of a function of L over ω, and its ω, each of shape (loops,)."""
     on_grid = margin(value)
     # every local minimum that could be the lowest once refined
     inner = on_grid[:, 1:-1]

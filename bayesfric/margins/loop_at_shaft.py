@@ -150,7 +150,7 @@ class LoopAtShaft:
 
     @property
     def unseen_motion(self) -> Array:
-        """What of lost motion and play the encoder does not see, one side [rad].
+        """The part of lost motion and play that the encoder does not see, one side [rad].
 
         Play stays on one side where the load outweighs all friction behind it.
         """
@@ -173,7 +173,7 @@ class LoopAtShaft:
 
     @property
     def slope(self) -> Array:
-        """How friction begins to change with speed, besides what is viscous [N·m·s/rad]."""
+        """Slope of friction in speed at rest, without viscous friction [N·m·s/rad]."""
         return -self.falling / self.falling_speed
 
     @property
@@ -194,7 +194,7 @@ class LoopAtShaft:
         return DIRECTIONS if self.loop.runs[0].topology == "open" else (None,)
 
     def load_share(self, direction: Direction | None) -> Array:
-        """Return what the load side counts: 1/η driving, η overhauling, 1 for a pair."""
+        """Return the factor of the load side: 1/η driving, η overhauling, 1 for a pair."""
         if direction is None:
             return np.ones_like(self.efficiency)
         return 1 / self.efficiency if direction == "driving" else self.efficiency

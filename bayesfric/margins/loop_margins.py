@@ -1,4 +1,4 @@
-"""One loop and the draws of a fit: what its spec says of them, told for ``margins.json``."""
+"""The margins of one loop over the draws of a fit, as ``margins.json`` holds them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ SHARED = 1000  # draws for the shares of variance
 
 @dataclass(frozen=True)
 class Judged:
-    """What a loop's spec says of its draws.
+    """A loop's draws judged by its spec.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Judged:
 
     @classmethod
     def of(cls, shaft: LoopAtShaft, spec: Spec, simulated: int, draws: float) -> "Judged":
-        """Return what the spec says, of as many effective draws as a fit has."""
+        """Judge a loop by its spec; `draws` is the effective number of draws of the fit."""
         linear = linear_of(shaft, with_peaks=True)
         values = closed_forms(shaft, linear)
         hunting = find_hunting(shaft, simulated, spec.limit_cycle_probability_max)
@@ -97,7 +97,7 @@ def loop_margins(
     moves: bool,
     simulated: int,
 ) -> tuple[LoopAtShaft, LoopMargins]:
-    """Return a loop at the motor's shaft, and what ``margins.json`` says of it.
+    """Return a loop at the motor's shaft, and its entry in ``margins.json``.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def _answer(
     beyond: tuple[str, ...],
     shares: Mapping[str, Mapping[str, float]],
 ) -> str:
-    """Return what the margins come to, in a few sentences."""
+    """Return the answer of the margins in a few sentences."""
     spec = shaft.loop.spec
     sentences = [
         against_the_spec(judged.rows, judged.missed, judged.hunting.now, spec),

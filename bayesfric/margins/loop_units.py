@@ -1,4 +1,4 @@
-"""Loops that no joint has, and which mistake of unit or ratio made them."""
+"""Checks of a loop file for mistaken units and ratios."""
 
 import math
 from collections.abc import Iterator

@@ -120,7 +120,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
 
 
 def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
-    """Return what all motors of a wrist do to its joint; backdriven, the other joints are held."""
+    """Return the metrics of a wrist's joint over all its motors; the other joints are held."""
     lever = shaft.tip_per_rad / abs(wrist.own_row[wrist.axis])
     none = np.zeros_like(shaft.friction)
     # a motor with its cable, without the joints
@@ -183,7 +183,7 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
 
 
 def spec_of(rule: Rule, shaft: LoopAtShaft) -> float | None:
-    """Return what is asked of a metric that has a closed form; None where nothing is."""
+    """Return the spec of a metric that has a closed form; None where the file has none."""
     if rule.name == "least_tension":
         return 0.0
     return getattr(shaft.loop.spec, rule.spec) if rule.spec else None

@@ -21,7 +21,7 @@ __all__ = ["DisturbanceObserver", "LuGreObserver", "Observer"]
 
 
 class Observer(Protocol):
-    """What estimates the torque to add, sample by sample."""
+    """An estimator of the torque to add, sample by sample."""
 
     def torque(self, speed: Array, commanded: Array) -> Array:
         """Return the torque to add at this sample, shape (draws,) [N·m].

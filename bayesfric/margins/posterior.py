@@ -1,4 +1,4 @@
-"""What a fit leaves for machines that are not built yet: its draws, and how far rigs differ."""
+"""The draws of a fit for machines that are not built yet, and how far rigs differ."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -158,7 +158,7 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
 
 
 def thinned(table: xr.Dataset) -> xr.Dataset:
-    """Return every so manieth draw of each chain, at most 4,000 in all."""
+    """Return evenly spaced draws of each chain, at most 4,000 in all."""
     stride = max(1, -(-table.sizes["chain"] * table.sizes["draw"] // MOST_DRAWS))
     return table.isel(draw=slice(None, None, stride))
 

@@ -16,7 +16,7 @@ __all__ = ["at_shaft"]
 
 
 class _JointKeys(NamedTuple):
-    """Keys of a loop file that hold what a joint is, in the units of its kind."""
+    """Keys of a loop file that describe a joint, in the units of its kind."""
 
     transmission: str
     friction: str
@@ -214,7 +214,7 @@ def _expected_load(loop: Loop) -> float:
 
 
 def _to_shaft(loop: Loop, given: Assembly, ratio: Array) -> Array:
-    """Return what turns a gain of the file's frames into one at the motor's shaft."""
+    """Return the factor that takes a gain from the file's frames to the motor's shaft."""
     gear = given["drive.gearbox_ratio"]
     per = {"motor": np.ones_like(gear), "gearbox-output": gear, "joint": ratio}
     return 1 / (per[loop.controller.torque_at] * per[loop.controller.angle_of])

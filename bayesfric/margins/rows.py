@@ -1,4 +1,4 @@
-"""The figures of a loop as rows of ``margins.json``, with what a reader must know of each."""
+"""The metrics of a loop as rows of ``margins.json``, each with the notes that its reader needs."""
 
 from collections.abc import Mapping
 
@@ -120,7 +120,7 @@ def _row(
     draws = min(effective_draws, float(value.size))
     probability = _probability_of_violation(rule, spec, value, hunting, slack)
     finite = value[np.isfinite(value)]
-    # a swing exists in some draws only; of all others a missing value leaves no distribution
+    # a swing exists in some draws only; any other metric needs a value in every draw
     conditional = rule.name in ("amplitude_margin", *HUNTING)
     shown = finite if conditional or finite.size == value.size else finite[:0]
     interval = interval_of(shown) if shown.size else None

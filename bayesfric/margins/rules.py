@@ -1,4 +1,4 @@
-"""What each metric is: its unit, its place, which way a spec bounds it, and what goes with it."""
+"""The metrics: unit, place, the side on which a spec bounds them, and notes."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,7 +8,7 @@ __all__ = ["HUNTING", "LINEAR", "PEAKS", "RULES", "TAUT", "Rule"]
 
 @dataclass(frozen=True)
 class Rule:
-    """What a metric is.
+    """The definition of a metric.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What turns encoder readings into torque commands, sample by sample, over all draws."""
+"""The controller: encoder readings to torque commands, sample by sample, over all draws."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ SILENT = 1e-9
 
 
 class Controller:
-    """The controller of each draw, with what it remembers.
+    """The controller of each draw, with its state.
 
     The torque commanded is kp e + kd (ω_ref − ω) + ki ∫e dt plus the friction compensation
     γ F̂ s, with e the measured position error and s the sign of the compensator's signal, or
@@ -74,7 +74,7 @@ class Controller:
         self.last_torque = np.zeros(loop.draws)
 
     def keep(self, rows: Whole) -> None:
-        """Go on with some of the draws alone."""
+        """Keep some of the draws and drop the others."""
         self.reference = self.reference.taken(rows)
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
@@ -115,7 +115,7 @@ class Controller:
         if self.observer is not None:
             wanted += self.observer.torque(used, self.last_torque)
         self.last_torque = torque = np.minimum(np.maximum(wanted, -self.limit), self.limit)
-        if self.integrates:  # wind-up: no further integration into a limit
+        if self.integrates:  # anti-windup: hold the integral at a limit
             waits = (torque != wanted) & (wanted * error > 0)
             self.integral = np.where(waits, self.integral, integral)
         return torque, speed

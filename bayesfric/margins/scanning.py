@@ -27,7 +27,7 @@ OF_A_RANGE = 6
 
 @dataclass(frozen=True)
 class Condition:
-    """What the loop is tried with.
+    """A reference speed and a kick with which the loop is simulated.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ REST = Condition(speed=0.0)
 
 
 def speeds_of(shaft: LoopAtShaft) -> tuple[Condition, ...]:
-    """Return rest and the reference speeds at which a loop is looked at.
+    """Return rest and the reference speeds at which hunting is looked for.
 
     Those of the file where it has a range; else 0.1 to 10 encoder counts a sample, as far as
     the joint's peak speed goes. A speed that the file's kick has comes besides.
@@ -89,7 +89,7 @@ def speeds_of(shaft: LoopAtShaft) -> tuple[Condition, ...]:
 
 @dataclass(frozen=True)
 class HuntingMap:
-    """Where on speed and γ some draws hunt.
+    """A map over reference speed and γ of the draws that hunt.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ SERIES_TERMS = 9  # the next term is 0.1⁹/11! ≈ 3e-17 of the sum
 
 
 class Shaft(NamedTuple):
-    """What resists the torque, each of shape (draws,).
+    """Inertia and friction of a shaft, each of shape (draws,).
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _weights(time: Array, rate: Array) -> tuple[Array, Array, Array]:
 
 
 class StiffShaft:
-    """Motor and joint as one shaft, on its way; what it offers, `Ends` of a cable do too.
+    """The state of motor and joint as one shaft; it has the interface of a cable's `Ends`.
 
     Parameters
     ----------
@@ -203,22 +203,22 @@ class StiffShaft:
         return np.asarray(self.speed == 0.0)
 
     def withstands(self) -> tuple[Array, Array]:
-        """Return what pulls at a shaft that stands, and what more it withstands [N·m]."""
+        """Return the torque that pulls at a resting shaft, and its breakaway torque [N·m]."""
         return self.load, self.shaft.breakaway
 
     def cut(self, length: Array, parts: int) -> tuple[int, Interval]:
-        """Return into how many steps an interval is cut, and the step."""
+        """Return the number of steps of an interval, and the step."""
         return parts, Interval.of(length / parts, self.shaft)
 
     def keep(self, rows: Whole) -> None:
-        """Go on with some of the draws alone."""
+        """Keep some of the draws and drop the others."""
         self.shaft = Shaft(*(part[rows] for part in self.shaft))
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[rows])
 
     def advance(self, command: Array, step: Interval, running: Flags | None) -> None:
-        """Go on by a step; None of `running` is all draws."""
+        """Advance the draws of `running` by one step; None is all of them."""
         shaft = self.shaft
         if self.falling.any():
             more = self.falling * np.exp(-np.abs(self.speed) / self.falling_speed)

@@ -39,7 +39,7 @@ LOOKED_AT_EVERY = 8
 
 @dataclass(frozen=True)
 class LoopMotion:
-    """How the loop answered, a number a draw.
+    """The motion of a loop after a kick, a number a draw.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def follow(
 
 
 class _Run:
-    """Draws on their way, each at a sample of its own."""
+    """The state of a running simulation; each draw is at a sample of its own."""
 
     def __init__(
         self,
@@ -280,7 +280,7 @@ class _Run:
         return np.stack(self.commands)[age, np.arange(age.size)]
 
     def stand_still(self) -> None:
-        """Take each shaft that stands to just before its torque reaches breakaway."""
+        """Advance each resting shaft to the sample before its torque reaches breakaway."""
         depth = len(self.commands)
         ready = np.flatnonzero((self.quiet > depth) & (self.k < self.swing.end))
         if not ready.size:
@@ -312,7 +312,7 @@ class _Run:
     def judge_early(self) -> None:
         """Judge shafts that have moved for long, and no longer those that stand again."""
         swing = self.swing
-        going = self.k < swing.end  # what is over stays so, whoever still runs beside it
+        going = self.k < swing.end  # draws that are over stay over
         stands = np.flatnonzero(going & self.early & (self.moving < self.settling))
         if stands.size:
             self.early[stands] = False
@@ -327,7 +327,7 @@ class _Run:
             swing.judge_from(ready, self.k[ready] + 1, half)
 
     def retire(self, over: Flags) -> None:
-        """Note what was found of some draws, and go on with the others."""
+        """Store the results of some draws, and go on with the others."""
         seen = self.swing.judged()
         values = {
             "hunts": seen.hunts,
@@ -355,7 +355,7 @@ class _Run:
 
 
 def _plant(loop: SampledLoop, position: Array, speed: Array) -> StiffShaft | Ends:
-    """Return what the motor drives, found with a position and a speed."""
+    """Return the plant at a position and a speed: one shaft, or both ends of an elastic cable."""
     falling, falling_speed = loop.array("falling"), loop.array("falling_speed")
     friction, viscous, load = (loop.array(name) for name in ("friction", "viscous", "load_torque"))
     common = {"falling": falling, "falling_speed": falling_speed, "load": load,

@@ -35,7 +35,8 @@ def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[s
         " ".join(filter(None, (metric.name, metric.direction)))
         for metric in metrics
         if metric.spec is not None
-        and metric.name != "gamma_hunting"  # it says once more how probable hunting is
+        and metric.name
+        != "gamma_hunting"  # the probability of hunting is judged by a spec of its own
         and (
             metric.probability_of_violation is None
             or metric.probability_of_violation > spec.violation_probability_max

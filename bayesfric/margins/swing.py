@@ -67,13 +67,13 @@ class Swing:
         self._reversals, self._early_reversals = np.zeros((2, count), dtype=np.intp)
         self._first, self._last = np.zeros(count), np.zeros(count)
         self._side, self._squares = np.zeros(count), np.zeros(count)
-        # between two reversals: an error that drifts while readings jitter goes no way at once
+        # the range between two reversals: jitter of a drifting error is no swing
         self._turned_at, self._widest = np.full(count, np.nan), np.zeros(count)
-        # and one that only goes one way, as where a shaft begins to follow, does not swing
+        # and neither is an error that moves one way only, as of a shaft that begins to follow
         self._rise, self._fall = np.zeros((2, count))
 
     def keep(self, rows: Whole) -> None:
-        """Go on with some of the draws alone."""
+        """Keep some of the draws and drop the others."""
         for name, value in vars(self).items():
             setattr(self, name, value[rows])
 
@@ -97,13 +97,13 @@ class Swing:
         self._turned_at[rows] = np.nan
 
     def next_look(self, k: Whole) -> Whole:
-        """Return the last sample up to which nothing has to be looked at one by one."""
+        """Return the last sample of the stretch of judgement in which each k lies."""
         return np.select(
             [k < self.begin, k < self.middle], [self.begin - 1, self.middle - 1], self.end
         )
 
     def see(self, k: Whole, error: Array, speed: Array, running: Flags) -> None:
-        """Take note of the samples k.
+        """Record the errors at samples k.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class Swing:
             self._turned_at[rows] = error_now
 
     def pass_over(self, rows: Whole, samples: Whole, k: Whole, before: Array, after: Array) -> None:
-        """Take note of shafts that stood still while the error went from one value to another.
+        """Record shafts that stood still while the error went from one value to another.
 
         Parameters
         ----------
@@ -174,7 +174,7 @@ class Swing:
         )
 
     def judged(self) -> Judged:
-        """Return what was seen."""
+        """Return the judgement of the recorded samples."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
         least_way = np.min([self._widest, self._rise, self._fall], axis=0)
         swings = (self._reversals >= LEAST_REVERSALS) & (least_way / 2.0 > self._least)

@@ -11,7 +11,7 @@ __all__ = ["Record", "Traces"]
 
 @dataclass(frozen=True)
 class Traces:
-    """What moved, at the beginning and after every interval of constant torque.
+    """Positions, speeds and torques at the beginning and after every interval of constant torque.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class Traces:
 
 
 class Record:
-    """Traces in the making.
+    """A recorder of traces.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Record:
         self._positions, self._speeds = [position], [speed]
 
     def add(self, length: Array, position: Array, speed: Array, torque: Array) -> None:
-        """Note the end of an interval of constant torque.
+        """Record the end of an interval of constant torque.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class Record:
         self._torques.append(torque)
 
     def traces(self) -> Traces:
-        """Return what was noted.
+        """Return the recorded traces.
 
         Returns
         -------

@@ -100,7 +100,7 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
     gamma, hunts = float(np.median(shaft.gamma)), hunting.now[meets]
     chosen = False
     if feeds:
-        # of the draws that miss nothing else, as many may hunt as are left of those allowed
+        # the share of the draws that meet all closed forms that may still hunt
         left = (allowed - closed) / (1 - closed)
         others = replace(
             hunting, threshold=hunting.threshold[meets], condition=hunting.condition[meets]
@@ -111,7 +111,7 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
         hunts = others.threshold <= gamma
     together = closed + (1 - closed) * float(hunts.mean())
     error = standard_error(together, float(hunts.size))
-    # a γ that was chosen to miss as much as is allowed misses that but for its own error
+    # γ was chosen at the allowed share, so the share at γ may exceed it by its Monte Carlo error
     if together > allowed + (2 * error if chosen else 0.0):
         return _no_setting(
             f"kp × {kp:.3g} and kd × {kd:.3g}, which meet all other specs, hunt with "
@@ -179,7 +179,7 @@ def _none(grid: _Grid, enough: LoopAtShaft) -> Tuning:
 
 
 def _no_setting(why: str, missed: float, error: float) -> Tuning:
-    """Return that there is none, and how probably what comes nearest misses a spec."""
+    """Return that no setting meets all specs, and the chance that the nearest one misses any."""
     return Tuning(
         kp_scale=None,
         kp_scale_why=why,

@@ -1,4 +1,4 @@
-"""The figures of a loop against long runs in fine steps, draw by draw.
+"""Verification of a loop's metrics by long simulations in fine steps, draw by draw.
 
 Errors at rest, and γ where the formula holds, come from closed forms of a stiff shaft; other γ
 from runs in coarse steps, judged as early as may be. Here motor and joint are on the elastic cable
@@ -198,7 +198,7 @@ def _ratio(simulated: Array, predicted: Array) -> Array:
 
 
 def _held(what: str, holds: Flags, ratio: Array | None, why: str) -> Held:
-    """Return the share in which something holds, with its interval."""
+    """Return the share of draws in which a figure agrees with the simulation, with its interval."""
     count, hits = holds.size, int(holds.sum())
     if count == 0:
         return Held(what=what, draws=0, share=None, share_why=why, low=0.0, high=1.0)

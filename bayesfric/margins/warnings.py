@@ -1,4 +1,4 @@
-"""What a reader of a loop's margins must know before the numbers."""
+"""Warnings about a loop's margins: assumptions, and where data and models end."""
 
 from collections.abc import Iterator, Mapping
 
@@ -29,7 +29,7 @@ def loop_warnings(
     discrepancy: RigDiscrepancy,
     posterior: Posterior,
 ) -> tuple[str, ...]:
-    """Return the assumptions of the file, and where the models or the data end.
+    """Return a warning for each assumption of the file and each limit of models and data.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def loop_warnings(
 
 
 def _beyond_the_data(shaft: LoopAtShaft, given: Assembly) -> Iterator[str]:
-    """Yield where c1, c2, c3 were not measured."""
+    """Yield the conditions of the loop in which c1, c2, c3 were not measured."""
     loop, tested = shaft.loop, paper()["table2"]
     cables = [loop.cable]
     if loop.second_stage is not None and loop.second_stage.runs:
@@ -94,7 +94,7 @@ def _beyond_the_data(shaft: LoopAtShaft, given: Assembly) -> Iterator[str]:
 def _beyond_the_models(
     shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]
 ) -> Iterator[str]:
-    """Yield where the closed forms or the simulator leave something out."""
+    """Yield the effects that closed forms or the simulator leave out of this loop."""
     ratio = float(np.median(shaft.ringing / natural_frequency(shaft)))
     if ratio < STIFF_RATIO:
         yield (

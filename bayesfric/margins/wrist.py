@@ -69,11 +69,11 @@ class Wrist:
     joint_net_load: tuple[Array, ...]
 
     def worst(self, of_motors: Sequence[Array]) -> Array:
-        """Return the most that errors of either sign make at the joint, Σ_m |D_km| e_m [rad]."""
+        """Return the joint's largest error by motor errors of either sign, Σ_m |D_km| e_m [rad]."""
         return _weighted(np.abs(self.own_row), of_motors)
 
     def reversing(self, of_motors: Sequence[Array]) -> Array:
-        """Return what errors make at the joint of motors that turn back with it alone [rad]."""
+        """Return the joint's error from the motors that reverse when it alone does [rad]."""
         return np.abs(_weighted(np.array(self.own_row) * np.sign(self.own_column), of_motors))
 
     def by_hand(self, of_motors: Sequence[Array]) -> Array:
@@ -81,11 +81,11 @@ class Wrist:
         return _weighted(np.abs(self.own_column), of_motors)
 
     def under_friction(self) -> Array:
-        """Return what friction of all joints can turn this by, over a motor's compliance [N·m]."""
+        """Return the joint's turn by friction of all joints, over a motor's compliance [N·m]."""
         return _weighted(np.abs(self.compliance), self.joint_friction)
 
     def under(self, loads: Sequence[Array]) -> Array:
-        """Return what loads on all joints turn this by, over a motor's compliance [N·m]."""
+        """Return the joint's turn by loads on all joints, over a motor's compliance [N·m]."""
         return np.abs(_weighted(np.array(self.compliance), loads))
 
 

@@ -80,8 +80,8 @@ def fit(
     ['mean', 'sd', 'q05', 'q50']
     """
     board, settings = _recording(recording), _analysis(analysis, seed, priors)
-    with _told(f"sampling {board.name}", options) as told:
-        return FitResult.of(fit_recording(board, settings, **told))
+    with _stage_of(f"sampling {board.name}", options) as keywords:
+        return FitResult.of(fit_recording(board, settings, **keywords))
 
 
 def check_claims(
@@ -103,8 +103,8 @@ def check_claims(
         ``executor``, ``posterior``, ``checkpoint``, ``progress`` (as of :func:`fit`).
     """
     board, settings = _recording(recording), _analysis(analysis, seed, priors)
-    with _told("comparing the claims with their rivals", options) as told:
-        return ClaimsResult.of(judge(board, settings, **told))
+    with _stage_of("comparing the claims with their rivals", options) as keywords:
+        return ClaimsResult.of(judge(board, settings, **keywords))
 
 
 def power(
@@ -170,14 +170,14 @@ def compute_margins(
     """
     several = [loops] if isinstance(loops, str | PathLike | Loop) else loops
     path = Path(draws)
-    with _told("computing margins", options) as told:
-        found = compute(
-            [one if isinstance(one, Loop | str) else Path(one) for one in several],
+    with _stage_of("computing margins", options) as keywords:
+        margins = compute(
+            [loop if isinstance(loop, Loop | str) else Path(loop) for loop in several],
             path / "draws.nc" if path.is_dir() else path,
             _analysis(analysis, seed, None),
-            **told,
+            **keywords,
         )
-    return MarginsResult.of(found)
+    return MarginsResult.of(margins)
 
 
 def load(folder: FilePath) -> Results:
@@ -212,7 +212,7 @@ def load(folder: FilePath) -> Results:
 
 
 @contextmanager
-def _told(title: str, options: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+def _stage_of(title: str, options: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Tell of a stage, unless the user's own ``progress`` does; return options that have one."""
     with stage(title, quiet="progress" in options) as progress:
         yield {"progress": progress, **options}
@@ -236,8 +236,8 @@ def _analysis(given: Settings | None, seed: int | None, priors: Priors | None) -
         values["seed"] = seed
     if priors:
         own = {
-            name: one.model_dump() if isinstance(one, BaseModel) else one
-            for name, one in priors.items()
+            name: prior.model_dump() if isinstance(prior, BaseModel) else prior
+            for name, prior in priors.items()
         }
         values["priors"] = {**values.get("priors", {}), **own}
     return checked_analysis(values, "analysis")

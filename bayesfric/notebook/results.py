@@ -27,16 +27,16 @@ class FitResult(Fit):
     """A fit, at a prompt."""
 
     @classmethod
-    def of(cls, found: Fit) -> "FitResult":
+    def of(cls, fit: Fit) -> "FitResult":
         """Return the same fit as one that shows itself."""
-        return cls(**_as_is(found))
+        return cls(**_as_is(fit))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the coefficients: a row for each pulley size and coefficient."""
         rows = {
-            (size, name): {**_numbers(one), "unit": one.unit, "informed": one.informed}
+            (size, name): {**_numbers(entry), "unit": entry.unit, "informed": entry.informed}
             for size, entries in self.summary.pulleys.items()
-            for name, one in entries.items()
+            for name, entry in entries.items()
         }
         table = pd.DataFrame.from_dict(rows, orient="index")
         table.index.names = ["pulley_size", "coefficient"]
@@ -63,9 +63,10 @@ class FitResult(Fit):
     def __repr__(self) -> str:
         converged = "converged" if self.summary.converged else "not converged"
         lines = [
-            f"{size:<8} {name}  {one.mean:.4g} ± {one.sd:.2g} {'' if one.unit == '1' else one.unit}"
+            f"{size:<8} {name}  {entry.mean:.4g} ± {entry.sd:.2g} "
+            f"{'' if entry.unit == '1' else entry.unit}"
             for size, entries in self.summary.pulleys.items()
-            for name, one in entries.items()
+            for name, entry in entries.items()
         ]
         return _lines(f"Fit of {self.summary.recording.name}, {converged}", lines)
 
@@ -78,14 +79,17 @@ class ClaimsResult(Checked):
     """The paper's claims, judged, at a prompt."""
 
     @classmethod
-    def of(cls, found: Checked) -> "ClaimsResult":
+    def of(cls, checked: Checked) -> "ClaimsResult":
         """Return the same verdicts as a result that shows itself."""
-        return cls(**_as_is(found))
+        return cls(**_as_is(checked))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the claims: a row each."""
         names = ("verdict", "reason", "log10_bayes_factor", "elpd_difference", "statement")
-        rows = {one.id: {name: getattr(one, name) for name in names} for one in self.summary.claims}
+        rows = {
+            claim.id: {name: getattr(claim, name) for name in names}
+            for claim in self.summary.claims
+        }
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("claim")
 
     def plot_rivals(self) -> "Figure":
@@ -102,14 +106,14 @@ class ClaimsResult(Checked):
         return smallest_found(self._by_rival("smallest_found"), matters)
 
     def _by_rival(self, figure: str) -> dict[str, dict[str, float]]:
-        found = {one.id: one.figures.get(figure) for one in self.summary.claims}
-        there = {name: dict(rivals) for name, rivals in found.items() if isinstance(rivals, dict)}
+        figures = {claim.id: claim.figures.get(figure) for claim in self.summary.claims}
+        there = {name: dict(rivals) for name, rivals in figures.items() if isinstance(rivals, dict)}
         if not any(there.values()):
             raise ValueError(f"no claim on this recording has {figure}: none was compared")
         return there
 
     def __repr__(self) -> str:
-        lines = [f"{one.id:<24} {one.verdict}" for one in self.summary.claims]
+        lines = [f"{claim.id:<24} {claim.verdict}" for claim in self.summary.claims]
         return _lines(f"Claims on {self.summary.recording.name}", lines)
 
     def _repr_html_(self) -> str:
@@ -121,19 +125,19 @@ class DiagnosisResult(Diagnosed):
     """A diagnosis, at a prompt."""
 
     @classmethod
-    def of(cls, found: Diagnosed) -> "DiagnosisResult":
+    def of(cls, diagnosed: Diagnosed) -> "DiagnosisResult":
         """Return the same diagnosis as one that shows itself."""
-        return cls(**_as_is(found))
+        return cls(**_as_is(diagnosed))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the effects: a row each, the most probable first."""
         rows = {
-            one.effect: {
-                "probability": one.probability,
-                "strength": None if one.strength is None else one.strength.q50,
-                "makes_a_gap": one.makes_a_gap,
+            effect.effect: {
+                "probability": effect.probability,
+                "strength": None if effect.strength is None else effect.strength.q50,
+                "makes_a_gap": effect.makes_a_gap,
             }
-            for one in self.summary.inclusion
+            for effect in self.summary.inclusion
         }
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("effect")
 
@@ -174,9 +178,9 @@ class MarginsResult(Margins):
     """Margins of loops, at a prompt."""
 
     @classmethod
-    def of(cls, found: Margins) -> "MarginsResult":
+    def of(cls, margins: Margins) -> "MarginsResult":
         """Return the same margins as a result that shows itself."""
-        return cls(**_as_is(found))
+        return cls(**_as_is(margins))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the metrics: a row for each loop and metric."""
@@ -261,20 +265,22 @@ class Results:
         )
 
     def __repr__(self) -> str:
-        there = [one for one in (self.fit, self.claims, self.diagnosis, self.margins) if one]
-        return _lines("Results", [repr(one).splitlines()[0] for one in there])
+        there = [
+            result for result in (self.fit, self.claims, self.diagnosis, self.margins) if result
+        ]
+        return _lines("Results", [repr(result).splitlines()[0] for result in there])
 
     def _repr_html_(self) -> str:
         there = (self.fit, self.claims, self.diagnosis, self.margins)
-        return "".join(one._repr_html_() for one in there if one is not None)
+        return "".join(result._repr_html_() for result in there if result is not None)
 
 
-def _as_is(found: Any) -> dict[str, Any]:
-    return {field.name: getattr(found, field.name) for field in fields(found)}
+def _as_is(result: Any) -> dict[str, Any]:
+    return {field.name: getattr(result, field.name) for field in fields(result)}
 
 
-def _numbers(one: Interval) -> dict[str, float]:
-    return {name: getattr(one, name) for name in ("mean", "sd", "q05", "q50", "q95")}
+def _numbers(interval: Interval) -> dict[str, float]:
+    return {name: getattr(interval, name) for name in ("mean", "sd", "q05", "q50", "q95")}
 
 
 def _lines(first: str, lines: Iterable[str]) -> str:

@@ -35,7 +35,7 @@ NO_PULLEY = ""
 
 
 def coefficient_name(name: str, size: str) -> str:
-    """Return what a coefficient is called: ``c1[small]``, or ``c1`` where there is no pulley."""
+    """Return the name of a coefficient: ``c1[small]``, or ``c1`` where there is no pulley."""
     return f"{name}[{size}]" if size != NO_PULLEY else name
 
 
@@ -52,14 +52,14 @@ def sizes_of(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def law_of(theta: Mapping[str, Array | float], size: str) -> Coefficients:
-    """Return the law of a size; a coefficient that is no parameter is 0, of no influence."""
+    """Return the law of a size; a coefficient that is no parameter is 0."""
     nothing = np.zeros_like(next(iter(theta.values())))
     names = (coefficient_name(name, size) for name in Coefficients._fields)
     return Coefficients(*(theta.get(name, nothing) for name in names))
 
 
 def intercept_of(law: Coefficients) -> Array:
-    """Return what scatters of one pulley's friction beside all of it [N]: c2.
+    """Return the part of one pulley's friction that has a scatter of its own [N]: c2.
 
     Where an effect bends friction over tension, c2 is what a curve is extrapolated to at no
     tension, which may be next to nothing and scatters by no share of itself: it counts as a

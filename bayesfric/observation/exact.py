@@ -65,7 +65,7 @@ class Shown(NamedTuple):
 
 
 class AtRest(Protocol):
-    """Trials that did not move, which say that friction is at least the drive."""
+    """Trials that did not move: their friction is at least the drive."""
 
     @property
     def setups(self) -> tuple[str, ...]:
@@ -75,7 +75,7 @@ class AtRest(Protocol):
         """Return log P(at rest | those that moved) of each group, shape (W, J)."""
 
     def trial_log_density(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
-        """Return what they add to the log density of each that moved, given the rest, (W, N)."""
+        """Return their term in the log density of each trial that moved, given the rest, (W, N)."""
 
     def trial_cdf(self, theta: Mapping[str, Array], moving: GroupedNormal, cdf: Array) -> Array:
         """Return the probability of less friction of each that moved, given the rest, (W, N)."""

@@ -112,7 +112,7 @@ class ScatterLevels:
         count = trials if groups is None else groups.starts.size
         drawn = rng.standard_normal((len(shared), shape[0], count))
         if (freedom := self.group_freedom) is not None:
-            # The numbers of a group are far out together.
+            # One scale for all numbers of a group: they are far out together.
             drawn = drawn * np.sqrt(freedom / rng.chisquare(freedom, drawn.shape[1:]))
         if groups is not None:
             drawn = drawn[..., groups.of_each]

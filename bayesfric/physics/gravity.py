@@ -20,6 +20,7 @@ from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients, coulomb_friction, equal_pulleys, tension_slope
 
 __all__ = [
+    "TRAVEL_M",
     "Condition",
     "Trajectory",
     "board_friction",
@@ -29,6 +30,9 @@ __all__ = [
     "tension_feedback",
     "trajectory",
 ]
+
+TRAVEL_M = 0.6
+"""Travel of the cable in a trial of the paper's board [m]."""
 
 
 class Condition(NamedTuple):

@@ -9,11 +9,10 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, figure, key, size_styles
 
 __all__ = ["assemblies_left_out", "has_assemblies"]
 
-NORMAL_90 = 1.6449  # half the width of a standard normal's 90 % interval
 NAMED = 6  # far assemblies that carry their name
 CROWD = 100  # points that are drawn small
 CROWDED = 6  # conditions beyond which their names stand upright
@@ -41,7 +40,7 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
         of its assembly; scores by condition.
     """
     tables = [(rig, rig.assemblies) for rig in rig_tables(predictive) if rig.assemblies is not None]
-    with figure(height=4.0 + 106.0 * len(tables)) as fig:
+    with figure(height=4.0 + 78.0 * len(tables)) as fig:
         grid = fig.add_gridspec(2 * len(tables), 6)
         for place, (rig, table) in enumerate(tables):
             title = plain(rig.title)

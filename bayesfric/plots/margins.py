@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import numbers, plain
-from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
+from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
 __all__ = [
@@ -19,7 +19,6 @@ __all__ = [
     "nyquist_fan",
 ]
 
-SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple", "orange", "sky"))
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
 HEADROOMS = ("headroom_clip", "headroom_continuous")
 WORDS = {

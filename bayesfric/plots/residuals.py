@@ -10,11 +10,10 @@ from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure, key, size_styles
 
 __all__ = ["residuals_by_order"]
 
-NORMAL_90 = 1.6449
 """Half the width of a standard normal's 90 % interval, the unit of the stored z."""
 
 NAMED = 6  # outliers that carry their id; more would hide the points
@@ -38,7 +37,7 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
     tables = rig_tables(predictive)
     names = [name for rig in tables for name in rig.sizes]
     styles = size_styles(ordered_sizes(names))
-    with figure(height=10.0 + 48.0 * len(tables)) as fig:
+    with figure(height=10.0 + 40.0 * len(tables)) as fig:
         panels = fig.subplots(len(tables), squeeze=False)[:, 0]
         for axes, rig in zip(panels, tables, strict=True):
             _draw(axes, rig, styles)

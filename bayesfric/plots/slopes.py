@@ -13,6 +13,7 @@ from bayesfric.plots.style import (
     LINES,
     MARKERS,
     NEUTRAL,
+    PAPER_DASHES,
     LineStyle,
     SizeStyle,
     figure,
@@ -22,7 +23,6 @@ from bayesfric.plots.style import (
 
 __all__ = ["line_against_pulleys", "wrap_slopes"]
 
-DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
 MARKER_SIZE = 3.6
 
 
@@ -46,7 +46,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
     styles = size_styles(sizes)
     count = table["n"].to_numpy()
     rows = (("slope", "", "slope [10⁻³]"), ("intercept", "_n", "intercept [mN]"))
-    with figure(height=76.0) as fig:
+    with figure(height=62.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex=True)
         for column, size in enumerate(sizes):
             some = cells.isel(cell=np.flatnonzero(cells["pulley_size"] == size))
@@ -57,7 +57,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
                 printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
                 if np.isfinite(printed).all():
                     axes.plot(
-                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=DASHES
+                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES
                     )
                 _draw_points(
                     axes,
@@ -100,7 +100,7 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
         ("n_pulleys", "n", "law_against_n", "tension_n", "level", "T = {:.1f} N"),
         ("tension_n", "tension", "law_against_tension", "n_pulleys", "count", "n = {:g}"),
     )
-    with figure(height=88.0) as fig:
+    with figure(height=70.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex="row")
         for column, size in enumerate(sizes):
             of_size = table.isel(line=np.flatnonzero(table["pulley_size"] == size))
@@ -191,4 +191,4 @@ def _keys() -> list[Line2D | Patch]:
 
 
 def _dashed_key(label: str) -> Line2D:
-    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label=label)
+    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES, label=label)

@@ -26,6 +26,9 @@ __all__ = [
     "LINES",
     "MARKERS",
     "NEUTRAL",
+    "NORMAL_90",
+    "PAPER_DASHES",
+    "SHADES",
     "TEXT_WIDTH",
     "LineStyle",
     "SizeStyle",
@@ -56,6 +59,11 @@ NEUTRAL = "#6b6b6b"
 """For reference lines and what stays in the background."""
 
 LineStyle: TypeAlias = Literal["-", "--", "-.", ":"]
+SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple", "orange", "sky"))
+PAPER_DASHES = (0, (4, 4))
+"""Line of Table I, so that the law is seen between its dashes."""
+NORMAL_90 = 1.6449
+"""Half the width of a standard normal's 90 % interval."""
 LINES: tuple[LineStyle, ...] = ("-", "--", "-.", ":")
 MARKERS = "osD^vPX"
 """For what is told apart within one size: numbers of pulleys, tensions."""

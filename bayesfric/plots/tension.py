@@ -9,11 +9,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, MARKERS, NEUTRAL, SizeStyle, figure, key, size_styles
+from bayesfric.plots.style import (
+    COLORS,
+    MARKERS,
+    NEUTRAL,
+    PAPER_DASHES,
+    SizeStyle,
+    figure,
+    key,
+    size_styles,
+)
 
 __all__ = ["friction_against_tension"]
 
-DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
 ASIDE = 0.025  # of the greatest tension, between numbers of pulleys in the lower panels
 
 
@@ -46,7 +54,7 @@ def friction_against_tension(predictive: xr.DataTree, wrap_angle_deg: float) -> 
     middle = (len(counts) - 1) / 2
     shifts = {n: ASIDE * (place - middle) for place, n in enumerate(counts)}
     top = float(curves["tension_n"].max())
-    with figure(height=74.0) as fig:
+    with figure(height=66.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex="col", height_ratios=[3, 2])
         for (above, below), size in zip(panels.T, sizes, strict=True):
             law = curves.isel(curve=np.flatnonzero(curves["pulley_size"] == size))
@@ -131,7 +139,7 @@ def _pale(color: str) -> tuple[float, float, float]:
 
 def _draw_paper(axes: Axes, tension: np.ndarray, values: np.ndarray) -> None:
     if np.isfinite(values).all():
-        axes.plot(tension, values, color=COLORS["black"], linewidth=0.8, linestyle=DASHES)
+        axes.plot(tension, values, color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES)
 
 
 def _keys(markers: dict[int, str], has_paper: bool) -> list[Line2D | Patch]:
@@ -154,6 +162,13 @@ def _keys(markers: dict[int, str], has_paper: bool) -> list[Line2D | Patch]:
     keys.append(Patch(color=_pale(NEUTRAL), linewidth=0, label="new trials, 5 % to 95 %"))
     if has_paper:
         keys.append(
-            Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label="Table I")
+            Line2D(
+                [],
+                [],
+                color=COLORS["black"],
+                linewidth=0.8,
+                linestyle=PAPER_DASHES,
+                label="Table I",
+            )
         )
     return keys

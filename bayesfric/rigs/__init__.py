@@ -15,7 +15,7 @@ __all__ = ["Rig", "all_rigs", "paper_rigs"]
 @cache
 def all_rigs() -> dict[str, Rig]:
     """Return the rigs by name and sorted so."""
-    folders = [found.name for found in iter_modules(__path__) if found.ispkg]
+    folders = [module.name for module in iter_modules(__path__) if module.ispkg]
     modules = (import_module(f"{__name__}.{name}") for name in folders)
     rigs: list[Rig] = [module.RIG for module in modules if hasattr(module, "RIG")]
     return {rig.name: rig for rig in sorted(rigs, key=lambda rig: rig.name)}

@@ -69,20 +69,20 @@ def draw_phases(
     acting = []
     for applied in truth.effects:
         effect = applied.effect
-        each = (rows, sensors) if effect.acts_on == "reading" else (rows,)
-        drawn = rng.standard_normal((effect.components, *each)) if effect.components else None
+        phases = (rows, sensors) if effect.acts_on == "reading" else (rows,)
+        drawn = rng.standard_normal((effect.components, *phases)) if effect.components else None
         acting.append(PhasedEffect(applied, drawn))
     return tuple(acting)
 
 
 def of_kind(acting: Sequence[PhasedEffect], kind: ActsOn) -> list[PhasedEffect]:
     """Return those that act on one thing."""
-    return [one for one in acting if one.applied.effect.acts_on == kind]
+    return [effect for effect in acting if effect.applied.effect.acts_on == kind]
 
 
 def total(acting: Sequence[PhasedEffect], where: Any) -> Any:
     """Return the sum of what effects of one kind give; 0 without any."""
-    return sum((one(where) for one in acting), 0.0)
+    return sum((effect(where) for effect in acting), 0.0)
 
 
 def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:

@@ -7,7 +7,7 @@ asks which rig it has.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 import pandas as pd
@@ -25,11 +25,14 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
+from bayesfric.rigs.linear import LinearRows
 from bayesfric.rigs.model_amounts import ModelAmounts
+from bayesfric.rigs.own_design import OwnDesign, Simulated
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
+from bayesfric.rigs.unsupported import Unsupported, why_inert
 from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
@@ -45,38 +48,8 @@ __all__ = [
     "why_inert",
 ]
 
-if TYPE_CHECKING:
-    from bayesfric.effects.candidates import Candidate
-    from bayesfric.rigs.linear import LinearRows
-    from bayesfric.rigs.own_design import OwnDesign
-
 Regime = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
-
-
-@dataclass(frozen=True)
-class Unsupported:
-    """Something that a rig cannot show, with the reason as a reader is told it.
-
-    Parameters
-    ----------
-    reason : str
-        A sentence.
-    """
-
-    reason: str
-
-
-def why_inert(response: Array) -> Unsupported | None:
-    """Return why an effect with this response would not move a likelihood; None where it does."""
-    if not np.isfinite(response).all():
-        return Unsupported(
-            "This recording lacks a column that it needs: the order of the trials, the radius of "
-            "the pulleys, or their individual wrap angles."
-        )
-    if not response.any():
-        return Unsupported("It changes nothing that was measured here.")
-    return None
 
 
 @dataclass(frozen=True)
@@ -127,7 +100,7 @@ class Rig(Protocol):
         """Whether it is one of the paper's own, which its protocols are for."""
 
     @property
-    def own_design(self) -> "OwnDesign | None":
+    def own_design(self) -> OwnDesign | None:
         """What it is simulated with, where no protocol of the paper's lays it out; else None."""
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
@@ -180,25 +153,6 @@ class Rig(Protocol):
         seed : int
             Of the recording; the rig draws from streams of its own.
         """
-
-
-@dataclass(frozen=True)
-class Simulated:
-    """What a rig recorded.
-
-    Parameters
-    ----------
-    tables : mapping of str to object
-        Fields of :class:`bayesfric.recording.tables.Recording`.
-    trials : int
-        How many trials there are.
-    stalled : tuple of str
-        Trials that stalled and could not be written.
-    """
-
-    tables: Mapping[str, Any]
-    trials: int
-    stalled: tuple[str, ...] = ()
 
 
 class RigTrials(Protocol):
@@ -289,8 +243,8 @@ class RigTrials(Protocol):
     def linear(
         self,
         laws: Mapping[str, Coefficients],
-        acting: "Sequence[tuple[Candidate, float]]" = (),
-    ) -> "LinearRows":
+        acting: Sequence[tuple[Candidate, float]] = (),
+    ) -> LinearRows:
         """Return the trials, linear around a reference law.
 
         Parameters

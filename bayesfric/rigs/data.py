@@ -22,7 +22,7 @@ class Data:
     @property
     def sizes(self) -> tuple[str, ...]:
         """Pulley sizes, in order of appearance."""
-        return tuple(dict.fromkeys(size for one in self.rigs for size in one.table["pulley_size"]))
+        return tuple(dict.fromkeys(size for rig in self.rigs for size in rig.table["pulley_size"]))
 
     @property
     def unit(self) -> str:
@@ -31,10 +31,10 @@ class Data:
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
         """Return name and unit of each coefficient of a size, as the first rig with it has them."""
-        first = next(one for one in self.rigs if (one.table["pulley_size"] == size).any())
+        first = next(rig for rig in self.rigs if (rig.table["pulley_size"] == size).any())
         return first.law_numbers(size)
 
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""
-        chosen = (one.select(one.table["pulley_size"] == size) for one in self.rigs)
-        return Data(tuple(one for one in chosen if one is not None))
+        chosen = (rig.select(rig.table["pulley_size"] == size) for rig in self.rigs)
+        return Data(tuple(rig for rig in chosen if rig is not None))

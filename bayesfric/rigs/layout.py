@@ -16,7 +16,7 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
-from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.unsupported import Unsupported
 
 __all__ = ["COEFFICIENTS", "Layout", "ModelColumns"]
 
@@ -76,11 +76,11 @@ class Layout:
             Column of each effect that acts, as a mixture of candidates.
         """
         acting = mixing.shape[1]
-        found = np.zeros((self.local, self.own + acting + self.always))
-        found[: self.own, : self.own] = np.eye(self.own)
-        found[self.own : self.own + self.candidates, self.own : self.own + acting] = mixing
-        found[self.own + self.candidates :, self.own + acting :] = np.eye(self.always)
-        return found
+        mixed = np.zeros((self.local, self.own + acting + self.always))
+        mixed[: self.own, : self.own] = np.eye(self.own)
+        mixed[self.own : self.own + self.candidates, self.own : self.own + acting] = mixing
+        mixed[self.own + self.candidates :, self.own + acting :] = np.eye(self.always)
+        return mixed
 
     def spread(self, columns: int, size: int) -> Whole:
         """Return where a size's columns of a hypothesis stand among the numbers of all sizes.
@@ -159,13 +159,13 @@ class ModelColumns:
         columns = np.zeros((len(coefficients), self.layout.local), order="F")  # filled by column
         columns[:, :COEFFICIENTS] = coefficients
         place = COEFFICIENTS
-        for one in (*self.own, *self.candidates, *self.shared):
-            if isinstance(one, Smooth):
-                if one.rig in (None, rig):
-                    columns[:, place : place + one.count] = smooth(one)
-                place += one.count
+        for column_of in (*self.own, *self.candidates, *self.shared):
+            if isinstance(column_of, Smooth):
+                if column_of.rig in (None, rig):
+                    columns[:, place : place + column_of.count] = smooth(column_of)
+                place += column_of.count
                 continue
-            column = effect(one)
+            column = effect(column_of)
             if not isinstance(column, Unsupported):
                 columns[:, place] = column
             place += 1

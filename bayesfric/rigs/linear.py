@@ -21,8 +21,8 @@ from bayesfric.inference.information import Information
 from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout, ModelColumns
+from bayesfric.rigs.unsupported import Unsupported
 from bayesfric.rigs.windows import Windows
 
 __all__ = [
@@ -232,7 +232,7 @@ class LinearRig(Protocol):
     def squeezed(self, squeeze: Array, layout: Layout) -> "LinearRig":
         """Return the rig with mixtures of its columns in their place."""
 
-    def told(self, noise: Mapping[str, float]) -> Array:
+    def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
 
     def phase_strength(self, place: int) -> float:
@@ -262,10 +262,10 @@ def rank(trials: pd.DataFrame) -> Array:
 
 def pulley_radii(sizes: Sequence[str], constants: RigConstants) -> dict[str, float]:
     """Return each size's pulley radius, of the medium size where nobody says [m]."""
-    known = {size: row.radius_m for size, row in table1().items()}
+    paper_radii = {size: row.radius_m for size, row in table1().items()}
     radii = {}
     for size in sizes:
         pulley = constants.pulleys.get(size)
         stated = None if pulley is None else pulley.radius_m
-        radii[size] = stated or known.get(size) or known["medium"]
+        radii[size] = stated or paper_radii.get(size) or paper_radii["medium"]
     return radii

@@ -42,7 +42,7 @@ class ModelAmounts:
     names: tuple[tuple[str, str, str], ...]
 
     @classmethod
-    def told(
+    def after_data(
         cls, mean: Array, covariance: Array, shares: Array, like: "ModelAmounts"
     ) -> "ModelAmounts":
         """Return the amounts where K directions of them are known, and the rest is as before.
@@ -86,7 +86,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     listed = np.flatnonzero((before > 0) & (sd**2 < (1 - TOLD) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
     reach = float(norm.ppf(0.95))
-    found = []
+    errors = []
     for place in ordered:
         link, number, unit = amounts.names[place]
         centre, spread = float(mean[place]), float(sd[place])
@@ -98,7 +98,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
             q95=centre + reach * spread,
         )
         off = abs(centre) > SURE * spread and abs(centre) > FELT * before[place]
-        found.append(
+        errors.append(
             ModelError(
                 link=link,
                 number=number,
@@ -109,7 +109,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
                 significant=bool(off),
             )
         )
-    return tuple(found)
+    return tuple(errors)
 
 
 def _solved(amounts: ModelAmounts) -> Array:

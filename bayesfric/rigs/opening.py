@@ -43,26 +43,30 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
     InputError
         A rig is unknown, or has no data in the recording.
     """
-    known = all_rigs()
-    there = [name for name, rig in known.items() if rig.trials(recording) is not None]
+    rigs_by_name = all_rigs()
+    there = [name for name, rig in rigs_by_name.items() if rig.trials(recording) is not None]
     if rigs is None:
         if not there:
             if faults := left_out(recording):
                 raise InputError(faults)
-            kinds = " or ".join(rig.tables[0] for rig in known.values())
+            kinds = " or ".join(rig.tables[0] for rig in rigs_by_name.values())
             raise InputError([Fault(recording.name, f"{kinds}, the kinds that can be fitted")])
         return (there[0],)
-    unknown = [Fault("rigs", one_of(known, name), value=name) for name in rigs if name not in known]
+    unknown = [
+        Fault("rigs", one_of(rigs_by_name, name), value=name)
+        for name in rigs
+        if name not in rigs_by_name
+    ]
     absent = [
         fault
         for name in rigs
-        if name in known and name not in there
-        for fault in known[name].left_out(recording)
+        if name in rigs_by_name and name not in there
+        for fault in rigs_by_name[name].left_out(recording)
         or [Fault(recording.name, f"data of the rig {name!r}, which was asked for")]
     ]
     if unknown or absent or not rigs:
-        raise InputError([*unknown, *absent] or [Fault("rigs", one_of(known, ""))])
-    return tuple(name for name in known if name in rigs)
+        raise InputError([*unknown, *absent] or [Fault("rigs", one_of(rigs_by_name, ""))])
+    return tuple(name for name in rigs_by_name if name in rigs)
 
 
 def left_out(recording: Recording) -> list[Fault]:
@@ -95,7 +99,7 @@ def open_rigs(
     InputError
         No trial of a rig could enter.
     """
-    found = []
+    opened = []
     for name in rigs:
         trials = all_rigs()[name].trials(recording, exclude=exclude)
         entering = None if trials is None or trials.table.empty else calibrating(trials)
@@ -105,19 +109,19 @@ def open_rigs(
         if entering is None:
             expected = f"a {trials.rig.words.trial} that fits the law; all have the role test"
             raise InputError([Fault(recording.name, expected, column="role")])
-        found.append(entering)
-    return tuple(found)
+        opened.append(entering)
+    return tuple(opened)
 
 
 def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
     """Return the trials that enter a fit of every rig that has some, by its name."""
-    found = {}
+    by_name = {}
     for name, rig in all_rigs().items():
         trials = rig.trials(recording)
         entering = None if trials is None or trials.table.empty else calibrating(trials)
         if entering is not None:
-            found[name] = entering
-    return found
+            by_name[name] = entering
+    return by_name
 
 
 def remarks_of(recording: Recording) -> list[tuple[str, str]]:
@@ -146,18 +150,18 @@ def beside_simulator(rigs: Sequence[RigTrials], simulator: SimulatorCalls) -> li
     InputError
         A rig cannot be simulated so, or the simulator fails.
     """
-    found, faults = [], []
-    for one in rigs:
-        beside = one.beside(simulator)
+    simulated, faults = [], []
+    for trials in rigs:
+        beside = trials.beside(simulator)
         if isinstance(beside, Unsupported):
             faults.append(
-                Fault("--simulator", f"no {one.rig.words.rig} in the recording: {beside.reason}")
+                Fault("--simulator", f"no {trials.rig.words.rig} in the recording: {beside.reason}")
             )
         else:
-            found.append(beside)
+            simulated.append(beside)
     if faults:
         raise InputError(faults)
-    return found
+    return simulated
 
 
 def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
@@ -168,7 +172,9 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     InputError
         A law is asked for where a simulator has its place, or it is unknown, or makes no sense.
     """
-    own = [(one.rig.words.rig, own.law) for one in rigs if (own := one.own_law) is not None]
+    own = [
+        (trials.rig.words.rig, own.law) for trials in rigs if (own := trials.own_law) is not None
+    ]
     if not own:
         return baseline_of(name, rigs)
     rig, law = own[0]
@@ -179,9 +185,9 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     if len(rigs) > 1:
         expected = f"the {rig} alone, whose baseline is {law.name}"
         faults += [
-            Fault("recording", expected, value=one.rig.words.rig)
-            for one in rigs
-            if one.rig.words.rig != rig
+            Fault("recording", expected, value=trials.rig.words.rig)
+            for trials in rigs
+            if trials.rig.words.rig != rig
         ]
     if faults:
         raise InputError(faults)
@@ -208,12 +214,14 @@ def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     name = ALIASES.get(name, name)
     if name not in BASELINES:
         raise InputError([Fault("baseline", one_of(BASELINES, name), value=name)])
-    own = {one.usual_law for one in rigs}
+    own = {trials.usual_law for trials in rigs}
     law = BASELINES[own.pop() if name == DEFAULT and len(own) == 1 else name]
     faults = [
-        Fault("baseline", f"a law that the {one.rig.words.rig} can have. {why.reason}", value=name)
-        for one in rigs
-        if (why := one.refuses(law)) is not None
+        Fault(
+            "baseline", f"a law that the {trials.rig.words.rig} can have. {why.reason}", value=name
+        )
+        for trials in rigs
+        if (why := trials.refuses(law)) is not None
     ]
     if faults:
         raise InputError(faults)
@@ -234,11 +242,11 @@ def with_own_priors(analysis: Analysis, rigs: Sequence[RigTrials]) -> Analysis:
     """
     priors, written = analysis.priors, analysis.priors.model_fields_set
     pulleys = dict(priors.pulleys)
-    for one in rigs:
-        for size, own in one.own_priors.items():
+    for trials in rigs:
+        for size, own in trials.own_priors.items():
             given = pulleys.get(size, PriorOverrides())
             # The priors of a simulator's parameters are its own: c1 means nothing to it.
-            of_law = set() if one.own_law is not None else COEFFICIENTS & written
+            of_law = set() if trials.own_law is not None else COEFFICIENTS & written
             free = own.model_copy(update=dict.fromkeys(of_law))
             chosen = given.model_dump(exclude_none=True)
             pulleys[size] = PriorOverrides.model_validate(

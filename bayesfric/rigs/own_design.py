@@ -2,15 +2,34 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from bayesfric.effects import Effect
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.base import Simulated
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.truth import Truth
 
-__all__ = ["OwnDesign"]
+__all__ = ["OwnDesign", "Simulated"]
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What a rig recorded.
+
+    Parameters
+    ----------
+    tables : mapping of str to object
+        Fields of :class:`bayesfric.recording.tables.Recording`.
+    trials : int
+        How many trials there are.
+    stalled : tuple of str
+        Trials that stalled and could not be written.
+    """
+
+    tables: Mapping[str, Any]
+    trials: int
+    stalled: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import ModelColumns
-from bayesfric.rigs.linear import LinearRig, NoiseParameter, rms_of
+from bayesfric.rigs.linear import NoiseParameter, rms_of
 
 __all__ = ["PointRows"]
 
@@ -170,12 +169,6 @@ class PointRows:
     def strays(self) -> tuple[str, ...]:
         """Return no trial: one is known by its own reading alone."""
         return ()
-
-    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        from bayesfric.rigs.points import PointPart
-
-        return PointPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of the shared curve."""

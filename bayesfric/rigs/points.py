@@ -7,13 +7,16 @@ out group by group.
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from bayesfric.arrays import Array, Flags
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout, ModelColumns
@@ -22,9 +25,21 @@ from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["PointPart"]
+__all__ = ["LinearReadings", "PointPart"]
 
-LOG_2PI = float(np.log(2 * np.pi))
+
+class _WeightedReadings(NamedTuple):
+    """Readings that enter, weighted by the variance of their errors at a noise."""
+
+    runs: Flags  # which of all trials enter
+    size: Whole  # place of the pulley size, (n,)
+    x: Array  # columns of the numbers, (n, k)
+    y: Array  # readings less those of the reference law, (n,)
+    variance: Array  # of each reading given what it shares with others, (n,)
+    moved: Array  # what a deviation of the trial moves, (n,)
+    pulls: Array  # what shared deviations move, over the variance, (n, R)
+    weighted: Array  # x over the variance, (n, k)
+    nested: NestedDeviations
 
 
 class PointPart:
@@ -53,7 +68,7 @@ class PointPart:
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
         loaded = rows.table.groupby(["setup", *rows.loads], sort=False).ngroup()
         self._load = loaded.to_numpy()
-        first = [int(np.argmax(self._load == one)) for one in range(self._load.max() + 1)]
+        first = [int(np.argmax(self._load == load)) for load in range(self._load.max() + 1)]
         self._setup_of_load, self._size_of_load = codes[first], self.size[first]
         self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         self._by_load = indicator(np.asarray(self._load, dtype=np.intp), len(first))
@@ -81,7 +96,7 @@ class PointPart:
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(model.priors)
-        self._own, *names = (one.name for one in self.noise)
+        self._own, *names = (parameter.name for parameter in self.noise)
         rank = len(shared_moves)
         self._by_loads, self._assembly = names[: 2 * rank : 2], names[1 : 2 * rank : 2]
         self._errors = names[2 * rank :]
@@ -94,11 +109,38 @@ class PointPart:
         used: Flags | None = None,
     ) -> Evaluated:
         """Return what the readings say; those at rest always enter, and no phases show."""
+        rows = self._weighted(noise, mixing, used)
+        total = self.layout.total(rows.x.shape[1])
+        precision, slope = np.zeros((total, total)), np.zeros(total)
+        for which in range(len(self.layout.sizes)):
+            mine = rows.size == which
+            place = self.layout.spread(rows.x.shape[1], which)
+            weighted = rows.weighted[mine].T
+            part, own = weighted @ rows.x[mine], weighted @ rows.y[mine]
+            taken = rows.nested.taken_by(self._size_of_load == which, self._size_of_setup == which)
+            precision[np.ix_(place, place)] += part - taken[0]
+            slope[place] += own - taken[1]
+        square = (rows.y**2 / rows.variance).sum()
+        constant = -0.5 * (rows.y.size * LOG_2PI + np.log(rows.variance).sum() + square)
+        constant += rows.nested.constant
+        mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
+        still, at_rest = self._still, self.rows.still
+        if at_rest.size:
+            sigma = noise[self._errors[0]]
+            precision[mine, mine] += still.T @ still / sigma**2
+            slope[mine] += still.T @ at_rest / sigma**2
+            constant -= 0.5 * (LOG_2PI + 2 * np.log(sigma) + (at_rest / sigma) ** 2).sum()
+        information = Information(precision, slope, float(constant))
+        return Evaluated(information, partial(self._gradient, noise, rows))
+
+    def _weighted(
+        self, noise: Mapping[str, float], mixing: Array, used: Flags | None
+    ) -> _WeightedReadings:
+        """Return the readings that enter, weighted by their variance at a noise."""
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns[runs]
         x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
-        k, size = x.shape[1], self.size[runs]
         y, moved = self.rows.reading[runs], self._moved[runs]
         variance = self._error2(noise)[runs] + (noise[self._own] * moved) ** 2
         # Trials under one load share deviations, and those of one assembly others: what
@@ -115,73 +157,65 @@ class PointPart:
             self._by_setup,
             ([noise[name] for name in self._by_loads], [noise[name] for name in self._assembly]),
         )
-        total = self.layout.total(k)
-        precision, slope = np.zeros((total, total)), np.zeros(total)
-        for which in range(len(self.layout.sizes)):
-            mine = size == which
-            place = self.layout.spread(k, which)
-            part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
-            taken = nested.told(self._size_of_load == which, self._size_of_setup == which)
-            part, own = part - taken[0], own - taken[1]
-            precision[np.ix_(place, place)] += part
-            slope[place] += own
-        constant = -0.5 * (y.size * LOG_2PI + np.log(variance).sum() + (y**2 / variance).sum())
-        constant += nested.constant
-        mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
+        return _WeightedReadings(
+            runs, self.size[runs], x, y, variance, moved, pulls, weighted, nested
+        )
+
+    def _gradient(
+        self,
+        noise: Mapping[str, float],
+        rows: _WeightedReadings,
+        mean: Sequence[Array],
+        covariance: Sequence[Array],
+    ) -> dict[str, float]:
+        """Return derivatives of the log evidence by the logarithms of the noise."""
+        by_name: dict[str, float] = {}
+        nested, pulls, variance = rows.nested, rows.pulls, rows.variance
+        for names, (columns, response, own), of_size in (
+            (self._by_loads, nested.of_groups(), self._size_of_load),
+            (self._assembly, nested.of_setups(), self._size_of_setup),
+        ):
+            for r, name in enumerate(names):
+                sums = columns[:, r], response[:, r], own[:, r]
+                moments = second_moments(*sums, of_size, mean, covariance)
+                by_name[name] = noise[name] ** 2 * float(moments.sum())
+        columns, response, deviation = (
+            of_loads[self._load[rows.runs]] for of_loads in nested.of_rows()
+        )
+        moments = second_moments(
+            rows.weighted - np.einsum("ir,irk->ik", pulls, columns),
+            rows.y / variance - np.einsum("ir,ir->i", pulls, response),
+            1 / variance - np.einsum("ir,irs,is->i", pulls, deviation, pulls),
+            rows.size,
+            mean,
+            covariance,
+        )
+        by_name[self._own] = noise[self._own] ** 2 * float(moments @ rows.moved**2)
+        for name, scale in zip(self._errors, self.rows.errors, strict=True):
+            by_name[name] = noise[name] ** 2 * float(moments @ scale[rows.runs] ** 2)
         still, at_rest = self._still, self.rows.still
         if at_rest.size:
-            sigma = noise[self._errors[0]]
-            precision[mine, mine] += still.T @ still / sigma**2
-            slope[mine] += still.T @ at_rest / sigma**2
-            constant -= 0.5 * (LOG_2PI + 2 * np.log(sigma) + (at_rest / sigma) ** 2).sum()
-        information = Information(precision, slope, float(constant))
-
-        def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
-            """Return derivatives of the log evidence by the logarithms of the noise."""
-            found: dict[str, float] = {}
-            for names, (columns, response, own), of_size in (
-                (self._by_loads, nested.of_groups(), self._size_of_load),
-                (self._assembly, nested.of_setups(), self._size_of_setup),
-            ):
-                for r, name in enumerate(names):
-                    sums = columns[:, r], response[:, r], own[:, r]
-                    moments = second_moments(*sums, of_size, mean, covariance)
-                    found[name] = noise[name] ** 2 * float(moments.sum())
-            columns, response, deviation = (one[self._load[runs]] for one in nested.of_rows())
-            each = second_moments(
-                weighted - np.einsum("ir,irk->ik", pulls, columns),
-                y / variance - np.einsum("ir,ir->i", pulls, response),
-                1 / variance - np.einsum("ir,irs,is->i", pulls, deviation, pulls),
-                size,
-                mean,
-                covariance,
-            )
-            found[self._own] = noise[self._own] ** 2 * float(each @ moved**2)
-            for name, scale in zip(self._errors, self.rows.errors, strict=True):
-                found[name] = noise[name] ** 2 * float(each @ scale[runs] ** 2)
-            if at_rest.size:
-                own_mean, own_cov = mean[0][self._mine], covariance[0][self._mine, self._mine]
-                off = at_rest - still @ own_mean
-                square = (off**2).sum() + ((still @ own_cov) * still).sum()
-                found[self._errors[0]] += square / sigma**2 - at_rest.size
-            return found
-
-        return Evaluated(information, gradient)
+            own_mean, own_cov = mean[0][self._mine], covariance[0][self._mine, self._mine]
+            off = at_rest - still @ own_mean
+            square = (off**2).sum() + ((still @ own_cov) * still).sum()
+            name = self._errors[0]
+            by_name[name] += square / noise[name] ** 2 - at_rest.size
+        return by_name
 
     def _error2(self, noise: Mapping[str, float]) -> Array:
         """Return the variance of each reading's own error, (N,)."""
-        found = np.zeros(len(self.setup)) + np.square(self.rows.known_error)
+        variance = np.zeros(len(self.setup)) + np.square(self.rows.known_error)
         for name, scale in zip(self._errors, self.rows.errors, strict=True):
-            found += (noise[name] * scale) ** 2
-        return found
+            variance += (noise[name] * scale) ** 2
+        return variance
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "PointPart":
         """Return the rig with mixtures of its columns in their place."""
-        found = copy(self)
-        found.layout, found.columns = layout, self.columns @ squeeze
-        return found
+        squeezed = copy(self)
+        squeezed.layout, squeezed.columns = layout, self.columns @ squeeze
+        return squeezed
 
-    def told(self, noise: Mapping[str, float]) -> Array:
+    def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
         variance = self._error2(noise) + self.scatter(noise).sum(axis=1) * self._moved**2
         outer = self.columns[:, :, None] * self.columns[:, None, :]
@@ -197,8 +231,8 @@ class PointPart:
         apart = np.full(len(self.setup), noise[self._own] ** 2)
         part = self._shared / self._moved[:, None]
         variance = [
-            noise[one] ** 2 + noise[other] ** 2
-            for one, other in zip(self._by_loads, self._assembly, strict=True)
+            noise[by_load] ** 2 + noise[by_assembly] ** 2
+            for by_load, by_assembly in zip(self._by_loads, self._assembly, strict=True)
         ]
         return np.stack([apart, part**2 @ np.array(variance)], axis=1)
 
@@ -222,3 +256,11 @@ class PointPart:
         """Return none: nothing runs freely."""
         del noise, numbers
         return {}
+
+
+class LinearReadings(PointRows):
+    """Trials of one reading each, with which a diagnosis can be made."""
+
+    def laid_out(self, model: ModelColumns, place: int) -> PointPart:
+        """Return the rig with the columns of a model."""
+        return PointPart(self, model, place)

@@ -21,14 +21,12 @@ __all__ = [
     "MOTOR_ASSEMBLIES",
     "MOTOR_SPEEDS_M_S",
     "PROTOCOLS",
-    "TRAVEL_M",
     "Assembly",
     "GravityTrial",
     "MotorAssembly",
     "Protocol",
 ]
 
-TRAVEL_M = 0.6  # of a trial
 TOP_ACCELERATION = 1.2  # m/s²; 1.2 m/s after 0.6 m, inside Table II
 LEAST_ACCELERATION = 0.2  # m/s²
 FRICTION_RESERVE = 0.4  # of friction, left over as drive at the least acceleration

@@ -76,7 +76,7 @@ class PulleyTrials:
 
     def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
         """Return where steady motion at some conditions is, by a law."""
-        n, wrap, tension = (conditions[one].to_numpy(dtype=np.float64) for one in CONDITION)
+        n, wrap, tension = (conditions[name].to_numpy(dtype=np.float64) for name in CONDITION)
         speed = np.abs(conditions["velocity_m_s"].to_numpy(dtype=np.float64))
         return State.of(law, n, wrap, tension, speed, steady=True)
 
@@ -102,8 +102,8 @@ class PulleyTrials:
 
     def under(self, law: FrictionLaw) -> Self:
         """Return the same trials, which a diagnosis makes linear around another law."""
-        found: Self = replace(cast(Any, self), law=law)  # each rig's trials are a dataclass
-        return found
+        trials: Self = replace(cast(Any, self), law=law)  # each rig's trials are a dataclass
+        return trials
 
     @property
     def taken_up(self) -> frozenset[str]:

@@ -55,7 +55,7 @@ class SharedDeviation:
         lost = np.einsum("grs,gst,gt...->gr...", self.stiffness, self.taken, sums)
         return np.asarray(sums - lost)
 
-    def told(self, groups: Flags) -> tuple[Array, Array]:
+    def taken_by(self, groups: Flags) -> tuple[Array, Array]:
         """Return what some groups' deviations take from precision, (k, k), and slope, (k,)."""
         columns = self.columns[groups]
         shares = np.einsum("grs,gsk->grk", self.taken[groups], columns)
@@ -127,9 +127,9 @@ class NestedDeviations:
         """What the log density is more."""
         return self.group.constant + self.setup.constant
 
-    def told(self, groups: Flags, setups: Flags) -> tuple[Array, Array]:
+    def taken_by(self, groups: Flags, setups: Flags) -> tuple[Array, Array]:
         """Return what is taken from precision, (k, k), and slope, (k,), by some of them."""
-        first, second = self.group.told(groups), self.setup.told(setups)
+        first, second = self.group.taken_by(groups), self.setup.taken_by(setups)
         return first[0] + second[0], first[1] + second[1]
 
     def of_groups(self) -> tuple[Array, Array, Array]:
@@ -176,8 +176,8 @@ class NestedDeviations:
 
 def indicator(codes: Whole, count: int) -> csr_array:
     """Return which of N rows belongs to which of `count` groups, (count, N)."""
-    one = np.ones(codes.size)
-    return csr_array((one, (codes, np.arange(codes.size))), shape=(count, codes.size))
+    ones = np.ones(codes.size)
+    return csr_array((ones, (codes, np.arange(codes.size))), shape=(count, codes.size))
 
 
 def _summed(groups: csr_array, values: Array) -> Array:
@@ -195,9 +195,9 @@ def second_moments(
     covariance: Sequence[Array],
 ) -> Array:
     """Return what a variance more along each row or group adds to the log evidence, doubled."""
-    found = np.empty(own.size)
+    moments = np.empty(own.size)
     for which, (m, v) in enumerate(zip(mean, covariance, strict=True)):
         mine = size == which
         left = columns[mine]
-        found[mine] = (response[mine] - left @ m) ** 2 + ((left @ v) * left).sum(axis=1)
-    return found - own
+        moments[mine] = (response[mine] - left @ m) ** 2 + ((left @ v) * left).sum(axis=1)
+    return moments - own

@@ -194,16 +194,18 @@ def _with_includes(folder: Path, model: str, root: ET.Element, depth: int = 0) -
 def _simplify_urdf(root: ET.Element) -> None:
     """Drop what moves nothing: shapes, and settings for other programs."""
     for link in root.iter("link"):
-        for child in [one for one in link if one.tag in ("visual", "collision")]:
+        for child in [element for element in link if element.tag in ("visual", "collision")]:
             link.remove(child)
-    for child in [one for one in root if one.tag in ("gazebo", "transmission", "mujoco")]:
+    for child in [
+        element for element in root if element.tag in ("gazebo", "transmission", "mujoco")
+    ]:
         root.remove(child)
 
 
 def _simplify_mjcf(folder: Path, model: str, root: ET.Element) -> dict[str, bytes]:
     """Drop what moves nothing, and return the meshes from which links have their mass."""
     for parent in list(root.iter()):
-        for child in [one for one in parent if one.tag in UNSEEN]:
+        for child in [element for element in parent if element.tag in UNSEEN]:
             if not (child.tag == "visual" and parent.tag == "default"):
                 parent.remove(child)
     for body in root.iter("body"):

@@ -43,10 +43,10 @@ class Record(BaseModel):
         if not isinstance(data, dict):
             return data
         given = {
-            name: one.reason
+            name: mark.reason
             for name, field in cls.model_fields.items()
-            for one in field.metadata
-            if isinstance(one, Because)
+            for mark in field.metadata
+            if isinstance(mark, Because)
             and data.get(name) is None
             and _missing(data.get(name.removesuffix("_why")))
         }

@@ -360,6 +360,29 @@ class Enter(Record):
     snippet_why: Annotated[Why, Because("no callback is usual for it")] = None
 
 
+class ReplayedError(Record):
+    """An error of a replay with the user's values and with those that are proposed."""
+
+    as_is: Number = Field(description="Rms error over the rms of what was measured.")
+    proposed: Number = Field(description="The same with the proposed values.")
+    difference: Interval = Field(description="Proposed less as is, of stretches drawn anew.")
+
+
+class Replay(Record):
+    """Runs that were held out, in MuJoCo."""
+
+    held_out: str = Field(description="Which data these are.")
+    windows: int = Field(description="Short trajectories that were replayed.")
+    torque: ReplayedError = Field(
+        description="Of the drive force that the model asks for along the measured motion."
+    )
+    trajectory: ReplayedError = Field(
+        description="Of the motion from a measured state on, over the motion in that time."
+    )
+    promoted: bool = Field(description="Whether the proposed values are surely better.")
+    sentence: str = Field(description="The same in words.")
+
+
 class SimulatorUsed(Record):
     """A simulator of the user's own, which had the place of the law."""
 
@@ -436,6 +459,10 @@ class DiagnosisFile(Provenance):
         (), description="Numbers to enter in a simulator, of a driven joint."
     )
     enter_why: str | None = Field(None, description="Why there are none.")
+    replay: Replay | None = Field(
+        None, description="Held-out runs with the numbers to enter and with those of the model."
+    )
+    replay_why: Annotated[Why, Because("no replay was asked for")] = None
     joint: str | None = Field(
         None,
         description="Joint that all keys are of but `joints`, `attention`, `model_error` and "

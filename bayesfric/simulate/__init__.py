@@ -5,11 +5,12 @@ from dataclasses import replace
 from typing import Any
 
 from bayesfric.paper import paper
+from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs import all_rigs, paper_rigs
 from bayesfric.rigs.base import Simulated
 from bayesfric.rigs.own_design import OwnDesign
-from bayesfric.rigs.protocols import PROTOCOLS, TRAVEL_M, Protocol
+from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 
@@ -73,15 +74,15 @@ def simulate_recording(
     InputError
         An effect is unknown.
     """
-    designs = {one.name: one for rig in all_rigs().values() if (one := rig.own_design)}
+    designs = {own.name: own for rig in all_rigs().values() if (own := rig.own_design)}
     if isinstance(protocol, str) and protocol in designs:
         if rigs is not None:
             raise ValueError(f"rigs is {rigs!r}; the protocol {protocol} has one of its own")
         return _of_design(designs[protocol], seed, truth, name, created, effects or {})
-    known = paper_rigs()
-    rigs = tuple(known) if rigs is None else rigs
-    if not rigs or set(rigs) - set(known):
-        raise ValueError(f"rigs is {rigs!r}; it holds one or more of {', '.join(known)}")
+    rigs_by_name = paper_rigs()
+    rigs = tuple(rigs_by_name) if rigs is None else rigs
+    if not rigs or set(rigs) - set(rigs_by_name):
+        raise ValueError(f"rigs is {rigs!r}; it holds one or more of {', '.join(rigs_by_name)}")
     truth = Truth() if truth is None else truth
     label = protocol if isinstance(protocol, str) else "custom"
     design = PROTOCOLS[protocol] if isinstance(protocol, str) else protocol
@@ -95,10 +96,16 @@ def simulate_recording(
         limits={"travel_m": [0.0, TRAVEL_M]},
     )
     if effects:
-        added = [at_strength(one, size, design, constants, truth) for one, size in effects.items()]
+        added = [
+            at_strength(effect, size, design, constants, truth) for effect, size in effects.items()
+        ]
         truth = replace(truth, effects=(*truth.effects, *added))
-    recorded = [known[rig].simulate(design, constants, truth, seed) for rig in known if rig in rigs]
-    tables = {name: table for one in recorded for name, table in one.tables.items()}
+    recorded = [
+        rigs_by_name[rig].simulate(design, constants, truth, seed)
+        for rig in rigs_by_name
+        if rig in rigs
+    ]
+    tables = {name: table for simulated in recorded for name, table in simulated.tables.items()}
     title = f"Synthetic pulley-board recording, protocol {label}, seed {seed}"
     return _recording(name, title, constants, tables, created, label, seed, truth, recorded)
 
@@ -114,12 +121,14 @@ def _of_design(
     """Simulate a rig that no protocol of the paper's lays out."""
     constants = design.constants
     truth = Truth(coefficients=design.coefficients) if truth is None else truth
-    added = [at_strength(one, size, design, constants, truth) for one, size in effects.items()]
+    added = [
+        at_strength(effect, size, design, constants, truth) for effect, size in effects.items()
+    ]
     truth = replace(truth, effects=(*truth.effects, *added))
-    found = design.simulate(constants, truth, seed)
+    simulated = design.simulate(constants, truth, seed)
     title = f"Synthetic: {design.title}, seed {seed}"
     return _recording(
-        name, title, constants, found.tables, created, design.name, seed, truth, [found]
+        name, title, constants, simulated.tables, created, design.name, seed, truth, [simulated]
     )
 
 
@@ -147,7 +156,7 @@ def _recording(
                 "protocol": label,
                 "seed": seed,
                 "truth": truth.as_json(),
-                "stalled": [trial for one in recorded for trial in one.stalled],
+                "stalled": [trial for simulated in recorded for trial in simulated.stalled],
             },
         },
     )

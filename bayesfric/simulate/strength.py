@@ -67,10 +67,10 @@ def at_strength(
     InputError
         There is no such effect, or no amplitude is so strong.
     """
-    known = all_effects(design.offers) if isinstance(design, OwnDesign) else all_effects()
-    if name not in known:
-        raise InputError([Fault("effect", one_of(known, name), value=name)])
-    effect = known[name]
+    effects = all_effects(design.offers) if isinstance(design, OwnDesign) else all_effects()
+    if name not in effects:
+        raise InputError([Fault("effect", one_of(effects, name), value=name)])
+    effect = effects[name]
     chosen = next(iter(effect.laws)) if law is None else law
     shape: dict[str, float] = {}
     if effect.shape is not None and effect.shape.typical is not None:

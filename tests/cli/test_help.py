@@ -26,8 +26,8 @@ def test_a_verb_shows_types_that_people_know_and_an_example(verb):
     said = help_of(verb)
     assert f"Example: bayesfric {verb}" in said
     taking = re.findall(r"^  (?:-\w, )?--[\w-]+ (\S+)", said.split("Options:")[-1], re.MULTILINE)
-    types = {"PATH", "INTEGER", "NUMBER", "LAW", "ADDRESS"}
-    names = {"NAME", "NAME,…", "NAME[=STRENGTH]", "MODULE:OBJECT"}
+    types = {"PATH", "INTEGER", "NUMBER", "LAW", "ADDRESS", "N"}
+    names = {"NAME", "NAME,…", "NAME[=STRENGTH]", "MODULE:OBJECT", "MODEL", "LOG=MODEL"}
     choices = set(re.findall(r"<[\w|]+\|[\w|]+>", said))  # spelled out
     assert set(taking) <= types | names | choices
     assert max(map(len, said.splitlines())) <= 80

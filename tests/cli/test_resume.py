@@ -175,7 +175,7 @@ def test_calls_are_pieces_by_their_places(tmp_path):
         return x * x
 
     for _ in range(2):
-        kept = Checkpoint(tmp_path / "c", "key").each("square", float, square)
+        kept = Checkpoint(tmp_path / "c", "key").keep_each_call("square", float, square)
         assert [kept(x) for x in (3.0, 4.0)] == [9.0, 16.0]
     assert calls == [3.0, 4.0]
 

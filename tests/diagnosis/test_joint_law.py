@@ -39,6 +39,10 @@ def test_inertia_friction_and_offset_are_the_law_and_no_cause():
     assert [(one.effect, one.by) for one in found.absorbed if one.effect == "viscous"] == [
         ("viscous", "viscous")
     ]
+    why = {one.effect: one.log10_bayes_factor_why for one in found.effects}
+    assert "rig.other_joints" in why["coupling"]
+    assert "model_error" in why["model-error"]
+    assert "a mass that is declared" in why["torque-gain"]
 
 
 @pytest.mark.parametrize(

@@ -50,8 +50,10 @@ def before():
 
 def test_two_joints_together_tell_what_each_tells_a_part_of():
     """One tells the first amount, the other the second: Gaussian products in closed form."""
-    first = ModelAmounts.told(np.array([0.5]), np.array([[0.01]]), np.array([[1.0, 0.0]]), before())
-    second = ModelAmounts.told(
+    first = ModelAmounts.after_data(
+        np.array([0.5]), np.array([[0.01]]), np.array([[1.0, 0.0]]), before()
+    )
+    second = ModelAmounts.after_data(
         np.array([-1.0]), np.array([[0.04]]), np.array([[0.0, 1.0]]), before()
     )
     found = {one.number: one for one in model_errors([first, second])}
@@ -65,7 +67,7 @@ def test_two_joints_together_tell_what_each_tells_a_part_of():
 
 
 def test_a_model_that_is_off_is_told_with_its_link():
-    amounts = ModelAmounts.told(
+    amounts = ModelAmounts.after_data(
         np.array([0.5]), np.array([[1e-4]]), np.array([[1.0, 0.0]]), before()
     )
     words = model_error_words(model_errors([amounts]))

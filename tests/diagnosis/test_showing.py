@@ -8,7 +8,7 @@ import pytest
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
-from bayesfric.diagnosis.showing import why_not_shown
+from bayesfric.diagnosis.showing import loosely_known, why_not_shown
 from bayesfric.errors import InputError
 
 
@@ -46,6 +46,38 @@ def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, 
 
 def test_what_does_nothing_is_no_number_that_needs_windows():
     assert why_not_shown(search(-3.0), recorded(5, numbers=1)) is None
+
+
+@pytest.mark.parametrize(
+    ("mass_sd", "friction_sd", "why"),
+    [
+        (0.1, 0.1, None),
+        (0.3, 0.1, "mass is known to ± 0.3 kg only, which makes 0.6 N of force"),
+        (0.1, 0.7, "coulomb is known to ± 0.7 N only, which makes 0.7 N of force"),
+    ],
+)
+def test_mass_and_friction_have_to_be_told(mass_sd, friction_sd, why):
+    """Accelerations of 2 m/s² rms, friction of 1 N: half of that is 0.25 kg."""
+    columns = np.zeros((10, 3))
+    columns[:, 0], columns[:, 1] = 2.0, 1.0
+    residuals = SimpleNamespace(
+        size=np.zeros(10, dtype=int),
+        columns=columns,
+        weight=np.full(10, 0.1),
+        friction_rms=1.0,
+    )
+    draws = np.array([-1.0, 1.0])
+    coefficients = np.zeros((2, 1, 3))
+    coefficients[:, 0, 0], coefficients[:, 0, 1] = mass_sd * draws, friction_sd * draws
+    numbers = (("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m"))
+    model = SimpleNamespace(
+        full=SimpleNamespace(scales=np.ones(3)),
+        layout=SimpleNamespace(sizes=("axis",)),
+        data=SimpleNamespace(law_numbers=lambda size: numbers, unit="N"),
+        free=np.ones((1, 3), dtype=bool),
+    )
+    posterior = SimpleNamespace(law=SimpleNamespace(coefficients=coefficients))
+    assert loosely_known(model, residuals, posterior) == why
 
 
 def test_a_recording_of_one_stroke_is_refused(tmp_path):

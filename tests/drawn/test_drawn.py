@@ -4,25 +4,19 @@
 plan: ``recording_of(*plans)`` makes the recording again.
 """
 
-from dataclasses import replace
-
 import pytest
-from hypothesis import HealthCheck, Phase, event, given, seed, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, event, given, seed, settings
+from report.diagnosis_sample import diagnosis, interval
 
+from bayesfric.diagnosis.checking import looked_at
+from drawn.kinds import KINDS, drawn_of
 from drawn.plans import PLANS, Drive, recording_of
-from drawn.through import answered
+from drawn.through import answered, faults_are_told
 
-QUICK = settings(
-    max_examples=30,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=list(HealthCheck),
-    phases=[Phase.explicit, Phase.generate],  # shrinking takes minutes; the nightly one does it
-)
 NIGHTLY = settings(
     max_examples=100, deadline=None, suppress_health_check=list(HealthCheck), print_blob=True
 )
+VERBS = ("fit", "diagnose")
 
 
 def said(found):
@@ -31,19 +25,43 @@ def said(found):
         event(f"{verb}: {answer if answer == 'answered' else 'refused'}")
 
 
-LARGEST = {"trials": 6, "points": 40, "samples": 400, "runs": 3}
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_recording_of_each_kind_comes_to_an_answer_or_a_reason(kind):
+    plans, number = drawn_of(kind), list(KINDS).index(kind)
+    try:
+        found = answered(recording_of(*plans), (VERBS[number % 2],), report=number % 10 == 0)
+    except Exception as error:
+        error.add_note(f"of recording_of(*{plans})")
+        raise
+    assert found
 
 
-def small(plan):
-    """Return a plan of no more than takes a second or two."""
-    counts = {name: most for name, most in LARGEST.items() if hasattr(plan, name)}
-    return replace(plan, **{name: min(most, getattr(plan, name)) for name, most in counts.items()})
+def test_there_are_thirty_kinds():
+    assert len(KINDS) == 30
 
 
-@QUICK
-@given(plans=PLANS, verb=st.sampled_from(["fit", "diagnose"]), number=st.integers(0, 9))
-def test_thirty_recordings_come_to_an_answer_or_a_reason(plans, verb, number):
-    said(answered(recording_of(*map(small, plans)), (verb,), report=number == 0))
+def beside(before):
+    """Return a diagnosis whose systematic gap is 9.9 % of friction, beside one that is measured."""
+    whole = diagnosis()
+    wide = interval(0.099 * whole.gap.friction_rms, 0.001)
+    low = interval(before * whole.gap.friction_rms, 0.001)
+    gap = whole.gap.model_copy(update={"systematic": wide, "before": low})
+    return whole.model_copy(update={"gap": gap})
+
+
+def test_a_contradiction_that_is_told_is_an_answer_and_one_that_is_not_is_none():
+    """The gap before is 1.4 % of friction."""
+    wrong = beside(0.014)
+    assert faults_are_told(looked_at(wrong)).verdict == "undecided"
+    with pytest.raises(AssertionError, match="gap-is-measured"):
+        faults_are_told(wrong)
+    in_silence = looked_at(wrong).model_copy(update={"attention": ()})
+    with pytest.raises(AssertionError, match="gap-is-measured"):
+        faults_are_told(in_silence)
+    named = looked_at(wrong).model_copy(update={"verdict": "named"})
+    with pytest.raises(AssertionError):
+        faults_are_told(named)
+    assert faults_are_told(looked_at(beside(0.1))).verdict == "named"
 
 
 ODD = {

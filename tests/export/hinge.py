@@ -87,7 +87,7 @@ def recording(hinge, seed=1, *, own=None, seconds=12.0):
     table = pd.DataFrame(log_of(hinge, seed, seconds), columns=["time_s", "position_m", "force_n"])
     robot = None
     if own is not None:
-        robot = Robot("one.xml", {"": "hinge"}, own.model().encode())
+        robot = Robot("one.xml", {"swing": "hinge"}, own.model().encode())
     constants = RigConstants(
         rotary=True,
         force_is="commanded",

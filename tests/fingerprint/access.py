@@ -390,7 +390,7 @@ def _away(effect: Effect) -> Effect:
 
 def _law_of(size: str) -> Coefficients:
     if size == "axis":
-        return Coefficients(AXIS["mass"], AXIS["coulomb"], 0.0)
+        return Coefficients(AXIS["mass"], AXIS["coulomb"], AXIS["viscous"])
     return Coefficients(*(TABLE1[f"{name}[{size}]"] for name in Coefficients._fields))
 
 

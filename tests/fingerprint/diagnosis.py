@@ -16,7 +16,7 @@ SEARCHED = {
     "gravity": ("viscous", "tension-curvature"),
     "motor": ("viscous", "tension-curvature"),
     "points": ("viscous", "air-drag"),
-    "axis": ("viscous", "presliding"),
+    "axis": ("air-drag", "presliding"),
 }
 
 AWAY = ("motor", "points")

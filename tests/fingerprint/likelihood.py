@@ -13,7 +13,7 @@ LAWS = {
     "gravity": ("recursive", "proportional", "constant", "no-wrap", "bearing-load"),
     "motor": ("recursive", "proportional", "constant", "no-wrap", "bearing-load"),
     "points": ("recursive", "proportional", "constant", "no-wrap", "bearing-load"),
-    "axis": ("viscous",),
+    "axis": ("coulomb", "none"),
 }
 SCATTER: dict[str, dict[str, dict[str, Any]]] = {
     "gravity": {

@@ -45,6 +45,7 @@ AXIS = {
     "mass": 2.02,
     "coulomb": 1.55,
     "viscous": 0.3,
+    "offset": 0.05,
     "tau": 0.011,
     "omega": 0.014,
     "wander": 0.02,

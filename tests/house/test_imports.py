@@ -43,7 +43,7 @@ ROWS = (
     ("claims",),
     ("diagnosis",),
     ("margins", "planning"),
-    ("comparing",),
+    ("comparing", "readiness"),
     ("export", "blind/engines"),
     ("blind",),
     ("plots",),

@@ -19,7 +19,9 @@ def frames(recording: Recording) -> dict[str, pd.DataFrame]:
     for kind in ("gravity", "motor", "axis"):
         tables = getattr(recording, kind)
         found |= {f"{kind}.{k}": v for k, v in vars(tables).items()} if tables else {}
-    return {name: frame for name, frame in found.items() if frame is not None}
+    if recording.axis is not None:
+        found |= {f"axis.others.{joint}": of for joint, of in recording.axis.others.items()}
+    return {name: frame for name, frame in found.items() if isinstance(frame, pd.DataFrame)}
 
 
 def assert_same(one: Recording, other: Recording) -> None:

@@ -38,7 +38,8 @@ def document(stored):
 
 
 def table(document, label):
-    (found,) = [b for b in document.blocks if isinstance(b, Table) and b.label == label]
+    blocks = getattr(document, "every_block", document.blocks)
+    (found,) = [b for b in blocks if isinstance(b, Table) and b.label == label]
     return found
 
 

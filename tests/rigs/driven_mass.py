@@ -51,6 +51,8 @@ class Machine:
     drift: float = 0.0
     asymmetry: float = 0.0
     test_runs: tuple = field(default=())
+    in_time: object = None  # more friction, a share by time [s]
+    in_speed: object = None  # more friction, a share by speed [m/s]
 
 
 def reference(machine, time, runs, rng):
@@ -111,7 +113,7 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
     columns = np.arange(runs)
     smooth_v = goal_v[0].copy()
 
-    def friction_at(q, v, way, turned):
+    def friction_at(q, v, way, turned, now):
         place = np.clip((q - at[0]) / spacing, 0, at.size - 1.001)
         low = place.astype(int)
         part = place - low
@@ -122,6 +124,10 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
         size = size * (1 + rise * dying)
         more, place, width = machine.worn
         size = size * (1 + more * np.exp(-0.5 * ((q - place) / width) ** 2))
+        if machine.in_time is not None:
+            size = size * (1 + machine.in_time(now))
+        if machine.in_speed is not None:
+            size = size * (1 + machine.in_speed(np.abs(v)))
         missing, length = machine.presliding
         size = size * (1 - missing * np.exp(-np.abs(q - turned) / length))
         return scatter * size * (1 + machine.wander * varied) + machine.viscous * np.abs(v)
@@ -158,7 +164,7 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
             if machine.compliance is None and not machine.backlash:
                 push = acting - external(q) - machine.air_drag * v * np.abs(v)
                 free = v + step * push / mass
-                lost = step * friction_at(q, v, way, turned) / mass
+                lost = step * friction_at(q, v, way, turned, time[k]) / mass
                 v = np.sign(free) * np.maximum(np.abs(free) - lost, 0.0)
                 q = q + step * v
             else:
@@ -172,7 +178,7 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
                 link = stiffness * stretch + rate
                 v = v + step * (acting - link) / motor
                 free = load_v + step * (link - external(load_q)) / load
-                lost = step * friction_at(load_q, load_v, way, turned) / load
+                lost = step * friction_at(load_q, load_v, way, turned, time[k]) / load
                 load_v = np.sign(free) * np.maximum(np.abs(free) - lost, 0.0)
                 q, load_q = q + step * v, load_q + step * load_v
             turns = (np.sign(v) != way) & (v != 0)

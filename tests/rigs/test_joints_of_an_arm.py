@@ -3,13 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from rigs import arm
+from scipy.signal import savgol_filter
 
 from bayesfric.diagnosis import diagnose
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.joints import joints_of, parted_by_joint
 from bayesfric.rigs.single_axis import RIG
+from bayesfric.rigs.single_axis.other_joints import machine_of
+from bayesfric.rigs.single_axis.simulated import log_of
 
 pytest.importorskip("mujoco")
 HEAVY = tuple(1.1 * mass for mass in arm.MASSES)
@@ -67,6 +71,56 @@ def test_a_known_force_of_one_joint_is_taken_off_its_drive_force():
     left = rows.force - friction - arm.ARMATURE[2] * rows.acceleration
     assert np.sqrt(np.mean(left**2)) < 0.02 * np.sqrt(np.mean(rows.force**2))
     assert np.sqrt(np.mean(whole.force**2)) > 1.2 * np.sqrt(np.mean(rows.force**2))
+
+
+LOADED = 0.12  # of what the gear carries, that it rubs more
+
+
+def rubbing_by_load(**given):
+    """Return a log whose gears rub by their load: what the motion takes, they take more.
+
+    The path is what it is, so that the force may have what moves along it takes besides.
+    """
+    recording = arm.recording(**given)
+    samples = recording.axis.samples.copy()
+    carried = arm.torque_of_model() + np.array(arm.ARMATURE) * accelerations()
+    way = np.sign(np.gradient(arm.log_of_arm(1)[:, 1:4], axis=0))
+    for place, joint in enumerate(arm.JOINTS):
+        mine = samples["joint"] == joint
+        samples.loc[mine, "force_n"] += (LOADED * np.abs(carried) * way)[:, place]
+    return replace(recording, axis=replace(recording.axis, samples=samples))
+
+
+def accelerations():
+    place = arm.log_of_arm(1)[:, 1:4]
+    return savgol_filter(place, 21, 3, deriv=2, delta=1 / arm.RATE_HZ, axis=0)
+
+
+@pytest.mark.parametrize("given", [{"model_of": arm.robot()}, {"known": True}, {}])
+@pytest.mark.parametrize("joint", ["shoulder", "elbow"])
+def test_a_gear_carries_what_is_known_beside_what_the_rows_tell(given, joint):
+    """With a model, with what it says computed elsewhere, or with logged joints alone."""
+    runs = runs_of(rubbing_by_load(**given), joint)
+    place = arm.JOINTS.index(joint)
+    whole = arm.torque_of_model()[:, place] + arm.ARMATURE[place] * accelerations()[:, place]
+    time = arm.log_of_arm(1)[:, 0]
+    held, moved = runs.measures.carried.at(runs.readings, runs.table)
+    found = (held + moved) @ runs.readings.weights
+    exact = np.interp(runs.readings.time_s, time, whole)
+    size = np.sqrt(np.mean(exact**2))
+    assert np.sqrt(np.mean((found - exact) ** 2)) < 0.05 * size
+    assert "load-both-ways" in runs.offers
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("given", [{"model_of": arm.robot()}, {"known": True}])
+def test_friction_by_the_load_is_named_beside_a_model(given):
+    recording = parted_by_joint(rubbing_by_load(**given))["shoulder"]
+    found = diagnose(recording).summary
+    (cause,) = found.causes
+    assert cause.effect == "load-friction"
+    assert cause.parameters["share"].mean == pytest.approx(LOADED, rel=0.05)
+    assert found.law["coulomb"].after.mean == pytest.approx(arm.FRICTIONLOSS[1], rel=0.05)
 
 
 @pytest.mark.nightly
@@ -128,3 +182,26 @@ def test_a_joint_that_lacks_a_run_of_another_does_not_enter():
     kept = samples[(samples["joint"] != "base") | (samples["time_s"] < 0.01)]
     recording = replace(recording, axis=replace(recording.axis, samples=kept))
     assert RIG.trials(parted_by_joint(recording)["elbow"]) is None
+
+
+def test_an_amount_is_one_force_whatever_run_it_is_of():
+    """Other joints may rest in a run, and drives give less in one: the columns are the same."""
+    recording = arm.recording()
+    samples = recording.axis.samples
+    again = samples.assign(run="b", force_n=0.1 * samples["force_n"])
+    still = again["joint"] != "shoulder"
+    again.loc[still, "position_m"] = again[still].groupby("joint")["position_m"].transform("first")
+    runs = pd.DataFrame({"run": ["a", "b"]})
+    both = replace(recording.axis, runs=runs, samples=pd.concat([samples, again]))
+    own = parted_by_joint(replace(recording, axis=both))["shoulder"]
+    machine = machine_of(own.axis, own.rig)
+    first, second = (
+        machine.around(log_of(part.reset_index(drop=True), own.rig), run)
+        for run, part in own.axis.samples.groupby("run", sort=False)
+    )
+    assert len(first.beside) == len(second.beside) > 20
+    alone = samples[samples["joint"] == "shoulder"]["position_m"].to_numpy()
+    resting = [one.value for one in second.beside if np.ptp(one.value) > 0]
+    size = np.sqrt(np.mean(np.concatenate([log.force for log in (first, second)]) ** 2))
+    closest = min(np.abs(one - size * np.cos(alone)).max() for one in resting)
+    assert closest < 0.02 * size

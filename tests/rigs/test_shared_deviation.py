@@ -41,7 +41,7 @@ def test_density_and_information_are_those_of_the_dense_normal(rows):
     one, whole = nested(rows, variance), dense(rows, variance)
     alone = multivariate_normal(cov=np.diag(variance)).logpdf(y)
     assert alone + one.constant == pytest.approx(multivariate_normal(cov=whole).logpdf(y))
-    precision, slope = one.told(np.ones(4, dtype=bool), np.ones(2, dtype=bool))
+    precision, slope = one.taken_by(np.ones(4, dtype=bool), np.ones(2, dtype=bool))
     inverse = np.linalg.inv(whole)
     np.testing.assert_allclose(x.T @ (x / variance[:, None]) - precision, x.T @ inverse @ x)
     np.testing.assert_allclose(x.T @ (y / variance) - slope, x.T @ inverse @ y)

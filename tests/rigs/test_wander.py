@@ -7,11 +7,12 @@ from bayesfric.analysis import Analysis
 from bayesfric.inference.cosines import MODES, cosines
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
+from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.gravity_board import simulator
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.wander import Wander
-from bayesfric.rigs.protocols import TRAVEL_M, Protocol
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
 DESIGN = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 16.0), (6.0, 16.0), 3)

@@ -129,7 +129,7 @@ def covered(predictive: xr.DataTree) -> tuple[Coverage, ...]:
 def _checked(
     trials: RigTrials, table: xr.Dataset, likelihood: RigLikelihood, left: LeftOut, remade: Remade
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return the table of trials with what leaving them out says, and the checks over all."""
+    """Return the table of trials with their leave-one-out figures, and checks over all trials."""
     observed = table["friction_n"].to_numpy()
     checks = coverage(likelihood.trials, likelihood.sizes, trials.loads, remade, observed)
     if left.trials is None:
@@ -158,13 +158,14 @@ def _prior(
     prior = model.by_name(model.draw_prior(PRIOR_DRAWS, rng))
     likelihood = model.likelihoods[0]
     key = [*CELL, *trials.loads]
-    # A bench on which nobody recorded a tension has one that stands for none.
+    # Without a recorded tension a placeholder stands in the column.
     tension = table if "tension_n" in table else likelihood.trials
     measured = {
         "tension_n": np.asarray(tension["tension_n"]),
         "friction_n": table["friction_n"].to_numpy(),
     }
-    if trials.rig.regime == "steady":  # signed there: it is against the motion
+    # Friction at constant speed is negative in the table where the motion is.
+    if trials.rig.regime == "steady":
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)
     rows = rows.groupby(key, sort=False, as_index=False).mean()

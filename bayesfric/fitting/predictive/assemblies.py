@@ -1,8 +1,8 @@
-"""Assemblies left out: how far each lies from what all others say of it.
+"""Assemblies left out one at a time: how far each lies from its prediction by all others.
 
-Given the parameters, assemblies are independent: their probabilities, left out one at a time,
-are as independent uniform ones where the model is right, but for what they say together of
-the parameters.
+Given the parameters, assemblies are independent. Where the model is right, their leave-one-out
+probabilities are therefore nearly independent and uniform: they depend on each other only through
+the parameters, which all assemblies inform.
 """
 
 from dataclasses import dataclass

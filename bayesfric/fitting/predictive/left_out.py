@@ -44,8 +44,8 @@ DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each
 AGAIN = 1000  # recordings made again
 GRID = np.arange(1, 50) / 50
 BAND = 0.95
-LARGEST_ERROR = 0.25  # of a refit's density [nat]; differences count from 4 nat on
-BRIDGED_TO = 0.05  # of a bridge [nat]: two evidences are known as well
+LARGEST_ERROR = 0.25  # of a refit's density [nat]; a difference below 4 nat decides nothing
+BRIDGED_TO = 0.05  # of a bridge [nat]: no worse than the error of an evidence
 EDGE = 1e-16  # of a probability whose normal score is to be finite
 
 
@@ -288,7 +288,7 @@ def _leave_out(
 
     @cache
     def seen() -> Evidence | None:
-        """Of all data; most boards have no use for it."""
+        """Return the evidence of all data; most boards need no refit and never call this."""
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
         drawn = importance_draws(model.log_posterior, laplace, seed, chart)
         return None if drawn is None else drawn[0]
@@ -319,7 +319,7 @@ def _leave_out(
 def _given_rest(
     model: Model, likelihood: RigLikelihood, z: Array, rng: np.random.Generator | None = None
 ) -> GivenRest:
-    """Return what each trial and assembly is given the rest, of many points."""
+    """Return at each point the density of each trial and assembly given all others."""
     parts = [
         likelihood.given_rest(model.by_name(model.natural(block)), rng) for block in _blocks(z)
     ]
@@ -329,7 +329,7 @@ def _given_rest(
 
 
 def by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
-    """Return what a likelihood says of many points, some at a time, shape (S, …)."""
+    """Return a function of a likelihood at S points, computed in blocks, shape (S, …)."""
     parts = [function(model.by_name(model.natural(block))) for block in _blocks(z)]
     return np.concatenate(parts)
 

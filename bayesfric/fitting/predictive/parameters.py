@@ -14,7 +14,7 @@ __all__ = ["coefficients", "densities", "ranks"]
 
 RANK_BINS = 20
 DENSITY_BINS = 40
-LEFT_OUT = 5e-4  # of the draws at either end of a density, too few for a height
+LEFT_OUT = 5e-4  # share of the draws at either end that the histogram leaves out
 
 
 def coefficients(model: Model, flat: Array) -> xr.Dataset:

@@ -1,4 +1,4 @@
-"""What ``fit.json`` says of prediction: numbers of what was left out."""
+"""The leave-one-out figures of ``fit.json``."""
 
 import math
 from collections.abc import Mapping
@@ -83,7 +83,7 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
 
 
 def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
-    """Return whether leave-one-trial-out probabilities are uniform, of each board that has any.
+    """Test by board whether leave-one-trial-out probabilities are uniform.
 
     Parameters
     ----------

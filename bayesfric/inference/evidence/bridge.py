@@ -129,7 +129,7 @@ def _bridge(
     proposed = proposal.draw(DRAWS_A_HALF, rng)
     at_proposed = _evaluated(log_density, proposed) - proposal.log_density(proposed)
 
-    # Dependent draws count for less, which is known once the bridge stands.
+    # The effective number of dependent draws follows from the bridge, so it is solved twice.
     counted = float(at_draws.size)
     for _ in range(2):
         log_evidence, of_draws, of_proposed = _stand(at_draws, at_proposed, counted)
@@ -176,7 +176,7 @@ def _stand(at_draws: Array, at_proposed: Array, counted: float) -> tuple[float, 
 
 
 def _thinned(draws: Array) -> Array:
-    """Return steps and walkers spread evenly over those there are."""
+    """Return evenly spaced steps and walkers of all."""
     ensembles, kept, walkers, _ = draws.shape
     steps = next(count for count in STEPS_A_HALF if count <= kept)
     share = min(walkers, max(1, DRAWS_A_HALF // (ensembles * steps)))
@@ -211,7 +211,7 @@ def _refuse_separated(draws: Array) -> None:
     pooled, single = _spread_of_places(draws)
     if pooled > LIMIT_ENSEMBLES or single > LIMIT_WALKERS:
         raise SeparatedModes(
-            f"the chains have not converged to one distribution: multivariate R-hat {pooled:.3g} between "
-            f"ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between walkers "
-            f"(at most {LIMIT_WALKERS})"
+            "the chains have not converged to one distribution: multivariate R-hat "
+            f"{pooled:.3g} between ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between "
+            f"walkers (at most {LIMIT_WALKERS})"
         )

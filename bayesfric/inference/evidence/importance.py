@@ -22,7 +22,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import smooth_weights
+from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
@@ -44,7 +44,6 @@ TRIES = 3  # each from a proposal that is fitted to the sample before
 DEFENSIVE, WIDER = 0.1, 2.0
 """Share of the sample that is drawn from a wider proposal, which bounds the weights in the tails;
 how much wider."""
-LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 
 
 def importance_draws(
@@ -92,7 +91,7 @@ def importance_draws(
         z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), size, rng)
         total = logsumexp(log_weights)
         weights = np.exp(log_weights - total)
-        if k <= LIMIT_K:
+        if k <= LARGEST_PARETO_K:
             break
         points = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
     else:

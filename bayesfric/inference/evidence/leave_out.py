@@ -32,12 +32,11 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import smooth_weights
+from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
 
 __all__ = ["ELPD", "Difference", "Without", "difference", "elpd", "loo_pit", "without_each"]
 
 
-LIMIT_K = 0.7
 LEAST_DRAWS = 100
 LEAST_GROUPS, LEAST_DIFFERENCE = 20, 4.0
 """Below either, the standard error of a difference is too small (Sivula et al.)."""
@@ -175,7 +174,7 @@ def elpd(
     log_weights, pareto_k = without or without_each(log_likelihood)
     draws, groups = log_likelihood.shape
     pointwise = logsumexp(log_weights + log_likelihood, axis=0)
-    limit_k = min(LIMIT_K, 1 - 1 / np.log10(draws))
+    limit_k = min(LARGEST_PARETO_K, 1 - 1 / np.log10(draws))
     refitted = np.zeros(groups, dtype=bool)
     if refit is not None:
         # A k that is not a number is bad as well.

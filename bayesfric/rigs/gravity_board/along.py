@@ -41,9 +41,9 @@ class EffectsAlong:
 
     def __init__(self, places: TrialPlaces, active: Sequence[ActiveEffect]) -> None:
         self._places, self.active = places, tuple(active)
-        known = [one for one in active if not one.effect.components]
-        readings = [one for one in known if one.effect.acts_on == "reading"]
-        forces = [one for one in known if one.effect.acts_on != "reading"]
+        without_phase = [effect for effect in active if not effect.effect.components]
+        readings = [effect for effect in without_phase if effect.effect.acts_on == "reading"]
+        forces = [effect for effect in without_phase if effect.effect.acts_on != "reading"]
         by_force, by_reading = [], []
         if forces:
             by_force = linear_terms(forces, places.slowing, places.paths.seen)
@@ -54,10 +54,10 @@ class EffectsAlong:
             *(places.columns(list(term.responses)) for term in by_force),
             *(places.read_columns(term.responses) for term in by_reading),
         )
-        self._phased = [one for one in active if one.effect.components]
-        each = [self._components(one) for one in self._phased]
-        self._counts = [len(columns.acceleration) for columns in each]
-        self.scattered = joined(*each)
+        self._phased = [effect for effect in active if effect.effect.components]
+        components = [self._components(effect) for effect in self._phased]
+        self._counts = [len(columns.acceleration) for columns in components]
+        self.scattered = joined(*components)
 
     def variances(self, theta: Mapping[str, Array], law: Coefficients) -> list[Array]:
         """Return the variance of each of :attr:`scattered`, arrays of shape (W, N).
@@ -69,11 +69,11 @@ class EffectsAlong:
         law : Coefficients
             Of each walker and trial, arrays of shape (W, N).
         """
-        found = []
+        variances = []
         for active, count in zip(self._phased, self._counts, strict=True):
             amplitude = active.values(theta)[active.effect.amplitude.name]
-            found += [(amplitude * self._scale(active, theta, law)) ** 2] * count
-        return found
+            variances += [(amplitude * self._scale(active, theta, law)) ** 2] * count
+        return variances
 
     def _components(self, active: ActiveEffect) -> Columns:
         """Return what the components of an effect add, those of each sensor apart."""
@@ -83,7 +83,9 @@ class EffectsAlong:
         assert places.events is not None
         sensors = places.events.regressors[:2] != 0
         both = places.misread(active, unit)
-        return places.read_columns(np.concatenate([both * one for one in sensors if one.any()]))
+        return places.read_columns(
+            np.concatenate([both * sensor for sensor in sensors if sensor.any()])
+        )
 
     def amplitudes(
         self, theta: Mapping[str, Array], law: Coefficients
@@ -111,8 +113,8 @@ class EffectsAlong:
                 term.amplitudes(theta)[:, :, None] * self._scale(term.active, theta, law)
             )
             added += numbers
-            here = term.active.effect.acts_on == "friction"
-            scattered += numbers if here else [0.0] * len(numbers)
+            on_friction = term.active.effect.acts_on == "friction"
+            scattered += numbers if on_friction else [0.0] * len(numbers)
         return added, scattered
 
     def _scale(self, active: ActiveEffect, theta: Mapping[str, Array], law: Coefficients) -> Array:

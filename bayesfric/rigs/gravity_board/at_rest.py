@@ -71,11 +71,11 @@ class TrialsAtRest:
         wander: Wander,
         scatter: ScatterLevels,
     ) -> None:
-        known = list(dict.fromkeys(moving["setup"]))
-        self.setups = tuple(dict.fromkeys(s for s in trials["setup"] if s not in known))
-        of_trial = pd.Index([*known, *self.setups]).get_indexer(pd.Index(trials["setup"]))
+        moving_setups = list(dict.fromkeys(moving["setup"]))
+        self.setups = tuple(dict.fromkeys(s for s in trials["setup"] if s not in moving_setups))
+        of_trial = pd.Index([*moving_setups, *self.setups]).get_indexer(pd.Index(trials["setup"]))
         self._members = {int(j): np.flatnonzero(of_trial == j) for j in np.unique(of_trial)}
-        self._assembly = pd.Index(known).get_indexer(pd.Index(moving["setup"]))
+        self._assembly = pd.Index(moving_setups).get_indexer(pd.Index(moving["setup"]))
         self._condition = trial_condition(trials, rig)
         self._size = SizeIndex(
             tuple(sizes), pd.Index(sizes).get_indexer(pd.Index(trials["pulley_size"]))
@@ -87,9 +87,9 @@ class TrialsAtRest:
             name: value if np.ndim(value) == 0 else value[len(moving) :]
             for name, value in both.items()
         }
-        acting = [one for one in effects if one.effect.acts_on in ("friction", "drive")]
-        self._phased = [one for one in acting if one.effect.components]
-        known_phase = [one for one in acting if not one.effect.components]
+        acting = [effect for effect in effects if effect.effect.acts_on in ("friction", "drive")]
+        self._phased = [effect for effect in acting if effect.effect.components]
+        known_phase = [effect for effect in acting if not effect.effect.components]
         self._forces = SteadyForces(baseline, self._condition, self._size, known_phase, self._state)
 
     def thresholds(self, theta: Mapping[str, Array]) -> Thresholds:
@@ -98,9 +98,12 @@ class TrialsAtRest:
         tau, omega, of_intercept = self._scatter.values(theta)
         law = self._size.coefficients(theta)
         own = (tau * friction) ** 2 + self._wander.at_release(theta, self._size, friction)
-        for one in self._phased:
+        for acting_effect in self._phased:
             state = self._state(law, np.zeros_like(friction))
-            own = own + (one.effect.laws[one.law](one.values(theta), state) ** 2).sum(axis=0)
+            own = own + (
+                acting_effect.effect.laws[acting_effect.law](acting_effect.values(theta), state)
+                ** 2
+            ).sum(axis=0)
         sd = np.sqrt(own)
         intercept = law.c2 * np.asarray(self._condition.n_pulleys)
         moved = np.stack([omega * friction, of_intercept * intercept])
@@ -115,14 +118,14 @@ class TrialsAtRest:
         above = self.thresholds(theta)
         mean, covariance = moving.numbers()
         walkers, groups, rank = mean.shape
-        found = np.zeros((walkers, groups + len(self.setups)))
+        log_probability = np.zeros((walkers, groups + len(self.setups)))
         for place, members in self._members.items():
             if place < groups:
                 of_group = mean[:, place], covariance[:, place]
             else:
                 of_group = np.zeros((walkers, rank)), np.tile(np.eye(rank), (walkers, 1, 1))
-            found[:, place] = log_probability_above(*of_group, above.of(members))
-        return found
+            log_probability[:, place] = log_probability_above(*of_group, above.of(members))
+        return log_probability
 
     def trial_log_density(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
         """Return what trials at rest add to the log density of each that moved, given the rest.
@@ -132,11 +135,11 @@ class TrialsAtRest:
         above = self.thresholds(theta)
         whole = self.setup_log_probability(theta, moving)
         mean, covariance = moving.numbers_without_each()
-        found = np.zeros(mean.shape[:2])
+        log_density = np.zeros(mean.shape[:2])
         for trial, place, members in self._beside():
             without = log_probability_above(mean[:, trial], covariance[:, trial], above.of(members))
-            found[:, trial] = whole[:, place] - without
-        return found
+            log_density[:, trial] = whole[:, place] - without
+        return log_density
 
     def trial_cdf(self, theta: Mapping[str, Array], moving: GroupedNormal, cdf: Array) -> Array:
         """Return the probability of less friction of each that moved, given the rest, (W, N).
@@ -150,7 +153,7 @@ class TrialsAtRest:
         cdf : ndarray, shape (W, N)
             The same given the others that moved alone.
         """
-        above, found = self.thresholds(theta), cdf.copy()
+        above, probability = self.thresholds(theta), cdf.copy()
         mean, covariance = moving.numbers_without_each()
         sd = np.sqrt(moving.variance)
         for trial, _, members in self._beside():
@@ -161,8 +164,8 @@ class TrialsAtRest:
                 -moving.residual[:, trial, None] / sd[:, trial, None],
             )
             together = log_probability_above(*numbers, rest.beside(own))
-            found[:, trial] = np.exp(together - log_probability_above(*numbers, rest))
-        return found
+            probability[:, trial] = np.exp(together - log_probability_above(*numbers, rest))
+        return probability
 
     def _beside(self) -> "list[tuple[int, int, Whole]]":
         """Return each trial that moved beside some at rest: its place, its assembly's, theirs."""

@@ -52,8 +52,8 @@ class DoubleIntegral:
         # One after another: small arrays stay in the processor's cache.
         return np.stack(
             [
-                of_speeds @ (one @ first).ravel() + of_travels @ (one @ second).ravel()
-                for one in acceleration
+                of_speeds @ (column @ first).ravel() + of_travels @ (column @ second).ravel()
+                for column in acceleration
             ],
             axis=1,
         )

@@ -67,8 +67,8 @@ def trial_motion(
 
     def acceleration(travel: Array, speed: Array) -> Array:
         along = {**around, "travel_m": travel}
-        here = factor if wander is None else factor + wander(travel)
-        return _acceleration(law, condition, here, acting, along, speed)
+        factor_along = factor if wander is None else factor + wander(travel)
+        return _acceleration(law, condition, factor_along, acting, along, speed)
 
     return step_board(acceleration, duration, STEPS, distance_m, start_speed_m_s)
 
@@ -89,12 +89,12 @@ def _acceleration(
         tension = nominal_tension(condition, a)
         return State.of(law, n, wrap, tension, speed, acceleration_m_s2=a, **along)
 
-    def friction(here: State) -> Array:
-        return np.asarray(coulomb_friction(law, n, wrap, here.tension_n) + total(on_friction, here))
+    def friction(at: State) -> Array:
+        return np.asarray(coulomb_friction(law, n, wrap, at.tension_n) + total(on_friction, at))
 
     def unscattered(a: Array) -> Array:
-        here = state(a)
-        force = condition.drive_force_n - friction(here) - total(on_drive, here)
+        at = state(a)
+        force = condition.drive_force_n - friction(at) - total(on_drive, at)
         return np.asarray(force / mass)
 
     # Scatter multiplies the friction of the condition: tension is that without it.

@@ -167,15 +167,15 @@ def _follow(time: Array, recorded: Array) -> Array | None:
         return None
     place = np.full(recorded.size, np.nan)
     place[seed : seed + width] = recorded[seed : seed + width]
-    known = list(range(seed, seed + width))
-    _extend(time, recorded, place, known, range(seed + width, recorded.size))
-    known = sorted(known)[WINDOW - 1 :: -1]
-    _extend(time, recorded, place, known, range(seed - 1, -1, -1))
+    placed = list(range(seed, seed + width))
+    _extend(time, recorded, place, placed, range(seed + width, recorded.size))
+    placed = sorted(placed)[WINDOW - 1 :: -1]
+    _extend(time, recorded, place, placed, range(seed - 1, -1, -1))
     return place
 
 
 def _extend(
-    time: Array, recorded: Array, place: Array, known: list[int], ahead: Iterable[int]
+    time: Array, recorded: Array, place: Array, placed: list[int], ahead: Iterable[int]
 ) -> None:
     """Find the places of the events ahead, one by one.
 
@@ -183,26 +183,26 @@ def _extend(
     last; of two at one place, the one nearer to the motion. It grows on the way.
     """
     for event in ahead:
-        near = known[-1]
-        predicted, speed, _ = _predict(time, place, known[-WINDOW:], event)
-        found = np.rint(predicted)
+        near = placed[-1]
+        predicted, speed, _ = _predict(time, place, placed[-WINDOW:], event)
+        nearest = np.rint(predicted)
         if speed <= 0:  # the motion would have turned back: it does not reach this far
-            found = place[near] + recorded[event] - recorded[near]
-        elif abs(predicted - found) > ODD or (found - place[near]) * (event - near) < 0:
+            nearest = place[near] + recorded[event] - recorded[near]
+        elif abs(predicted - nearest) > ODD or (nearest - place[near]) * (event - near) < 0:
             continue
-        place[event] = found
-        if found != place[near]:
-            known.append(event)
-        elif _off(time, place, known[:-1], event) < _off(time, place, known[:-1], near):
-            known[-1] = event
+        place[event] = nearest
+        if nearest != place[near]:
+            placed.append(event)
+        elif _off(time, place, placed[:-1], event) < _off(time, place, placed[:-1], near):
+            placed[-1] = event
 
 
-def _off(time: Array, place: Array, known: list[int], event: int) -> float:
+def _off(time: Array, place: Array, placed: list[int], event: int) -> float:
     """Return how far an event is from the motion of those known last.
 
     In spacings, over the standard deviation that unit noise of the events would give.
     """
-    predicted, _, spread = _predict(time, place, known[-WINDOW:], event)
+    predicted, _, spread = _predict(time, place, placed[-WINDOW:], event)
     return abs(predicted - float(place[event])) / spread
 
 

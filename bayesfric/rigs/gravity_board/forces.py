@@ -85,9 +85,9 @@ class SteadyForces:
         self, kind: str, theta: Mapping[str, Array], law: Coefficients, acceleration: Array
     ) -> Array:
         """Return the force of effects of one kind, shape (W, N) [N]."""
-        here = [one for one in self._effects if one.effect.acts_on == kind]
-        if not here:
+        of_kind = [effect for effect in self._effects if effect.effect.acts_on == kind]
+        if not of_kind:
             return np.zeros_like(acceleration)
         return np.broadcast_to(
-            total(here, theta, self._state(law, acceleration)), acceleration.shape
+            total(of_kind, theta, self._state(law, acceleration)), acceleration.shape
         )

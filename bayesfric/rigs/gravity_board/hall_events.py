@@ -35,6 +35,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.quadratic import contract, eliminate
 from bayesfric.rigs.gravity_board.late_clock import (
     CLOCK,
@@ -61,7 +62,6 @@ __all__ = [
 ]
 
 Motions: TypeAlias = Sequence[Sequence[Array | float]]
-LOG_2PI = float(np.log(2 * np.pi))
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
 CACHED = 200_000  # numbers of forms at a time: more are given back to the system each time
 INTERVAL = 1.0  # of log ρ
@@ -199,20 +199,20 @@ class EventTable:
         polynomials = chebyshev.chebvander(2 * within / INTERVAL - 1, DEGREE) / scale2
         asked = np.unique(interval).astype(int).tolist()
         if len(asked) == 1:
-            found = self._without(asked[0], polynomials, variances, motions)
+            forms = self._without(asked[0], polynomials, variances, motions)
         else:
-            walkers = [np.flatnonzero(interval == one) for one in asked]
+            walkers = [np.flatnonzero(interval == place) for place in asked]
             parts = [
                 self._without(
-                    one,
-                    polynomials[here],
-                    [_of(variance, here) for variance in variances],
-                    None if motions is None else [[_of(x, here) for x in y] for y in motions],
+                    place,
+                    polynomials[chosen],
+                    [_of(variance, chosen) for variance in variances],
+                    None if motions is None else [[_of(x, chosen) for x in y] for y in motions],
                 )
-                for one, here in zip(asked, walkers, strict=True)
+                for place, chosen in zip(asked, walkers, strict=True)
             ]
-            found = np.concatenate(parts, axis=-1)[..., np.argsort(np.concatenate(walkers))]
-        rows = found.transpose(0, 2, 1)
+            forms = np.concatenate(parts, axis=-1)[..., np.argsort(np.concatenate(walkers))]
+        rows = forms.transpose(0, 2, 1)
         return TrialForm(
             self.origin,
             rows[:-1],
@@ -237,7 +237,7 @@ class EventTable:
         """
         coefficients = self._interval(interval)
         shape = self.origin.size, len(weights)
-        drawn = [np.broadcast_to(one.T, shape) for one in variances]
+        drawn = [np.broadcast_to(variance.T, shape) for variance in variances]
         moved = None
         if motions is not None:
             moved = [[np.broadcast_to(np.transpose(x), shape) for x in y] for y in motions]
@@ -249,9 +249,11 @@ class EventTable:
             statistics = coefficients[:, trials] @ weights.T
             form = statistics[:-1]
             if moved is not None:
-                first, second = (np.stack([one[trials] for one in motion]) for motion in moved)
+                first, second = (
+                    np.stack([column[trials] for column in motion]) for motion in moved
+                )
                 form = contract(form, (first, second))
-            form, gained = eliminate(form, [one[trials] for one in drawn])
+            form, gained = eliminate(form, [variance[trials] for variance in drawn])
             parts.append(np.concatenate([form, (statistics[-1] / weights[:, 0] + gained)[None]]))
         return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
 
@@ -359,7 +361,10 @@ def reduce_events(
         speed=speed,
         typical_speed=float(np.exp(np.mean(np.log(speed)))),
         tick_variance=tick_s**2 / 12,
-        degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0 - prior.told,
+        degrees_of_freedom=table.total(np.ones_like(table.tau))
+        - sensors
+        - 1.0
+        - prior.share_of_events,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + prior.constant,
         origin=pilot.acceleration,
         first_speed=pilot.first_speed,

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.trial_motion import NUISANCES, Events
@@ -36,7 +37,6 @@ BESIDE = CLOCK + 1
 FAR_BETTER = 25.0  # times the prior's precision, by which events tell the offset of each trial
 RIDGE = 1e-12  # of a unit diagonal: columns that a trial does not have
 LEAST_SD_M = 1e-9  # of an event: below it, as without noise, rounding is all that is left
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class ClockPrior:
         Of the number so counted.
     scale2 : float
         Variance of an event at which a prior that is taken once is exact [m²].
-    told : ndarray, shape (N,)
+    share_of_events : ndarray, shape (N,)
         Share of the number that events tell, and not its prior; 0 where it is not taken once.
     constant : ndarray, shape (N,)
         What it adds to the log density.
@@ -66,7 +66,7 @@ class ClockPrior:
     moved: Array
     mean: Array
     scale2: float
-    told: Array
+    share_of_events: Array
     constant: Array
 
 
@@ -136,7 +136,7 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
         none = np.zeros_like(mean)
         return ClockPrior(True, False, mean, none, scale2, none, none)
     alone = np.where(seen, 1 / np.linalg.inv(whole[:, :BESIDE, :BESIDE])[:, CLOCK, CLOCK], 0.0)
-    told = alone / (scale2 + alone)
+    share_of_events = alone / (scale2 + alone)
     # Counted from where it is likely, the number adds no square that grows with the noise.
     whole[:, CLOCK, CLOCK] += scale2
     whole[:, CLOCK, -1] += scale2 * mean
@@ -145,9 +145,9 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
     gram = whole[:, :-1, :-1] / size[:, :, None] / size[:, None, :] + RIDGE * np.eye(size.shape[1])
     fit = np.linalg.solve(gram, (whole[:, :-1, -1] / size)[..., None])[..., 0] / size
     likely = np.where(seen, fit[:, CLOCK], mean)
-    constant = 0.5 * np.log(scale2) * (1 - told) - 0.5 * told * LOG_2PI
+    constant = 0.5 * np.log(scale2) * (1 - share_of_events) - 0.5 * share_of_events * LOG_2PI
     constant -= 0.5 * (mean - likely) ** 2
-    return ClockPrior(False, True, likely, mean - likely, scale2, told, constant)
+    return ClockPrior(False, True, likely, mean - likely, scale2, share_of_events, constant)
 
 
 def _noise(events: Events, whole: Array) -> tuple[float, Array]:

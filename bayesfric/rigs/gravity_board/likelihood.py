@@ -97,10 +97,12 @@ class GravityModel:
         places: TrialPlaces | None = None,
     ) -> None:
         self._places = places or TrialPlaces(gravity, rig)
-        here = [one for one in effects if self._places.supports(one.effect) is None]
-        self._effects = here
-        along = [one for one in here if one.effect.along_path or one.effect.components]
-        steady = [one for one in here if one not in along]
+        supported = [effect for effect in effects if self._places.supports(effect.effect) is None]
+        self._effects = supported
+        along = [
+            effect for effect in supported if effect.effect.along_path or effect.effect.components
+        ]
+        steady = [effect for effect in supported if effect not in along]
         self.trials, self.condition = gravity.trials, self._places.condition
         self._size = self._places.size
         self.sizes = self._size.sizes
@@ -117,7 +119,7 @@ class GravityModel:
         self.further = (
             *self._wander.parameters,
             *noise,
-            *(parameter for active in here for parameter in parameters_of(active)),
+            *(parameter for active in supported for parameter in parameters_of(active)),
         )
         self.at_rest: TrialsAtRest | None = None
         if at_rest is not None and len(at_rest):
@@ -127,7 +129,14 @@ class GravityModel:
                     fault = Fault("analysis.toml", ONLY_NORMAL, column=column, value="student-t")
                     raise InputError([fault])
             self.at_rest = TrialsAtRest(
-                at_rest, gravity.trials, rig, self.sizes, baseline, here, self._wander, self.scatter
+                at_rest,
+                gravity.trials,
+                rig,
+                self.sizes,
+                baseline,
+                supported,
+                self._wander,
+                self.scatter,
             )
 
     def law(self, theta: Mapping[str, Array]) -> Array:
@@ -174,7 +183,7 @@ class GravityModel:
         added, scattered = self._along.amplitudes(theta, self._size.coefficients(theta))
         # Around the pilot, with A the amplitudes: m1 = (f, −A), of A only what scatters with
         # friction, and m0 = (r, A). The last entry is the residual's.
-        slowed: list[Array | float] = [law / mass, *(-one for one in scattered), 0.0]
+        slowed: list[Array | float] = [law / mass, *(-column for column in scattered), 0.0]
         around = (drive - law) / mass - self._measurements.origin
         form = self._form(theta, law, (slowed, [around, *added, -1.0]))
         precision, across, square = form.triangle
@@ -217,7 +226,9 @@ class GravityModel:
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
         effects = rough_values(self._effects)
-        wander = dict.fromkeys((one.name for one in self._wander.parameters), START_WANDER)
+        wander = dict.fromkeys(
+            (parameter.name for parameter in self._wander.parameters), START_WANDER
+        )
         return self._rough_noise | wander | self._wander.start() | effects | self._places.rough
 
 

@@ -38,7 +38,7 @@ from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["GravityPart"]
+__all__ = ["GravityPart", "LinearEvents"]
 
 _Sizes = tuple[OneSize, ...]
 
@@ -96,20 +96,20 @@ class GravityPart:
             np.zeros((len(rows.residual), 2)),
             rows.clock_column()[:, None],
         ]
-        width, known = ALWAYS, {}
+        width, places_by_key = ALWAYS, {}
         blocks: dict[int, slice] = {}
         for index, candidate in enumerate(self._model.candidates):
             if not candidate.effect.components:
                 continue
-            found = rows.candidate_columns(candidate)
-            if isinstance(found, Unsupported):
+            columns_of_candidate = rows.candidate_columns(candidate)
+            if isinstance(columns_of_candidate, Unsupported):
                 continue
             key = (candidate.effect.name, candidate.law)
-            if key not in known:
-                random.append(found)
-                known[key] = slice(width, width + found.shape[1])
-                width = known[key].stop
-            blocks[index] = known[key]
+            if key not in places_by_key:
+                random.append(columns_of_candidate)
+                places_by_key[key] = slice(width, width + columns_of_candidate.shape[1])
+                width = places_by_key[key].stop
+            blocks[index] = places_by_key[key]
         return np.hstack(random), blocks
 
     @property
@@ -123,8 +123,12 @@ class GravityPart:
         force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
 
         def candidate_column(candidate: Candidate) -> Array | Unsupported:
-            found = rows.candidate_columns(candidate)
-            return found if isinstance(found, Unsupported) else found[:, 0]
+            columns_of_candidate = rows.candidate_columns(candidate)
+            return (
+                columns_of_candidate
+                if isinstance(columns_of_candidate, Unsupported)
+                else columns_of_candidate[:, 0]
+            )
 
         columns = model.filled(
             rows.name,
@@ -201,22 +205,27 @@ class GravityPart:
             start = places[name].stop
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         view = self._view(mixing, chosen, width, used)
-        each = [Scattered(one, sd, omega, kappa) for one in view]
+        by_size = [Scattered(sums, sd, omega, kappa) for sums in view]
         columns = self.layout.own + mixing.shape[1] + self.layout.always
         total = self.layout.total(columns)
         precision, slope = np.zeros((total, total)), np.zeros(total)
-        for size, one in enumerate(each):
+        for size, scattered in enumerate(by_size):
             place = self.layout.spread(columns, size)
-            precision[np.ix_(place, place)] += one.precision
-            slope[place] += one.slope
-        information = Information(precision, slope, sum(one.constant for one in each))
+            precision[np.ix_(place, place)] += scattered.precision
+            slope[place] += scattered.slope
+        information = Information(
+            precision, slope, sum(scattered.constant for scattered in by_size)
+        )
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
-            moments = [one.moments(*of) for one, *of in zip(each, mean, covariance, strict=True)]
+            moments = [
+                scattered.moments(*of)
+                for scattered, *of in zip(by_size, mean, covariance, strict=True)
+            ]
             trial_q, setup_q, scale = (sum(of) for of in zip(*moments, strict=True))
             felt, shared_felt = sd**2 * trial_q, omega**2 * setup_q
-            found = {
+            by_name = {
                 "tau": felt[TRIAL],
                 "omega": shared_felt[0],
                 "omega_intercept": shared_felt[1],
@@ -224,21 +233,21 @@ class GravityPart:
                 "wander_length": 0.5 * (felt[WANDER] * growth).sum(),
                 "kappa": 0.5 * (scale - felt.sum() - shared_felt.sum()),
             }
-            found |= {name: felt[block].sum() for name, block in places.items()}
-            return {name: float(value) for name, value in found.items()}
+            by_name |= {name: felt[block].sum() for name, block in places.items()}
+            return {name: float(value) for name, value in by_name.items()}
 
         return Evaluated(information, gradient)
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
         """Return the rig with mixtures of its columns in their place."""
-        found = copy(self)
-        found.layout = layout
-        found._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
-        found._sums = self._sums.squeezed(squeeze)
-        found._views = {}
-        return found
+        squeezed = copy(self)
+        squeezed.layout = layout
+        squeezed._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
+        squeezed._sums = self._sums.squeezed(squeeze)
+        squeezed._views = {}
+        return squeezed
 
-    def told(self, noise: Mapping[str, float]) -> Array:
+    def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q).
 
         Its scatter and its assembly's, wander and measurement are taken up.
@@ -249,7 +258,7 @@ class GravityPart:
         sd[WANDER] = noise["wander"] * np.sqrt(
             wander_weights(noise["wander_length"], self._travel)[0]
         )
-        found = np.empty((len(self.size), self.layout.local, self.layout.local))
+        information = np.empty((len(self.size), self.layout.local, self.layout.local))
         columns = self.columns
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             white, project = whitening(self.rows, rows)
@@ -260,8 +269,8 @@ class GravityPart:
             # Trials that nobody has made may be so long that 1 is lost beside their square.
             both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
             seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
-            found[trial] = apart.T @ apart + seen.T @ seen
-        return found
+            information[trial] = apart.T @ apart + seen.T @ seen
+        return information
 
     def phase_strength(self, place: int) -> float:
         """Return the squared signal over noise of a candidate's phases at unit amplitude."""
@@ -292,3 +301,11 @@ class GravityPart:
         """
         scatter = self.scatter(noise)
         return runs_of(self.rows, self.columns, self.random, self._travel, scatter, noise, numbers)
+
+
+class LinearEvents(GravityRows):
+    """Events of the gravity board, with which a diagnosis can be made."""
+
+    def laid_out(self, model: ModelColumns, place: int) -> GravityPart:
+        """Return the rig with the columns of a model."""
+        return GravityPart(self, model, place)

@@ -82,7 +82,7 @@ def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
                 residual[start:end][rows] = left
         # Together for the motion, up to where they stand and by what part they differ.
         both = sensors.any(axis=1).all()
-        apart = [sensors[1] * one for one in (1.0, displacement)] if both else []
+        apart = [sensors[1] * column for column in (1.0, displacement)] if both else []
         spline, _ = _fit(place, displacement, apart)
         speed[trial] = spline.derivative()(grid) / duration
         acceleration[trial] = spline.derivative(2)(grid) / duration**2

@@ -15,11 +15,10 @@ import pandas as pd
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Whole
-from bayesfric.inference.priors import Parameter
+from bayesfric.inference.priors import LOG_2PI, Parameter
 from bayesfric.inference.quadratic import contract, eliminate, gram
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import (
-    LOG_2PI,
     EventTable,
     Motions,
     TrialForm,
@@ -119,21 +118,21 @@ def noise_parameters(gravity: Gravity, analysis: Analysis) -> tuple[Parameter, .
     """
     trials, priors = gravity.trials, analysis.priors
     seen = trials["trial"].isin(gravity.events["trial"])
-    found: tuple[Parameter, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
     if seen.any():
-        found += (
+        parameters += (
             Parameter("sigma_x", "m", priors.sigma_x, "noise", power=0.5),
             Parameter("sigma_t", "s", priors.sigma_t, "noise", power=0.5),
         )
     if np.isnan(optional_column(trials[~seen], "acceleration_sd_m_s2")).any():
-        found += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
-    return found
+        parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
+    return parameters
 
 
 def rough_noise(parameters: Sequence[Parameter], residual_m: float) -> dict[str, float]:
     """Return rough estimates of the noise, by the rms residual of the events [m]."""
     rough = {"sigma_x": residual_m, "sigma_t": 0.1 * residual_m, "sigma_a": START_SIGMA_A}
-    return {one.name: rough[one.name] for one in parameters}
+    return {parameter.name: rough[parameter.name] for parameter in parameters}
 
 
 class TrialMeasurements:
@@ -256,7 +255,7 @@ def _columns(
     of_motions = motions and [
         [x if np.ndim(x) == 0 else np.asarray(x)[:, trials] for x in y] for y in motions
     ]
-    return [one[:, trials] for one in variances], of_motions
+    return [variance[:, trials] for variance in variances], of_motions
 
 
 def optional_column(table: pd.DataFrame, name: str) -> Array:

@@ -7,25 +7,24 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import coulomb_acceleration
+from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
 __all__ = ["lay_out", "on_time"]
 
 PAIRS_OF_MASSES = 10  # of each size
-TRAVEL_M = 0.6  # where the rig does not say
 MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
 
 
 def lay_out(
-    known: pd.DataFrame, rig: RigConstants, laws: Mapping[str, Coefficients]
+    measured: pd.DataFrame, rig: RigConstants, laws: Mapping[str, Coefficients]
 ) -> Gravity | None:
     """Return a trial at every feasible condition, its events on time by a law.
 
     Parameters
     ----------
-    known : DataFrame
+    measured : DataFrame
         Trials that were recorded.
     rig : RigConstants
         The board.
@@ -33,7 +32,7 @@ def lay_out(
         Of each pulley size.
     """
     laid = []
-    for size, own in known.groupby("pulley_size", sort=False):
+    for size, own in measured.groupby("pulley_size", sort=False):
         masses = own[["mass_drive_kg", "mass_load_kg"]].drop_duplicates()
         order = np.argsort((masses["mass_drive_kg"] - masses["mass_load_kg"]).to_numpy())
         chosen = np.unique(np.linspace(0, len(order) - 1, PAIRS_OF_MASSES).astype(int))
@@ -66,8 +65,8 @@ def on_time(
     sensors : sequence of str
         That see them.
     """
-    each = [laws[size] for size in trials["pulley_size"]]
-    law = Coefficients(*(np.array(column) for column in zip(*each, strict=True)))
+    laws_by_trial = [laws[size] for size in trials["pulley_size"]]
+    law = Coefficients(*(np.array(column) for column in zip(*laws_by_trial, strict=True)))
     rate = coulomb_acceleration(law, trial_condition(trials, rig))
     moving = rate > MOVING_M_S2
     trials = trials[moving].reset_index(drop=True)
@@ -76,10 +75,10 @@ def on_time(
     spacing = rig.hall_spacing_m or 0.01
     place = np.arange(spacing / 2, rig.limits.get("travel_m", (0.0, TRAVEL_M))[1], spacing)
     time = np.sqrt(2 * place / rate[moving][:, None])
-    one = {
+    events_of_sensor = {
         "trial": np.repeat(trials["trial"].to_numpy(), place.size),
         "displacement_m": np.tile(place - place[0], len(trials)),
         "time_s": time.ravel(),
     }
-    events = pd.concat([pd.DataFrame({**one, "sensor": sensor}) for sensor in sensors])
+    events = pd.concat([pd.DataFrame({**events_of_sensor, "sensor": sensor}) for sensor in sensors])
     return Gravity(trials, events.reset_index(drop=True))

@@ -19,6 +19,7 @@ from scipy.integrate import cumulative_simpson
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects import Effect
+from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
@@ -27,7 +28,6 @@ __all__ = ["Paths", "motion_untold", "trial_paths"]
 
 DEGREE = 4  # of the travel in time: a force that changes linearly in time needs 3
 POINTS = 129  # of the grid in time; odd, for Simpson's rule
-TRAVEL_M = 0.6  # of a trial that has an acceleration alone, where the rig does not say
 LEAST_SPEED_SHARE = 0.02  # of a trial's greatest speed, where smoothing would reverse it
 NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
 NO_MOTION = Unsupported(
@@ -81,15 +81,15 @@ class Paths:
         place = events.tau / self.step_s[events.trial, 0]
         left = np.minimum(place.astype(int), travel.shape[1] - 2)
         share = place - left
-        here, there = (events.trial, left), (events.trial, left + 1)
+        before, after = (events.trial, left), (events.trial, left + 1)
         step = self.step_s[events.trial, 0]
         # Cubic Hermite interpolation between two times of the grid.
         rise = share**2 * (3 - 2 * share)
         return np.asarray(
-            (1 - rise) * travel[here]
-            + rise * travel[there]
-            + step * share * (1 - share) ** 2 * speed[here]
-            - step * share**2 * (1 - share) * speed[there]
+            (1 - rise) * travel[before]
+            + rise * travel[after]
+            + step * share * (1 - share) ** 2 * speed[before]
+            - step * share**2 * (1 - share) * speed[after]
         )
 
     def seen(self, acceleration_m_s2: Array) -> Array:
@@ -113,8 +113,8 @@ def motion_untold(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupp
         return None
     if effect.acts_on == "reading":
         return NO_EVENTS
-    told = not (effect.along_path or effect.components) or "travel_m" in rig.limits
-    return None if told else NO_MOTION
+    can_tell = not (effect.along_path or effect.components) or "travel_m" in rig.limits
+    return None if can_tell else NO_MOTION
 
 
 def trial_paths(gravity: Gravity, rig: RigConstants) -> Paths:

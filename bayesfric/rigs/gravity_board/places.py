@@ -184,8 +184,8 @@ class TrialPlaces:
         travel = np.empty((0, 0))
         if events is not None:
             paths = self.paths.of(np.flatnonzero(seen))
-            travel = np.array([paths.response(events, one[seen]) for one in added])
-        return Columns(travel, np.stack([one.mean(axis=-1) for one in added]))
+            travel = np.array([paths.response(events, force[seen]) for force in added])
+        return Columns(travel, np.stack([force.mean(axis=-1) for force in added]))
 
     def read_columns(self, travel: Array) -> Columns:
         """Return what errors of readings do, shape (K, E) [m]: an acceleration has none."""

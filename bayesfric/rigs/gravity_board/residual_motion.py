@@ -65,7 +65,7 @@ def windows_of(
     """
     newton, places = board.window_columns(WINDOWS)
     variance, _ = wander_weights(noise["wander_length"], travel_m)
-    found = []
+    solved_trials = []
     for trial, rows in enumerate(board.rows_of_trials()):
         enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
         joined = _join(WINDOWS, min(WINDOWS, enough))
@@ -79,14 +79,14 @@ def windows_of(
         waves = cosines(travel, WAVES)
         wander = (waves.T * variance) @ waves * noise["wander"] ** 2
         covariance = np.asarray(np.linalg.pinv(design.T @ design) * noise["kappa"], np.float64)
-        found.append((trial, solved, covariance, where, wander))
+        solved_trials.append((trial, solved, covariance, where, wander))
     return Windows(
-        row=np.concatenate([np.full(len(f[1]), f[0]) for f in found]),
-        residual_n=np.concatenate([f[1][:, 0] for f in found]),
-        columns=np.concatenate([f[1][:, 1:] for f in found]),
-        covariance=tuple(f[2] for f in found),
-        wander=tuple(f[4] for f in found),
-        covariates={name: np.concatenate([f[3][name] for f in found]) for name in places},
+        row=np.concatenate([np.full(len(f[1]), f[0]) for f in solved_trials]),
+        residual_n=np.concatenate([f[1][:, 0] for f in solved_trials]),
+        columns=np.concatenate([f[1][:, 1:] for f in solved_trials]),
+        covariance=tuple(f[2] for f in solved_trials),
+        wander=tuple(f[4] for f in solved_trials),
+        covariates={name: np.concatenate([f[3][name] for f in solved_trials]) for name in places},
     )
 
 
@@ -112,7 +112,7 @@ def runs_of(
     numbers : ndarray, shape (A, N, q)
         Local numbers of each arm, trial by trial.
     """
-    found = {}
+    runs = {}
     spread2 = scatter.sum(axis=1)
     wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], travel_m)[0]
     for trial, rows in enumerate(board.rows_of_trials()):
@@ -140,7 +140,7 @@ def runs_of(
         start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
         tau = board.events.tau[rows][shown]
         later = columns[rows][~first] - carry @ columns[rows][first]
-        found[trial] = Run(
+        runs[trial] = Run(
             trial,
             off,
             float(error.mean()),
@@ -150,7 +150,7 @@ def runs_of(
             measured[shown],
             (measured - (left - start))[:, shown],
         )
-    return found
+    return runs
 
 
 def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:

@@ -26,17 +26,15 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import rows_of_trials, variance_of, with_accelerations
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s, clock_shifts, late_column
-from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
+from bayesfric.rigs.gravity_board.measured_motion import LEAST_ACCELERATION, MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
-from bayesfric.rigs.layout import ModelColumns
-from bayesfric.rigs.linear import LinearRig, rms_of
+from bayesfric.rigs.linear import rms_of
 
 __all__ = ["NO_CURRENT", "GravityRows"]
 
-LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 PRETENDED = 8  # windows of a trial
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
@@ -244,14 +242,14 @@ class GravityRows(ReferenceMotion):
         within a thousandth.
         """
         effect = candidate.effect
-        found = np.zeros_like(self.residual)
+        column = np.zeros_like(self.residual)
         if effect.acts_on != "reading" or effect.components or self._untold(effect):
-            return found
+            return column
         values, small = unit_values(candidate)
         law = effect.laws[candidate.law]
         if self._of_one_sensor(law, values):
-            found -= self._beyond(law, values) / small * self._seen_by_both()
-        return found
+            column -= self._beyond(law, values) / small * self._seen_by_both()
+        return column
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 adds to friction, or its equivalent.
@@ -283,7 +281,7 @@ class GravityRows(ReferenceMotion):
     def _pretended(self, columns: Array) -> Array:
         """Return the force that errors of readings pretend in windows, (C, N, W) [N]."""
         newton, _ = self.window_columns(PRETENDED)
-        found = np.zeros((columns.shape[1], len(self.table), PRETENDED))
+        forces = np.zeros((columns.shape[1], len(self.table), PRETENDED))
         for trial, rows in enumerate(self.rows_of_trials()):
             nuisance = self.events.regressors[:3, rows]
             nuisance = nuisance[(nuisance != 0).any(axis=1)]
@@ -291,8 +289,8 @@ class GravityRows(ReferenceMotion):
             size = np.linalg.norm(design, axis=0)
             size = np.where(size > 0, size, 1.0)
             solved = np.linalg.lstsq(design / size, columns[rows], rcond=1e-9)[0] / size[:, None]
-            found[:, trial] = solved[:PRETENDED].T
-        return found
+            forces[:, trial] = solved[:PRETENDED].T
+        return forces
 
     def size_of(self, candidate: Candidate) -> float:
         """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
@@ -311,12 +309,6 @@ class GravityRows(ReferenceMotion):
         """Return none: all that the board has of its own scatters from trial to trial."""
         del priors
         return ()
-
-    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        from bayesfric.rigs.gravity_board.linear import GravityPart
-
-        return GravityPart(self, model, place)
 
     def relative_deviation(self) -> Array:
         """Return how far each trial's friction is from the law, as a share of it, (N,)."""

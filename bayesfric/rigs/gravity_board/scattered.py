@@ -82,7 +82,7 @@ class Scattered:
         root = _inverses(factor)
         triangle, self._across = root @ sums.triangle, root @ sums.across
         right = (root @ sums.right[:, :, None])[:, :, 0]
-        self._known = (triangle**2).sum(axis=1) / kappa
+        self._precision_seen = (triangle**2).sum(axis=1) / kappa
         self._back = back = triangle.swapaxes(1, 2) / kappa
         self._pulled = (back @ right[:, :, None])[:, :, 0]
         self._along = back @ triangle[:, :, SHARED]
@@ -129,7 +129,7 @@ class Scattered:
         a = self._back @ self._across
         a -= along @ self._share[j]
         b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
-        c = self._known - ((along @ self._taken[j]) * along).sum(axis=2)
+        c = self._precision_seen - ((along @ self._taken[j]) * along).sum(axis=2)
         trial = _second(a, b, mean, covariance) - c.sum(axis=0)
         a = self._summed - stiff @ self._share
         b = self._sum_pulled - (stiff @ self._pull[:, :, None])[:, :, 0]
@@ -149,7 +149,7 @@ def _second(columns: Array, response: Array, mean: Array, covariance: Array) -> 
 
 def _inverses(lower: Array) -> Array:
     """Return the inverses of lower triangles, (n, w, w)."""
-    found = np.empty_like(lower)
-    for one, inverse in zip(lower, found, strict=True):
-        inverse[:] = dtrtri(one.T)[0].T  # LAPACK's order of a C array is its transpose
-    return found
+    inverses = np.empty_like(lower)
+    for factor, inverse in zip(lower, inverses, strict=True):
+        inverse[:] = dtrtri(factor.T)[0].T  # LAPACK's order of a C array is its transpose
+    return inverses

@@ -255,19 +255,19 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     far = alike[beyond]
     count = f"in {len(far) or len(alike)} of {len(alike)} trials"
     if pooled:
-        told = f"{_said(clocks.late_s, clocks.sd_s)} {count}"
+        offsets_in_words = f"{_said(clocks.late_s, clocks.sd_s)} {count}"
     else:
         first = far[:NAMED]
         offsets = zip(first["trial"], first["late_s"], first["sd_s"], strict=True)
         names = [f"{trial}: {_said(late, sd)}" for trial, late, sd in offsets]
-        told = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED else ''}"
+        offsets_in_words = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED else ''}"
     most = f"{1e3 * clocks.furthest_s:.3g} ms"
     why, state = f"no cable explains more than {most}", "state rig.sensor_clock_sd_s"
     if clocks.stated:
         why = f"{FURTHEST:.0f} times rig.sensor_clock_sd_s is {most}"
         state = "state a larger rig.sensor_clock_sd_s"
     expected = f"two sensors on one clock; {why}: correct time_s of one sensor, or {state}"
-    return [Fault("gravity_events.csv", expected, column="time_s", value=told)]
+    return [Fault("gravity_events.csv", expected, column="time_s", value=offsets_in_words)]
 
 
 def _said(late_s: float, sd_s: float) -> str:

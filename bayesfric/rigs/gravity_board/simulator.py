@@ -16,12 +16,12 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import Condition, board_friction, trajectory
+from bayesfric.physics.gravity import TRAVEL_M, Condition, board_friction, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings
 from bayesfric.rigs.gravity_board.effects_on_trials import TrialMotion, passing_times, trial_motion
 from bayesfric.rigs.gravity_board.event_trains import SENSORS
-from bayesfric.rigs.protocols import TRAVEL_M, Assembly, Protocol
+from bayesfric.rigs.protocols import Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
 
 __all__ = ["conditions_of", "draw_events", "lay_trials"]
@@ -149,11 +149,11 @@ def _motion(
     if wander or of_kind(acting, "friction") or of_kind(acting, "drive"):
         end = TRAVEL_M + PAST_M
         return trial_motion(law, condition, factor, acting, around, end, wander, push_m_s)
-    each = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in condition]
+    condition_columns = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in condition]
     columns = Coefficients(*(np.asarray(column)[:, None, None] for column in law))
     return trajectory(
         columns,
-        Condition(*each),
+        Condition(*condition_columns),
         start_speed_m_s=push_m_s[:, None, None],
         friction_factor=factor[:, None, None],
     )

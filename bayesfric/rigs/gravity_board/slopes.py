@@ -24,13 +24,13 @@ from bayesfric.rigs.gravity_board.estimator import (
     SizeEstimate,
     is_upright,
 )
+from bayesfric.rigs.gravity_board.estimator.slopes import LEAST_TENSION_RATIO
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 
 __all__ = ["paper_slopes"]
 
 GRID = 13
 LEVELS = 3  # tensions at which friction is shown against the wrap angle
-LEAST_TENSION_RATIO = 1.1  # of the largest over the least of them
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ def _tension_lines(
         ]
     )
     r_squared = [cell.line.slope.r_squared for cell in cells]
-    known = [value for value in r_squared if value is not None]
+    defined = [value for value in r_squared if value is not None]
     law = ("pulley", "n", "quantile")
     return xr.Dataset(
         {
@@ -176,7 +176,7 @@ def _tension_lines(
             "slope": ("cell", [cell.line.slope.value for cell in cells]),
             "intercept_n": ("cell", [cell.line.intercept_n for cell in cells]),
             "r_squared": ("cell", np.array(r_squared, dtype=np.float64)),
-            "least_r_squared": min(known, default=np.nan),
+            "least_r_squared": min(defined, default=np.nan),
             "slope_again": (
                 ("cell", "quantile"),
                 np.stack([bands(cell.slope_again) for cell in cells]),
@@ -219,24 +219,15 @@ def _wrap_lines(
     law = np.empty((len(lines), GRID, len(QUANTILES)))
     for place, (size, n, level) in enumerate(lines):
         group = groups[size, n]
-        here = slice(len(group))
-        angle[place, here] = [cell.line.wrap_angle_deg for cell in group]
-        friction[place, here] = [cell.friction(level) for cell in group]
+        filled = slice(len(group))
+        angle[place, filled] = [cell.line.wrap_angle_deg for cell in group]
+        friction[place, filled] = [cell.friction(level) for cell in group]
         new = np.stack([cell.friction_again(level) for cell in group], axis=1)
-        again[place, here] = bands(new)
-        slope[place] = _lines(angle[place, here], friction[place, here])[0]
-        slope_again[place] = bands(_lines(angle[place, here], new)[0])
+        again[place, filled] = bands(new)
+        slope[place] = _lines(angle[place, filled], friction[place, filled])[0]
+        slope_again[place] = bands(_lines(angle[place, filled], new)[0])
         law[place] = bands(baseline.at_tension(_draws(named, size), n, grid, level))
-    sizes = list(dict.fromkeys(size for size, _ in groups))
-    counts = sorted({n for _, n in groups})
-    n_grid, tension_grid = np.linspace(0.0, counts[-1], GRID), np.linspace(0.0, high, GRID)
-    ends = (all_angles[0], all_angles[-1])
-
-    def law_slope(size: str, n: Array | float, tension: Array | float) -> Array:
-        least, most = (baseline.at_tension(_draws(named, size), n, end, tension) for end in ends)
-        return bands((most - least) / (ends[1] - ends[0]))
-
-    return xr.Dataset(
+    table = xr.Dataset(
         {
             "pulley_size": ("line", [size for size, _, _ in lines]),
             "n_pulleys": ("line", [n for _, n, _ in lines]),
@@ -248,6 +239,49 @@ def _wrap_lines(
             "law_angle_deg": ("grid", grid),
             "slope_n_per_deg": ("line", slope),
             "slope_again_n_per_deg": (("line", "quantile"), slope_again),
+        },
+        coords={"level": levels, "quantile": list(QUANTILES)},
+    )
+    ends = all_angles[0], all_angles[-1]
+    slopes = _law_slopes(list(groups), levels, high, ends, named, baseline)
+    return table.merge(slopes, join="exact", compat="no_conflicts")
+
+
+def _law_slopes(
+    groups: Sequence[tuple[str, int]],
+    levels: Array,
+    high: float,
+    ends: tuple[float, float],
+    named: dict[str, Array],
+    baseline: FrictionLaw,
+) -> xr.Dataset:
+    """Return the law's slope between two wrap angles, against n and against tension.
+
+    Parameters
+    ----------
+    groups : sequence of (str, int)
+        Pulley sizes and numbers of pulleys that were measured.
+    levels : ndarray
+        Tensions of the lines against n [N].
+    high : float
+        Largest tension of the lines against tension [N].
+    ends : (float, float)
+        Wrap angles [deg].
+    named : dict of str to ndarray, shape (W,)
+        Draws by parameter.
+    baseline : FrictionLaw
+        The friction law.
+    """
+    sizes = list(dict.fromkeys(size for size, _ in groups))
+    counts = sorted({n for _, n in groups})
+    n_grid, tension_grid = np.linspace(0.0, counts[-1], GRID), np.linspace(0.0, high, GRID)
+
+    def law_slope(size: str, n: Array | float, tension: Array | float) -> Array:
+        least, most = (baseline.at_tension(_draws(named, size), n, end, tension) for end in ends)
+        return bands((most - least) / (ends[1] - ends[0]))
+
+    return xr.Dataset(
+        {
             "law_against_n": (
                 ("pulley", "level", "n", "quantile"),
                 np.stack([[law_slope(s, n_grid, t) for t in levels] for s in sizes]),

@@ -30,8 +30,8 @@ def far_from_their_own(deviation: Array, setup: NDArray[Any]) -> Flags:
         Names of assemblies.
     """
     distance = np.zeros_like(deviation)
-    for one in dict.fromkeys(setup):
-        own = setup == one
+    for name in dict.fromkeys(setup):
+        own = setup == name
         if np.count_nonzero(own) >= FEWEST:
             distance[own] = np.abs(deviation[own] - np.median(deviation[own]))
     usual = MAD * float(np.median(distance[distance > 0])) if (distance > 0).any() else np.inf

@@ -4,11 +4,11 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Reading, State
-from bayesfric.physics.gravity import nominal_tension, trajectory
+from bayesfric.physics.gravity import TRAVEL_M, nominal_tension, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
 from bayesfric.rigs.gravity_board.simulator import conditions_of, lay_trials
-from bayesfric.rigs.protocols import TRAVEL_M, Protocol
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 __all__ = ["change_of_readings", "change_of_trials"]
@@ -79,8 +79,8 @@ def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) 
 
     def change(applied: AppliedEffect) -> Array:
         step = DERIVATIVE_SHARE * duration
-        before, here, after = (applied(reading(times + k * step)) for k in (-1, 0, 1))
-        bend = (after - 2 * here + before) / step**2
+        before, now, after = (applied(reading(times + k * step)) for k in (-1, 0, 1))
+        bend = (after - 2 * now + before) / step**2
         # Phases differ between sensors: their squares add up, not their values.
         mean = np.sqrt((bend**2).sum(axis=-2)) / 2 if applied.effect.components else bend.mean(-2)
         return np.asarray((drive + load)[:, 0] * mean / friction)

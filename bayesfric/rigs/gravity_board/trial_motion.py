@@ -98,8 +98,8 @@ class Events:
         whole = np.empty((len(weights), self.starts.size, len(columns), len(columns)))
         stops = np.append(self.starts[1:], response.size)
         for trial, (start, stop) in enumerate(zip(self.starts, stops, strict=True)):
-            here = columns[:, start:stop]  # fits a cache, as all events at once do not
-            sums = weights[:, start:stop] @ (here[row] * here[column]).T
+            block = columns[:, start:stop]  # fits a cache, as all events at once do not
+            sums = weights[:, start:stop] @ (block[row] * block[column]).T
             whole[:, trial, row, column] = whole[:, trial, column, row] = sums
         for place in range(NUISANCES):
             whole[:, ~self.present[place], place, place] = 1.0

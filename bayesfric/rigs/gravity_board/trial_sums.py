@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
 __all__ = ["Beyond", "TrialSums", "orthogonal", "trial_sums"]
-
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,8 @@ class TrialSums:
     def squeezed(self, squeeze: Array) -> "TrialSums":
         """Return the sums of mixtures of the numbers, shape (q, k)."""
         beyond = {
-            width: Beyond(squeeze.T @ one.precision @ squeeze, one.slope @ squeeze, one.square)
-            for width, one in self.beyond.items()
+            width: Beyond(squeeze.T @ sums.precision @ squeeze, sums.slope @ squeeze, sums.square)
+            for width, sums in self.beyond.items()
         }
         return replace(self, across=self.across @ squeeze, beyond=beyond)
 
@@ -112,12 +111,12 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
         stack = np.column_stack([columns[rows], board.clock_residual[rows], random[rows]])
         whole = project(white[:, None] * stack)
         own, along, apart = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
-        told = len(own)
-        triangle[trial, :told] = own
-        across[trial, :told], right[trial, :told] = along[:, :q], along[:, q]
+        height = len(own)
+        triangle[trial, :height] = own
+        across[trial, :height], right[trial, :height] = along[:, :q], along[:, q]
         square, further = apart.T @ apart, along[ALWAYS:]
-        for one in beyond.values():
-            one.add(trial, block[trial], square)
+        for sums in beyond.values():
+            sums.add(trial, block[trial], square)
         if further.size:
             beyond[ALWAYS].add(trial, block[trial], further.T @ further)
         nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()

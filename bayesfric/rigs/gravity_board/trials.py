@@ -26,13 +26,13 @@ from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsuppor
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityModel, trial_condition
+from bayesfric.rigs.gravity_board.linear import LinearEvents
 from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
 from bayesfric.rigs.gravity_board.next_trials import lay_out, on_time
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
-from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
 from bayesfric.rigs.gravity_board.sensor_clocks import clock_faults
@@ -85,8 +85,8 @@ class GravityBoard:
 
     def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
         """Return by how much the clocks of the two sensors differ."""
-        found = self.trials(recording)
-        text = None if found is None else found.screened.clocks.described
+        trials = self.trials(recording)
+        text = None if trials is None else trials.screened.clocks.described
         return () if text is None else (("sensor clocks", text),)
 
     def left_out(self, recording: Recording) -> list[Fault]:
@@ -114,7 +114,7 @@ class GravityBoard:
         self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
     ) -> Simulated:
         """Return trials in their order and their events; see :mod:`.simulator`."""
-        streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
+        streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
         order, *rngs = (streams[place] for place in STREAMS)
         trials = lay_trials(design, order)
         events, moved, stayed = draw_events(trials, constants, truth, *rngs)
@@ -211,16 +211,16 @@ class GravityTrials(PulleyTrials):
     @cached_property
     def measured(self) -> MeasuredMotion:
         """What events say of the motion, whatever the law is."""
-        found = measured_motion(self.gravity, self.constants)
+        motion = measured_motion(self.gravity, self.constants)
         if self.event_error_m is None:
-            return found
-        return found._replace(rough=np.full_like(found.rough, self.event_error_m))
+            return motion
+        return motion._replace(rough=np.full_like(motion.rough, self.event_error_m))
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> GravityRows:
+    ) -> LinearEvents:
         """Return the events as rows of a linear model."""
-        return GravityRows(self.gravity, self.constants, laws, self.measured, acting, self.law)
+        return LinearEvents(self.gravity, self.constants, laws, self.measured, acting, self.law)
 
     def entering(self) -> "GravityTrials":
         """Return the trials that enter a diagnosis.
@@ -349,10 +349,12 @@ class GravityTrials(PulleyTrials):
         """Return friction against tension, the paper's slopes, and a few trajectories."""
         model, board = self._mine(view), (self.gravity, self.constants)
         assert isinstance(view.likelihood, ExactLikelihood)
-        found = {"curves": curves(model, view.named, view.law)}
-        found |= paper_slopes(view.likelihood, model, self.estimate, view.named, view.law, view.rng)
-        found["trajectories"] = trajectories(model, *board, view.named, view.factor, view.law)
-        return found
+        figures = {"curves": curves(model, view.named, view.law)}
+        figures |= paper_slopes(
+            view.likelihood, model, self.estimate, view.named, view.law, view.rng
+        )
+        figures["trajectories"] = trajectories(model, *board, view.named, view.factor, view.law)
+        return figures
 
     @staticmethod
     def _mine(view: Predictive) -> GravityModel:

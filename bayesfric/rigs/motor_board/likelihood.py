@@ -110,7 +110,9 @@ class MotorModel:
         runs = motor.runs.iloc[order].reset_index(drop=True).rename(columns={"run": "trial"})
         self.trials = runs
         self._places = RunPlaces(runs, rig)
-        self._effects = [one for one in effects if self._places.supports(one.effect) is None]
+        self._effects = [
+            effect for effect in effects if self._places.supports(effect.effect) is None
+        ]
         self.condition = self._places.condition
         self._runs = len(runs)
         self._torque_constant = rig.motor_torque_constant_n_m_per_a
@@ -160,15 +162,15 @@ class MotorModel:
         return np.asarray(friction + sign * (feedback * drag + (feedback - 1) * held)), sign * held
 
     def _on(self, kind: str) -> list[ActiveEffect]:
-        return [one for one in self._effects if one.effect.acts_on == kind]
+        return [effect for effect in self._effects if effect.effect.acts_on == kind]
 
     def _added(self, kind: str, theta: Mapping[str, Array], state: State) -> Array:
         """Return what effects of one kind add, shape (W, N)."""
-        here = self._on(kind)
+        acting = self._on(kind)
         shape = np.broadcast_shapes(
             *(np.shape(part) for part in (state.tension_n, state.speed_m_s))
         )
-        return np.broadcast_to(total(here, theta, state) if here else 0.0, shape)
+        return np.broadcast_to(total(acting, theta, state) if acting else 0.0, shape)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
         """Return the signed friction that the currents show, (W, N) [N].

@@ -1,6 +1,7 @@
 """The motor board in the linear model: one current a run, and the idle motor's."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from bayesfric.physics.motor import (
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 
 __all__ = ["motor_rows"]
 
@@ -29,7 +30,7 @@ def motor_rows(
     constants: RigConstants,
     laws: Mapping[str, Coefficients],
     baseline: FrictionLaw = BASELINES["paper"],
-) -> PointRows:
+) -> LinearReadings:
     """Return the runs around a reference law, their readings in ampere.
 
     The torque constant is the specified one: that it may be another is an effect.
@@ -62,26 +63,7 @@ def motor_rows(
     rough_a = max(float((idle_current - idle @ fit).std()), 1e-4)
 
     per_newton = np.sign(speed) * radius / torque
-
-    def noise(priors: Priors) -> tuple[NoiseParameter, ...]:
-        of_intercept = priors.omega_intercept_motor
-        return (
-            noise_parameter("tau_motor", priors.tau_motor, 0.012, SCATTER, 0.01, scatters=True),
-            noise_parameter("omega_hung", priors.omega_motor, 0.006, SCATTER, 0.001, scatters=True),
-            noise_parameter(
-                "omega_motor", priors.omega_motor, 0.012, SCATTER, 0.015, scatters=True
-            ),
-            noise_parameter(
-                "omega_intercept_hung", of_intercept, 0.006, SCATTER, 0.001, scatters=True
-            ),
-            noise_parameter(
-                "omega_intercept_motor", of_intercept, 0.012, SCATTER, 0.015, scatters=True
-            ),
-            noise_parameter("sigma_current", priors.sigma_current, rough_a, ERROR, 0.002),
-            noise_parameter("load_noise", priors.load_noise, 0.005, (1e-4, 0.5), 0.005),
-        )
-
-    return PointRows(
+    return LinearReadings(
         name="motor",
         table=runs,
         loads=("hanging_mass_kg",),
@@ -102,15 +84,27 @@ def motor_rows(
         reading=runs["current_a"].to_numpy(dtype=np.float64) - load,
         per_newton=per_newton,
         errors=(np.ones(len(runs)), load),
-        noise=noise,
+        noise=partial(_noise, rough_a),
         curve=idle_basis(speed, both_ways=both_ways),
         still_curve=idle,
         still=idle_current,
         curve_sd=lambda priors: (priors.idle_current_sd,) * idle.shape[1],
         direct="current",
-        intercept=np.sign(speed)
-        * radius
-        / torque
-        * np.asarray(condition.n_pulleys)
-        * intercept_of(law),
+        intercept=per_newton * np.asarray(condition.n_pulleys) * intercept_of(law),
+    )
+
+
+def _noise(rough_a: float, priors: Priors) -> tuple[NoiseParameter, ...]:
+    """Return the noise parameters; `rough_a` is the idle readings' own scatter [A]."""
+    of_intercept = priors.omega_intercept_motor
+    return (
+        noise_parameter("tau_motor", priors.tau_motor, 0.012, SCATTER, 0.01, scatters=True),
+        noise_parameter("omega_hung", priors.omega_motor, 0.006, SCATTER, 0.001, scatters=True),
+        noise_parameter("omega_motor", priors.omega_motor, 0.012, SCATTER, 0.015, scatters=True),
+        noise_parameter("omega_intercept_hung", of_intercept, 0.006, SCATTER, 0.001, scatters=True),
+        noise_parameter(
+            "omega_intercept_motor", of_intercept, 0.012, SCATTER, 0.015, scatters=True
+        ),
+        noise_parameter("sigma_current", priors.sigma_current, rough_a, ERROR, 0.002),
+        noise_parameter("load_noise", priors.load_noise, 0.005, (1e-4, 0.5), 0.005),
     )

@@ -79,8 +79,8 @@ class RunPlaces:
         medium = table1()["medium"]  # any law will do
         law = Coefficients(medium.c1.value, medium.c2.value, medium.c3.value)
         state = self.state(law, np.zeros(1), np.ones(1))
-        for one in effect.laws.values():
-            response = np.asarray(one(small_values(effect), state))
+        for effect_law in effect.laws.values():
+            response = np.asarray(effect_law(small_values(effect), state))
             if not response.any():
                 return OVER
             if reason := why_inert(response):

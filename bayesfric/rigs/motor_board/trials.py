@@ -26,7 +26,7 @@ from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 
@@ -77,7 +77,7 @@ class MotorBoard:
     ) -> Simulated:
         """Return runs in their order and the idle motor; see :mod:`.simulator`."""
         del design
-        streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
+        streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
         motor = simulate_motor(constants, truth, *(streams[place] for place in STREAMS))
         return Simulated({"motor": motor}, len(motor.runs))
 
@@ -134,7 +134,7 @@ class MotorRuns(PlainTrials):
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> PointRows:
+    ) -> LinearReadings:
         """Return the currents as rows of a linear model; nothing starts to move here."""
         del acting
         return motor_rows(self.motor, self.constants, laws, self.law)

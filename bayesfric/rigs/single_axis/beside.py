@@ -10,10 +10,10 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["Mixing", "leading", "rough_amounts"]
+__all__ = ["Mixing", "leading", "rough_amounts", "rough_shares"]
 
 LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
-MOST = 60  # directions
+MOST = 120  # directions
 ROWS_AN_AMOUNT = 4  # at the least
 NO_LESS = 0.02  # of the rms force, that is left at the least, in a rough estimate
 ROUNDS = 3  # of the size of what is left
@@ -63,7 +63,12 @@ def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
 
 
 def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
-    """Return roughly what forces of unknown amounts add to each row, (W,).
+    """Return roughly what forces of unknown amounts add to each row, (W,); see `rough_shares`."""
+    return np.asarray(beside @ rough_shares(law, beside, force, inside))
+
+
+def rough_shares(law: Array, beside: Array, force: Array, inside: Flags) -> Array:
+    """Return rough amounts of forces, (K,).
 
     Parameters
     ----------
@@ -77,7 +82,7 @@ def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Arr
         Rows that tell it.
     """
     if not beside.shape[1]:
-        return np.zeros(len(force))
+        return np.zeros(0)
     columns = np.hstack([law, beside])[inside]
     width = np.maximum(np.abs(columns).max(axis=0, initial=0.0), 1e-300)
     prior = np.diag(np.concatenate([np.zeros(law.shape[1]), np.ones(beside.shape[1])]) / width)
@@ -89,4 +94,4 @@ def rough_amounts(law: Array, beside: Array, force: Array, inside: Flags) -> Arr
         amounts = np.linalg.lstsq(design, goal, rcond=1e-9)[0] / width
         rest = force[inside] - columns @ amounts
         error = max(float(np.sqrt(np.mean(rest**2))), NO_LESS * whole)
-    return np.asarray(beside @ amounts[law.shape[1] :])
+    return np.asarray(amounts[law.shape[1] :])

@@ -3,6 +3,8 @@
 The drive force of a row has that row's own friction and error in it. As a regressor it would
 explain all of the row by itself, as a limit of the drive would (:mod:`.limit`). So the load is what
 a fit of all rows says: mass times acceleration, and a pull that is a smooth function of the place.
+What is known of the force by a model of the machine is carried too, and so is what other joints
+pull with, in amounts that the same rows tell roughly.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,6 +16,7 @@ import pandas as pd
 from scipy.stats import spearmanr
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.beside import rough_shares
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of, pull_basis
 from bayesfric.rigs.single_axis.weak_form import node_weights
@@ -56,10 +59,13 @@ class Carried:
         Of the table of runs, that say which load a run moves.
     loads : mapping of tuple to Pull
         By the values of these columns.
+    others : ndarray, shape (K,)
+        Rough amounts of the forces beside the law.
     """
 
     columns: tuple[str, ...]
     loads: Mapping[tuple[float, ...], Pull]
+    others: Array
 
     def at(self, readings: Readings, table: pd.DataFrame) -> tuple[Array, Array]:
         """Return what is held, and what the mass takes, positive along the position, (W, P) twice.
@@ -71,15 +77,15 @@ class Carried:
         table : DataFrame
             Their trials.
         """
-        held, moved = np.zeros_like(readings.position), np.zeros_like(readings.position)
+        beside = readings.way * (readings.beside @ self.others)
+        held, moved = readings.known_held + beside[:, None], readings.known_moved.copy()
         keys, accelerations = _keys(table, self.columns), _accelerations(readings)
         for key, load in self.loads.items():
             mine = np.array([one == key for one in keys], dtype=np.bool_)[readings.trial]
             at = readings.position[mine]
-            held[mine] = (pull_basis(at.ravel(), load.middle, load.half) @ load.pull).reshape(
-                at.shape
-            )
-            moved[mine] = load.mass * accelerations[mine]
+            pull = pull_basis(at.ravel(), load.middle, load.half) @ load.pull
+            held[mine] += pull.reshape(at.shape)
+            moved[mine] += load.mass * accelerations[mine]
         return held, moved
 
 
@@ -107,9 +113,24 @@ def carried_by(
     if min(one.size for one in rows_of.values()) < ROWS_A_NUMBER * (POWERS + 3):
         columns, rows_of = (), {(): np.flatnonzero(inside)}
     places = readings.position @ readings.weights
-    return Carried(
-        tuple(columns), {key: _fitted(readings, places, rows) for key, rows in rows_of.items()}
-    )
+    law = _law(readings, places)
+    rubbing = np.zeros((readings.count, 0))
+    for _ in range(ROUNDS):
+        others = rough_shares(np.hstack([law, rubbing]), readings.beside, readings.force, inside)
+        loads = {key: _fitted(readings, places, rows, others) for key, rows in rows_of.items()}
+        found = Carried(tuple(columns), loads, others)
+        if not others.size:
+            break
+        carried = np.add(*found.at(readings, table)) @ readings.weights
+        rubbing = np.abs(carried)[:, None]  # friction by the load bends what others seem to pull
+    return found
+
+
+def _law(readings: Readings, places: Array) -> Array:
+    """Return columns of the law, and of what pulls by place, in the sense of the motion, (W, n)."""
+    pull = pull_basis(places, *places_of(places)) * readings.way[:, None]
+    speed = readings.speed @ readings.weights
+    return np.column_stack([readings.acceleration, np.ones(readings.count), speed, pull])
 
 
 def _accelerations(readings: Readings) -> Array:
@@ -133,23 +154,32 @@ def _keys(table: pd.DataFrame, columns: Sequence[str]) -> list[tuple[float, ...]
     return [tuple(map(float, row)) for row in table[list(columns)].to_numpy(dtype=np.float64)]
 
 
-def _fitted(readings: Readings, places: Array, rows: Whole) -> Pull:
-    """Return the load that some rows move."""
+def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pull:
+    """Return the load that some rows move, beyond what is known and what others pull with."""
     middle, half = places_of(places[rows])
-    way, force = readings.way[rows], readings.force[rows]
+    way, beside = readings.way[rows], readings.beside[rows] @ others
+    force = readings.force[rows] - beside
+    known = way * ((readings.known_held + readings.known_moved) @ readings.weights)[rows] + beside
     speed = (readings.speed @ readings.weights)[rows]
     law = np.stack([readings.acceleration[rows], np.ones(rows.size), speed], axis=1)
     pull = pull_basis(places[rows], middle, half) * way[:, None]
+    count = pull.shape[1]
     if (way > 0).all() or (way < 0).all():
         pull[:, 0] = 0.0  # what is constant then is Coulomb friction
-    alone, left = _squares(law, force)
-    both, less = _squares(np.column_stack([law, pull]), force)
-    if left - less < PULLS * float(force @ force):
-        return Pull(max(float(alone[0]), 0.0), np.zeros(pull.shape[1]), middle, half)
+    both, left = _squares(law, force)
+    pulled, less = _squares(np.column_stack([law, pull]), force)
+    if left - less >= PULLS * float(force @ force):
+        both = pulled
+    elif known.any():
+        pull = pull[:, :0]
+    else:
+        return Pull(max(float(both[0]), 0.0), np.zeros(count), middle, half)
     for _ in range(ROUNDS):  # friction by the load bends what the place seems to pull
-        carried = both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
+        carried = known + both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
         both, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
-    return Pull(max(float(both[0]), 0.0), both[3 : 3 + pull.shape[1]], middle, half)
+    own = np.zeros(count)
+    own[: pull.shape[1]] = both[3 : 3 + pull.shape[1]]
+    return Pull(max(float(both[0]), 0.0), own, middle, half)
 
 
 def _squares(columns: Array, force: Array) -> tuple[Array, float]:

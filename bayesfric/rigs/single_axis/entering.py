@@ -97,13 +97,15 @@ def entering(
     if nothing is not None:
         return nothing
     interval = float(np.median([log.interval_s for log in logs]))
-    logs, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     found = within_limit(logs, starts, resolution, clips=clips)
     dither = Dither()
     if found is not None:
         mass = rough_law_of(found[0], found[1].within(found[0])).mass
-        logs, dither = steady(logs, mass, found[0].half_s, resolution)
+        calm, dither = steady(logs, mass, found[0].half_s, resolution)
+        logs = list(calm)
         if dither.left_out:
             found = within_limit(logs, starts, resolution, clips=clips)
     too_few = too_few_windows(None if found is None else found[0])

@@ -162,7 +162,7 @@ class AxisPart:
         found.layout, found.columns = layout, self.columns @ squeeze
         return found
 
-    def told(self, noise: Mapping[str, float]) -> Array:
+    def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
         z = np.column_stack([self._deviating, self.columns])
         lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
@@ -225,6 +225,7 @@ class AxisPart:
                 "order": order,
                 "direction": mean @ readings.way,
                 "travel_since_reversal": mean @ travel,
+                "time_s": mean @ readings.time_s,
             },
         )
 

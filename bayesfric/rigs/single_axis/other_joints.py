@@ -2,54 +2,31 @@
 
 With a model p and r of the joint (:mod:`bayesfric.robots.dynamics`) give the known part of the
 drive force, −∫ φ' p − ∫ φ r, and the errors of its links give forces of unknown amounts. Without
-one, forces of the form that a chain of joints has stand for it, in unknown amounts: gravity as
-sines and cosines of positions and their sums, momentum f(q) q̇_k, and f(q) q̇_k q̇_l.
+one, the forms of :mod:`.coupling` stand for it; what a payload adds is in :mod:`.payloads`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import combinations_with_replacement, product
+from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
 import pandas as pd
-from scipy.signal import savgol_coeffs, savgol_filter
 
-from bayesfric.arrays import Array
 from bayesfric.recording.joints import joints_of
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise
+from bayesfric.rigs.single_axis.coupling import Scales, coupling, scales_of
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.paths import Path, moves, path_of
+from bayesfric.rigs.single_axis.payloads import payload_forces, payload_shares
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.robots import PARAMETERS, RigidBodies, robot_of_bytes, root_of_errors
 
 __all__ = ["Machine", "machine_of"]
 
-DEGREE = 3  # of the polynomial by which a path is smoothed
-FINE = 0.003  # of the top speed, to which a smoothed speed is told
-LEAST_HALF, MOST_S = 4, 0.1  # samples on either side; and no more than so long [s]
 CHUNK = 2048  # samples whose dynamics are computed at a time
-SHOWN = 20.0  # errors of a position, by which a joint moves that moves
-AROUND = 2  # joints on either side whose sums of positions gravity is told by
-KNOWN_TO = 0.15  # of a known force: how far it may be wrong, as a model's masses are
-
-
-@dataclass(frozen=True)
-class Path:
-    """Where a joint is, (N,) each, on the grid of another.
-
-    Parameters
-    ----------
-    position, velocity : ndarray, shape (N,)
-        Smoothed.
-    error : float
-        Standard deviation of a position as it was measured.
-    """
-
-    position: Array
-    velocity: Array
-    error: float
 
 
 @dataclass(frozen=True)
@@ -103,9 +80,13 @@ class Machine:
         return {"armature": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
 
     def amounts_before(self) -> ModelAmounts:
-        """Return what is believed of the errors of the model before any data."""
+        """Return what is believed of the errors of the model before any data.
+
+        What payloads add moves no number of the model.
+        """
         assert self.bodies is not None
         root = root_of_errors(self.bodies)
+        root = np.column_stack([root, np.zeros((len(root), self.known_amounts))])
         units = {"m": "kg", "h": "kg·m", "i": "kg·m²"}
         names = tuple(
             (link, number, units[number[0]]) for link in self.bodies.links for number in PARAMETERS
@@ -115,7 +96,7 @@ class Machine:
         return ModelAmounts(np.zeros(count), np.eye(count), root, numbers, names)
 
     def around(self, log: EvenLog, run: str) -> EvenLog | None:
-        """Return a run with what the machine's model and other joints say of its force.
+        """Return a run with what the machine's model, other joints and payloads say of its force.
 
         None where another joint has no log of that run.
         """
@@ -128,12 +109,44 @@ class Machine:
             log = replace(log, known=log.known & inside)
             paths[name] = path_of(other, log.time_s)
         if self.bodies is not None:
-            return _with_model(log, self.joint, paths, self.bodies)
-        if not any(name != self.joint and _moves(path) for name, path in paths.items()):
+            log = _with_model(log, self.joint, paths, self.bodies)
+        elif self.others_move:
+            nearest = [paths[name] for name in self.joints]
+            own, rotary = self.joints.index(self.joint), self.constants.rotary
+            log = replace(log, beside=tuple(coupling(nearest, own, log, self._scales, rotary)))
+        if log.forces:  # a simulator in the place of the law says the whole force
             return log
-        nearest = [paths[name] for name in self.joints]
-        beside = _coupling(log, nearest, self.joints.index(self.joint), self.constants.rotary)
-        return replace(log, beside=tuple(beside))
+        shares = self._payloads.get(run, ())
+        more = payload_forces(paths[self.joint], log, shares, self._scales, self.constants.rotary)
+        return replace(log, beside=(*log.beside, *more))
+
+    @cached_property
+    def others_move(self) -> bool:
+        """Whether another joint that is logged moves in any run."""
+        return any(
+            moves(path)
+            for samples in self.axis.others.values()
+            for path in _paths_of(samples, self.constants)
+        )
+
+    @cached_property
+    def _payloads(self) -> Mapping[str, tuple[float, ...]]:
+        return payload_shares(self.axis.runs)
+
+    @cached_property
+    def _scales(self) -> Scales:
+        """Of all runs: one amount is one force, whatever run it is of."""
+        own = _logs_of(self.axis.samples, self.constants)
+        paths = [path_of(log) for log in own]
+        for samples in self.axis.others.values():
+            paths += _paths_of(samples, self.constants)
+        return scales_of(own, paths, self.constants.known_force_sd)
+
+    @property
+    def known_amounts(self) -> int:
+        """How many of the forces beside the law are what payloads add, the last of all."""
+        shares = next(iter(self._payloads.values()), ())
+        return len(shares) * (3 if self.constants.rotary else 2)
 
 
 def machine_of(axis: Axis, constants: RigConstants) -> Machine:
@@ -155,44 +168,18 @@ def machine_of(axis: Axis, constants: RigConstants) -> Machine:
     return replace(machine, bodies=RigidBodies(compiled))
 
 
+def _logs_of(samples: pd.DataFrame, constants: RigConstants) -> list[EvenLog]:
+    runs = (one.reset_index(drop=True) for _, one in samples.groupby("run", sort=False))
+    return [log for one in runs if (log := log_of(one, constants)) is not None]
+
+
+def _paths_of(samples: pd.DataFrame, constants: RigConstants) -> list[Path]:
+    return [path_of(log) for log in _logs_of(samples, constants)]
+
+
 def _log_of_run(samples: pd.DataFrame, run: str, constants: RigConstants) -> EvenLog | None:
     own = samples[samples["run"] == run]
     return log_of(own.reset_index(drop=True), constants)
-
-
-def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
-    """Return a joint's smoothed path, at other times where such are given.
-
-    Parameters
-    ----------
-    log : EvenLog
-        Of the joint.
-    time_s : ndarray, shape (N,), or None
-        Times [s]; None is those of the log.
-    """
-    noise, step = position_noise(log, None), log.interval_s
-    most = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
-    half = LEAST_HALF
-    while half < most:
-        kernel = savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
-        velocity = savgol_filter(log.position, 2 * half + 1, DEGREE, deriv=1, delta=step)
-        if noise * np.linalg.norm(kernel) < FINE * np.abs(velocity).max():
-            break
-        half = min(most, half + max(1, half // 4))
-    width = 2 * half + 1
-    position = savgol_filter(log.position, width, DEGREE)
-    velocity = savgol_filter(log.position, width, DEGREE, deriv=1, delta=step)
-    if time_s is None:
-        return Path(position, velocity, noise)
-    return Path(
-        np.interp(time_s, log.time_s, position),
-        np.interp(time_s, log.time_s, velocity),
-        noise,
-    )
-
-
-def _moves(path: Path) -> bool:
-    return bool(np.ptp(path.position) > SHOWN * path.error)
 
 
 def _with_model(
@@ -221,55 +208,3 @@ def _with_model(
     return replace(
         log, known_force=known_force, beside=tuple(forces[1:]), known_inertia=float(inertia)
     )
-
-
-def _coupling(log: EvenLog, paths: list[Path], own: int, rotary: bool) -> Iterator[WeakForce]:
-    """Yield what other joints may do to one: of each kind together as much as its drive gives."""
-    whole, share = log.force, 1.0
-    if log.known_force is not None:
-        whole, share = log.known_force.value, KNOWN_TO
-    force = share * float(np.sqrt(np.mean(whole**2)))
-    near = range(max(0, own - AROUND), min(len(paths), own + AROUND + 1))
-    rates = [paths[k].velocity for k in near]
-    shapes = [np.ones(log.time_s.size)]
-    if rotary:
-        shapes += [turn(a) for a in _inner(paths, near) for turn in (np.cos, np.sin)]
-        angles = list(_sums(paths, near, own))
-        pull = force / np.sqrt(2 * len(angles))
-        yield from (WeakForce(pull * turn(a)) for a in angles for turn in (np.cos, np.sin))
-    for group in ("momentum", "pull"):
-        if group == "momentum":
-            columns = [shape * rate for shape in shapes for rate in rates]
-            del columns[near.index(own)]  # alone it is the law's inertia
-            sizes = [np.gradient(column, log.interval_s) for column in columns]
-        else:
-            pairs = combinations_with_replacement(rates, 2)
-            columns = sizes = [shape * one * other for one, other in pairs for shape in shapes]
-        largest = max(float(np.sqrt(np.mean(size**2))) for size in sizes) or 1.0
-        nothing = np.zeros(log.time_s.size)
-        for column in columns:
-            scaled = force / (largest * np.sqrt(len(columns))) * column
-            if group == "momentum":
-                yield WeakForce(nothing, momentum=scaled)
-            else:
-                yield WeakForce(scaled)
-
-
-def _inner(paths: list[Path], near: range) -> Iterator[Array]:
-    """Yield the angles by which the inertia of a chain changes: of joints, of pairs, and twice."""
-    for k in near:
-        yield from (paths[k].position, 2 * paths[k].position)
-        if k + 1 in near:
-            for first, second in product((1, 2), (1, 2, -1, -2)):
-                yield first * paths[k].position + second * paths[k + 1].position
-
-
-def _sums(paths: list[Path], near: range, own: int) -> Iterator[Array]:
-    """Yield sums of neighbours' positions, this joint among them, with either sign."""
-    for first, last in product(near, near):
-        if not first <= own <= last or last - first > AROUND:
-            continue
-        rest = [k for k in range(first, last + 1) if k != own]
-        for signs in product((1, -1), repeat=len(rest)):
-            pairs = zip(rest, signs, strict=True)
-            yield paths[own].position + sum(sign * paths[k].position for k, sign in pairs)

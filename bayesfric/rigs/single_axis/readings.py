@@ -48,6 +48,8 @@ class Readings:
     dwell_s, since_rest, temperature : ndarray, shape (W,)
         How long it rested before it moved as it does, travel since then, and the temperature;
         nan where none was logged.
+    known_held, known_moved : ndarray, shape (W, P)
+        At places inside, along the position: what is known of the load and is not in `force`.
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
@@ -86,6 +88,8 @@ class Readings:
     dwell_s: Array
     since_rest: Array
     temperature: Array
+    known_held: Array
+    known_moved: Array
     position_lag: Array
     force_lag: Array
     instruments: Array

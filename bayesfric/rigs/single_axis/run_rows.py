@@ -58,6 +58,7 @@ def rows_of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, log.time_s, values))
 
+    held, moved = _known_load(log)
     return {
         "path": position,
         "centre": centres.astype(np.float64),
@@ -72,6 +73,8 @@ def rows_of_run(
         "since_rest": since[centres],
         "temperature": log.further.get("temperature", np.full(way.size, np.nan))[centres],
         "position": inside(position),
+        "known_held": inside(held),
+        "known_moved": inside(moved),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "instruments": sign[:, None] * instruments_of(log, test, centres),
@@ -141,6 +144,18 @@ def _errors(log: EvenLog, test: TestFunction, centres: Whole, step: int) -> dict
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
     }
+
+
+def _known_load(log: EvenLog) -> tuple[Array, Array]:
+    """Return what a known force holds, and what its masses take, at every sample, (N,) twice.
+
+    Of a force that somebody computed elsewhere all counts as held.
+    """
+    known, nothing = log.known_force, np.zeros(log.time_s.size)
+    if known is None:
+        return nothing, nothing
+    moved = nothing if known.momentum is None else np.gradient(known.momentum, log.interval_s)
+    return known.value, moved
 
 
 def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
-from bayesfric.effects import Effect, State
+from bayesfric.effects import NO_OFFSET, Effect, State
 from bayesfric.effects.base import Load
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.axis import AxisLaw
@@ -210,7 +210,7 @@ DESIGN = OwnDesign(
             "commanded-force",
             "load-both-ways",
             "known-load",
-            "law-without-offset",
+            NO_OFFSET,
             *LENGTHS,
         }
     ),

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.arrays import Array, Flags
-from bayesfric.effects import Effect, Law, State
+from bayesfric.effects import NO_OFFSET, Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.errors import Fault
@@ -70,7 +70,8 @@ TURNS = {
 }
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
-NO_COULOMB, NO_OFFSET = "law-without-coulomb", "law-without-offset"
+NO_COULOMB = "law-without-coulomb"
+WELL_KNOWN = 0.05  # of a known force, that its error may be where a gear's gain is to show
 HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
 LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
@@ -219,7 +220,8 @@ class AxisRuns(PlainTrials):
         if loads is not None and shows_both_ways(self.readings, len(loads.loads)):
             found.add("load-both-ways")
         doubtful = contradicts(self.constants, self.measures.rough_mass)
-        if declared and not doubtful and not self.measures.pull:
+        weighed = declared and not doubtful and not self.measures.pull
+        if weighed or self._load_is_known:
             found.add("known-load")
         if np.ptp(self.readings.dwell_s) > LONG_S:
             found.add("dwell")
@@ -230,6 +232,13 @@ class AxisRuns(PlainTrials):
         if not self._offset_sd:
             found.add(NO_OFFSET)
         return frozenset(found | ({*self._further} - OFFERED))
+
+    @property
+    def _load_is_known(self) -> bool:
+        """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
+        known = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
+        stated = self.constants.known_force_sd
+        return stated is not None and stated < WELL_KNOWN * float(known)
 
     @property
     def _carried(self) -> Carried | None:
@@ -249,8 +258,9 @@ class AxisRuns(PlainTrials):
     @property
     def taken_up(self) -> frozenset[str]:
         """Pulls towards a place, where other joints move and no model says what that does."""
-        without_model = self.machine is not None and self.machine.bodies is None
-        return PLACED if without_model and self.readings.beside.shape[1] else frozenset()
+        machine = self.machine
+        coupled = machine is not None and machine.bodies is None and machine.others_move
+        return PLACED if coupled and self._beside is None else frozenset()
 
     @property
     def in_simulator(self) -> Mapping[str, float]:
@@ -269,7 +279,7 @@ class AxisRuns(PlainTrials):
         before = self.machine.amounts_before()
         shares = self.readings.mixing.shares
         first = 1 + len(self.shared_numbers)
-        return ModelAmounts.told(mean[first:], covariance[first:, first:], shares, before)
+        return ModelAmounts.after_data(mean[first:], covariance[first:, first:], shares, before)
 
     @property
     def unit(self) -> str:
@@ -463,6 +473,8 @@ class AxisRuns(PlainTrials):
         """Return recorded paths, run otherwise; None beside a simulator, which says no force."""
         if self._beside is not None or self.source is None:
             return None
+        if self.readings.beside.shape[1] or self.readings.known_held.any():
+            return None  # what a run would take depends on other joints, or on its payload
         law = AxisLaw.of(laws[SIZE])
         laid = lay_out(self.source, set(self.table["run"]), self.constants, self.readings, law)
         if laid is None:

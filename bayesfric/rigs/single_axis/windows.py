@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import FEWEST, NARROWEST, SMOOTHED, rows_of_run
-from bayesfric.rigs.single_axis.weak_form import test_function
+from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
 __all__ = [
     "LATEST_S",
@@ -91,9 +91,12 @@ def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
 
 
 def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
-    """Return one field of all runs, its mean over a window where it has places inside, (W,)."""
-    values = [row[name] for row in rows]
-    return np.concatenate([part.mean(axis=1) if part.ndim > 1 else part for part in values])
+    """Return one field of all runs, its mean over a window where it has places inside, (W,).
+
+    It is the mean that the force is: over a wide window another says less of a short pass.
+    """
+    values, weights = [row[name] for row in rows], node_weights()[1]
+    return np.concatenate([part @ weights if part.ndim > 1 else part for part in values])
 
 
 def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:

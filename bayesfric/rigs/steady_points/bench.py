@@ -125,15 +125,15 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
     size = "pulley" if given & set(PULLEYS) else NO_PULLEY
     columns: dict[str, str | float] = {"pulley_size": size, **ABSENT}
     del columns["velocity_m_s"]
-    table = table.assign(**{name: one for name, one in columns.items() if name not in given})
+    table = table.assign(**{name: column for name, column in columns.items() if name not in given})
     shared = "setup" in given
     if not shared:
         cell = table.groupby(list(PULLEYS), sort=False).ngroup()
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
-        table["setup"] = [f"a{one + 1}" for one in cell] if shared else table["trial"]
+        table["setup"] = [f"a{number + 1}" for number in cell] if shared else table["trial"]
     table = table.sort_values("setup", kind="stable", ignore_index=True)
-    known = (*KNOWN, *PULLEYS, "tension_n")
-    covariates = tuple(str(name) for name in table if name not in known)
+    own_columns = (*KNOWN, *PULLEYS, "tension_n")
+    covariates = tuple(str(name) for name in table if name not in own_columns)
     return Bench(table, given, covariates, shared, _scale(table, given), rotary)
 
 

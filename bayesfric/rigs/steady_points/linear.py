@@ -8,7 +8,7 @@ from bayesfric.analysis import HalfNormal, Priors
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import (
     NAME,
@@ -29,7 +29,7 @@ NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share a
 
 def points_rows(
     bench: Bench, loads: tuple[str, ...], law: FrictionLaw, laws: Mapping[str, Coefficients]
-) -> PointRows:
+) -> LinearReadings:
     """Return the points around a reference law.
 
     Parameters
@@ -44,11 +44,11 @@ def points_rows(
         Coefficients of each pulley size.
     """
     table = bench.table
-    each = zip(*(laws[size] for size in table["pulley_size"]), strict=True)
-    coefficients = Coefficients(*(np.array(one) for one in each))
+    by_trial = zip(*(laws[size] for size in table["pulley_size"]), strict=True)
+    coefficients = Coefficients(*(np.array(values) for values in by_trial))
     state = state_of(bench, coefficients)
     friction = law.at_tension(coefficients, *(table[name].to_numpy(float) for name in CONDITION))
-    known, one = known_errors(bench), np.ones(len(table))
+    known_sd, ones = known_errors(bench), np.ones(len(table))
     unit = rough_error(bench)
 
     def noise(priors: Priors) -> tuple[NoiseParameter, ...]:
@@ -61,21 +61,21 @@ def points_rows(
         error = noise_parameter(SIGMA, error_prior(bench, priors), unit, bounds, unit)
         return own, load, setup, error
 
-    return PointRows(
+    return LinearReadings(
         name=NAME,
         table=table,
         loads=loads,
         state=state,
         friction_n=friction,
-        feedback=one,
+        feedback=ones,
         reading=table["friction_n"].to_numpy(dtype=np.float64) - friction,
-        per_newton=one,
-        errors=(np.where(np.isnan(known), 1.0, 0.0),),
+        per_newton=ones,
+        errors=(np.where(np.isnan(known_sd), 1.0, 0.0),),
         noise=noise,
         curve=np.zeros((len(table), 0)),
         still_curve=np.zeros((0, 0)),
         still=np.zeros(0),
-        known_error=np.nan_to_num(known),
+        known_error=np.nan_to_num(known_sd),
         # Two directions leave a smooth force nothing that an effect of them does not say.
         further={name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
     )

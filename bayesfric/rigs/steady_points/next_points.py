@@ -40,18 +40,18 @@ def lay_out(
     settings : tuple of str
         Columns that make a condition, beside pulleys and tension.
     """
-    known = bench.table
+    table = bench.table
     settings = tuple(
         name
         for name in ("velocity_m_s", *bench.covariates)
-        if name in bench.given and (known[name] != known[name].iloc[0]).any()
+        if name in bench.given and (table[name] != table[name].iloc[0]).any()
     )
     names = ("pulley_size", *CONDITION, *settings)
     cells: list[tuple[object, ...]] = []
     for levels in (LEVELS, FEW):
         cells = [
             (size, *cell)
-            for size, own in known.groupby("pulley_size", sort=False)
+            for size, own in table.groupby("pulley_size", sort=False)
             for cell in product(*(_levels(own[name], levels) for name in names[1:]))
         ]
         if len(cells) <= MOST:
@@ -59,14 +59,14 @@ def lay_out(
     points = pd.DataFrame(cells, columns=list(names))
     for name in ("velocity_m_s", *bench.covariates):
         if name in bench.given and name not in settings:
-            points[name] = known[name].iloc[0]
+            points[name] = table[name].iloc[0]
     points["trial"] = points["setup"] = [f"t{place:04d}" for place in range(len(points))]
     each_law = zip(*(laws[size] for size in points["pulley_size"]), strict=True)
-    coefficients = Coefficients(*(np.array(one) for one in each_law))
+    coefficients = Coefficients(*(np.array(values) for values in each_law))
     where = (points[name].to_numpy(dtype=np.float64) for name in CONDITION)
     points["friction_n"] = law.at_tension(coefficients, *where)
     if "friction_sd_n" in bench.given:
-        points["friction_sd_n"] = known["friction_sd_n"].median()
+        points["friction_sd_n"] = table["friction_sd_n"].median()
     return replace(bench, table=points), settings
 
 

@@ -60,14 +60,14 @@ def _column(bench: Bench, table: pd.DataFrame, name: str) -> Array:
 def covariates_of(bench: Bench, asked: pd.DataFrame | None = None) -> dict[str, Array]:
     """Return what else varied, by the column's name; ``direction`` where it went both ways."""
     table = bench.table if asked is None else asked
-    found = {
+    covariates = {
         name: table[name].to_numpy(dtype=np.float64)
         for name in bench.covariates
         if np.ptp(bench.table[name]) > 0
     }
     if bench.both_ways:
-        found[DIRECTION] = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64))
-    return found
+        covariates[DIRECTION] = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64))
+    return covariates
 
 
 def supported(bench: Bench, effect: Effect, law: Coefficients) -> Unsupported | None:
@@ -79,8 +79,8 @@ def supported(bench: Bench, effect: Effect, law: Coefficients) -> Unsupported | 
     state = state_of(bench, law)
     if lacking := sorted(effect.needs - PULLEYS - set(state.covariates)):
         return Unsupported(f"It needs {' and '.join(lacking)}, which these data do not have.")
-    for one in effect.laws.values():
-        response = np.asarray(one(small_values(effect), state))
+    for effect_law in effect.laws.values():
+        response = np.asarray(effect_law(small_values(effect), state))
         if reason := why_inert(response):
             return reason
     return None

@@ -66,7 +66,7 @@ class Scale:
         )
 
     def _law(self, law: Law, effect: Effect) -> Law:
-        units = {one.name: self._unit(one.unit) for one in effect.parameters}
+        units = {parameter.name: self._unit(parameter.unit) for parameter in effect.parameters}
 
         def scaled(values: Mapping[str, Any], where: State) -> Array:
             board = where._replace(
@@ -88,14 +88,16 @@ class Scale:
         by_unit = {"N": force, "m/s": speed, "s/m": 1 / speed, "N s²/m²": force / speed**2}
         return by_unit.get(unit, 1.0)
 
-    def _parameter(self, one: EffectParameter, wider: float, *, rotary: bool) -> EffectParameter:
-        unit = self._unit(one.unit)
-        low, high = one.plausible
+    def _parameter(
+        self, parameter: EffectParameter, wider: float, *, rotary: bool
+    ) -> EffectParameter:
+        unit = self._unit(parameter.unit)
+        low, high = parameter.plausible
         return replace(
-            one,
-            unit=rotary_unit(one.unit) if rotary else one.unit,
-            prior=one.prior.times(unit).widened(wider),
+            parameter,
+            unit=rotary_unit(parameter.unit) if rotary else parameter.unit,
+            prior=parameter.prior.times(unit).widened(wider),
             plausible=(wider * unit * low, wider * unit * high),
-            reference=IN_PROPORTION + one.reference,
-            typical=None if one.typical is None else unit * one.typical,
+            reference=IN_PROPORTION + parameter.reference,
+            typical=None if parameter.typical is None else unit * parameter.typical,
         )

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
-from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
 from bayesfric.physics.friction import coulomb_friction
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import draw_phases, of_kind, total
@@ -78,7 +78,7 @@ def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
     """Return the table of points."""
     del constants
     streams = np.random.SeedSequence(seed).spawn(4)
-    lay, scatter, noise, phases = (np.random.default_rng(one) for one in streams)
+    lay, scatter, noise, phases = (np.random.default_rng(child) for child in streams)
     table = lay_points(lay)
     state = _state(table, truth)
     acting = draw_phases(truth, len(table), 1, phases)
@@ -97,7 +97,7 @@ DESIGN = OwnDesign(
     title="steady friction points of medium pulleys with Table I",
     constants=RigConstants(),
     coefficients={SIZE: table1_coefficients()[SIZE]},
-    offers=PULLEYS | {"direction"},
+    offers=PULLEYS | {"direction", NO_OFFSET},
     change=change,
     simulate=simulate,
 )

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.observation.exact import ExactLikelihood
@@ -19,7 +19,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsModel
@@ -127,8 +127,8 @@ class SteadyTrials(PlainTrials):
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
-        one = np.ones(len(self.table))
-        return supported(self.bench, effect, Coefficients(one, one, 0 * one))
+        ones = np.ones(len(self.table))
+        return supported(self.bench, effect, Coefficients(ones, ones, 0 * ones))
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
@@ -142,12 +142,12 @@ class SteadyTrials(PlainTrials):
     @property
     def offers(self) -> frozenset[str]:
         """Loads as pulleys have them, and the covariates that were recorded."""
-        return PULLEYS | frozenset(covariates_of(self.bench))
+        return PULLEYS | {NO_OFFSET} | frozenset(covariates_of(self.bench))
 
     @property
     def asked(self) -> tuple[str, ...]:
         """What was recorded of a condition, covariates that varied among it."""
-        varied = [one for one in covariates_of(self.bench) if one in self.bench.covariates]
+        varied = [name for name in covariates_of(self.bench) if name in self.bench.covariates]
         names = ("pulley_size", *CONDITION, "velocity_m_s")
         return (*(name for name in names if name in self.bench.given), *varied)
 
@@ -174,7 +174,7 @@ class SteadyTrials(PlainTrials):
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> PointRows:
+    ) -> LinearReadings:
         """Return the readings as rows of a linear model; nothing starts to move here."""
         del acting
         return points_rows(self.bench, self.loads, self.law, laws)
@@ -191,8 +191,8 @@ class SteadyTrials(PlainTrials):
         effects: Sequence[ActiveEffect] = (),
     ) -> ExactLikelihood:
         """Return the density of the readings."""
-        here = [one for one in effects if self.supports(one.effect) is None]
-        return ExactLikelihood(PointsModel(self.bench, analysis, law, here))
+        supported_effects = [effect for effect in effects if self.supports(effect.effect) is None]
+        return ExactLikelihood(PointsModel(self.bench, analysis, law, supported_effects))
 
     def quality(self) -> Mapping[str, Any]:
         """Return how many points enter."""

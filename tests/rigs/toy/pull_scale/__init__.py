@@ -22,7 +22,7 @@ from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, C
 from bayesfric.rigs.base import Simulated, Unsupported, Words
 from bayesfric.rigs.linear import noise_parameter, rank
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.point_rows import PointRows
+from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import laws_of
 
@@ -124,7 +124,7 @@ class Readings(PlainTrials):
 
         reading, none = self.table["friction_n"].to_numpy() - state.friction_n, np.zeros((0, 0))
         about = ("scale", self.table, self.loads, state, state.friction_n, one)
-        return PointRows(
+        return LinearReadings(
             *about, reading, one, (one,), noise, one[:, None][:, :0], none, none.ravel()
         )
 

@@ -1,0 +1,43 @@
+"""``bayesfric check``: what a recording can tell, before any work."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status
+from bayesfric.cli.options import Baseline, Config, Quiet
+from bayesfric.cli.printing import say
+from bayesfric.progress import stage
+
+__all__ = ["check"]
+
+
+@exit_status
+def check(
+    recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    baseline: Baseline = "paper",
+    config: Config = None,
+    quiet: Quiet = False,
+) -> None:
+    """Say what a recording shows of its telemetry, what it can tell, and what to record next.
+
+    It takes seconds, draws nothing and writes nothing. Errors are standard deviations that a
+    posterior would have, with the noise that the data show. A recording of which nothing can
+    come ends with exit status 2, here and in diagnose.
+
+    Example: bayesfric check my-joint
+    """
+    from bayesfric.analysis import read_analysis
+    from bayesfric.readiness import readiness_of, refuse_untold
+    from bayesfric.recording import read_recording
+
+    analysis = read_analysis(config)
+    found = read_recording(recording)
+    with stage("looking at what can be told", quiet=quiet):
+        readiness = readiness_of(found, analysis, baseline=baseline)
+    for line in readiness.lines():
+        say(line)
+    for note in found.notes:
+        say(f"note: {note}", err=True)
+    refuse_untold(readiness)

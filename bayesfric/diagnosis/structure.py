@@ -1,0 +1,197 @@
+"""Whether residual forces that a law leaves go together along some axis, more than scatter does.
+
+A force that no effect is like, and that is too sharp or too often back and forth for smooth
+functions, is taken for scatter by the law's own noise. Scatter is alike in any order; such a force
+is not: put in the order of an axis, neighbours have it together. Means over neighbours say so.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array, Whole
+from bayesfric.diagnosis.chance import redrawn
+from bayesfric.diagnosis.overruling import leaves_too_much
+from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
+from bayesfric.diagnosis.systematic import Posterior
+from bayesfric.schemas import Gap
+
+__all__ = ["TIME", "Together", "goes_together", "unlike_scatter"]
+
+TIME = "time"
+"""The order in which windows were recorded, an axis that every recording has."""
+DRAWS = 400
+WIDTHS = (2, 3, 5, 8, 13, 21, 34, 55)  # neighbours over which means are taken
+MOST_WAVES = 120  # in time, over all of a recording
+FEWEST = 4  # such means, side by side, in all windows
+RARE = 0.01  # probability of residuals that go together as much by chance
+MATTERS = 0.5  # of the practical share, that goes together at the least
+HARDLY_MORE = 0.5  # of friction, that is left of it at the most, for a share of it to matter
+TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Together:
+    """A force that neighbours along an axis have together.
+
+    Parameters
+    ----------
+    axis : str
+        Along which it shows most.
+    share : float
+        Its rms, of friction.
+    p_value : float
+        Probability that scatter makes as much along any axis.
+    """
+
+    axis: str
+    share: float
+    p_value: float
+
+    def words(self, size: str) -> str:
+        """Say that it is there, a force of a size in words."""
+        return (
+            f"a force of {size} goes together along {self.axis.replace('_', ' ')} (scatter makes "
+            f"as much with a probability of {self.p_value:.2g})"
+        )
+
+
+def goes_together(
+    residuals: Residuals, left: Array, practical: float, rng: np.random.Generator
+) -> Together | None:
+    """Return the force that residuals have together along an axis; None where scatter makes it.
+
+    The largest statistic of all axes and widths,
+    in standard deviations of what it is of residuals redrawn and refitted, is compared with the
+    largest of these.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Windows, at the noise of the likeliest hypothesis.
+    left : ndarray, shape (R,)
+        What the law leaves in them without the systematic force that is known [N].
+    practical : float
+        Practical share of friction; a part of it at the least has to go together.
+    rng : Generator
+        Source of randomness.
+    """
+    both = np.column_stack([left, redrawn(residuals, DRAWS, rng)])
+    both = residuals.without_law(both) / residuals.friction_rms
+    rows = [
+        (axis, square)
+        for axis, order in _orders(residuals)
+        for square in _of_neighbours(both[order])
+    ]
+    rows += [(TIME, square) for when in _times(residuals) for square in _of_waves(both, when)]
+    if not rows:
+        return None
+    squares = np.array([square for _, square in rows])
+    null = squares[:, 1:]
+    excess = _standardised(squares)
+    place = int(np.argmax(excess[:, 0]))
+    as_far = np.count_nonzero(excess[:, 1:].max(axis=0) >= excess[place, 0])
+    p_value = float((1 + as_far) / (1 + DRAWS))
+    share = float(np.sqrt(max(squares[place, 0] - null[place].mean(), 0.0)))
+    if p_value > RARE or share < MATTERS * practical:
+        return None
+    return Together(rows[place][0], share, p_value)
+
+
+def unlike_scatter(
+    gap: Gap,
+    residuals: Residuals,
+    left: Array,
+    posterior: Posterior,
+    practical: float,
+    rng: np.random.Generator,
+) -> str | None:
+    """Return in words what is left that scatter does not explain; None where it explains all.
+
+    Where friction is hardly more than what is left of it, nobody can say whether that matters, and
+    none is told.
+
+    Parameters
+    ----------
+    gap : Gap
+        With what held-out data leave beyond chance.
+    residuals : Residuals
+        Windows.
+    left : ndarray, shape (R,)
+        What the recalibrated law leaves in them [N].
+    posterior : Posterior
+        Draws of the systematic force in them.
+    practical : float
+        Practical share of friction.
+    rng : Generator
+        Source of randomness.
+    """
+    if gap.before.q50 > HARDLY_MORE * gap.friction_rms:
+        return None
+    if leaves_too_much(gap, practical):
+        return f"{gap.held_out_excess:.3g} {gap.unit} rms of data held out, beyond scatter"
+    found = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
+    if found is None:
+        return None
+    size = f"{found.share * gap.friction_rms:.3g} {gap.unit} rms"
+    return found.words(f"{size}, {found.share:.1%} of friction," if gap.no_share is None else size)
+
+
+def _orders(residuals: Residuals) -> Iterator[tuple[str, Whole]]:
+    """Yield axes that are no category, with their windows in order."""
+    recorded = np.arange(residuals.trial.size)
+    for when in _times(residuals):
+        yield TIME, np.argsort(when, kind="stable")
+    for name in residuals.axes:
+        values = residuals.covariates[name]
+        known = np.flatnonzero(np.isfinite(values))
+        if name in CATEGORIES or np.unique(values[known]).size < FEWEST:
+            continue
+        yield name, known[np.lexsort((recorded[known], values[known]))]
+
+
+def _standardised(squares: Array) -> Array:
+    """Return mean squares in standard deviations of the redrawn ones, (rows, 1 + draws).
+
+    Cube roots of sums of squares are normal very nearly, however few there are.
+
+    References
+    ----------
+    E. B. Wilson, M. M. Hilferty, "The distribution of chi-square", PNAS 17 (1931).
+    """
+    roots = np.cbrt(squares)
+    middle, spread = roots[:, 1:].mean(axis=1), roots[:, 1:].std(axis=1)
+    return np.asarray((roots - middle[:, None]) / np.maximum(spread, TINY)[:, None])
+
+
+def _times(residuals: Residuals) -> Iterator[Array]:
+    """Yield when each window was recorded: of all, and where it is known within its run."""
+    when = residuals.covariates["order"]
+    recorded = np.arange(residuals.trial.size)
+    order = np.lexsort((recorded, np.where(np.isfinite(when), when, 0.0)))
+    yield np.asarray(np.argsort(order), dtype=np.float64)
+    if residuals.time_s is not None and np.isfinite(residuals.time_s).all():
+        yield residuals.time_s
+
+
+def _of_neighbours(left: Array) -> Iterator[Array]:
+    """Yield mean squares of means over neighbours, each width's, (1 + draws,)."""
+    sums = np.concatenate([np.zeros((1, left.shape[1])), np.cumsum(left, axis=0)])
+    for width in WIDTHS:
+        if width * FEWEST > len(left):
+            return
+        means = (sums[width:] - sums[:-width]) / width
+        yield np.asarray((means**2).mean(axis=0))
+
+
+def _of_waves(left: Array, when: Array) -> Iterator[Array]:
+    """Yield mean squares of the wave in time that is nearest, each rate's, (1 + draws,)."""
+    span = float(np.ptp(when))
+    if span == 0:
+        return
+    turns = 2 * np.pi * (when - when.min()) / span
+    for waves in range(1, min(MOST_WAVES, len(left) // 3) + 1):
+        pair = np.stack([np.cos(waves * turns), np.sin(waves * turns)])
+        found = pair @ left * (2 / len(left))
+        yield np.asarray((found**2).sum(axis=0) / 2)

@@ -1,0 +1,49 @@
+"""The robot's model that a mapping names, taken along into the recording."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.files import file_bytes
+from bayesfric.logs.mapping import RobotModel
+from bayesfric.recording.robot_file import LARGEST_MODEL, faults_of_model, files_of_model
+from bayesfric.recording.tables import Robot
+
+__all__ = ["robot_of"]
+
+
+def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> Robot:
+    """Return a model with what it includes, and what it calls the joints.
+
+    Parameters
+    ----------
+    model : RobotModel
+        As the mapping says it.
+    folder : Path
+        Of the mapping: nothing outside of it is opened.
+    joints : sequence of str or None
+        Those that are imported; one that the mapping does not name has its own name.
+
+    Raises
+    ------
+    InputError
+        The model cannot be read, or has no such joint.
+    """
+
+    def load(name: str) -> bytes:
+        path = (folder / name).resolve()
+        if not path.is_relative_to(folder.resolve()):
+            expected = "a file in the folder of the mapping, or below it"
+            raise InputError([Fault("the mapping", expected, column="robot.model", value=name)])
+        return file_bytes(path, name, LARGEST_MODEL)
+
+    places = {name: model.joints.get(name, name) for name in (joint or "joint" for joint in joints)}
+    if list(joints) == [None] and len(model.joints) == 1:  # whatever the mapping calls it
+        places = dict(model.joints)
+    robot = Robot(model.model, places, load(model.model))
+    robot = replace(robot, files=files_of_model(robot, load))
+    faults = faults_of_model(robot)
+    if faults:
+        raise InputError(faults)
+    return robot

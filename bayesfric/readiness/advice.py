@@ -1,0 +1,32 @@
+"""What to record so that an effect can be told, by what it needs."""
+
+from collections.abc import Iterable
+
+__all__ = ["advice_for"]
+
+ADVICE = {
+    "load-both-ways": "lift and lower at the same pose, and again with a second load",
+    "test": "runs with another load, of role test",
+    "dwell": "rests of different lengths before the axis starts, from 0.1 s to 10 s",
+    "warmth": "a temperature column, from cold to warm",
+    "temperature": "a temperature column, from cold to warm",
+    "turns": "more turns to and fro, eight at the least",
+    "position": "turns at different places of the stroke",
+    "angle": "a stroke of half a turn or more, there and back",
+    "period": "slow runs there and back over the whole stroke",
+    "direction": "runs both ways",
+    "play": "slow turns to and fro, eight at the least",
+    "spring": "a chirp to 4 Hz, or quick turns to and fro",
+    "limit": "commands beyond what the drive gives",
+    "commanded-force": "the commanded force rather than the measured one (rig.force_is)",
+    "known-load": "a load that was weighed (rig.moving_mass_kg), or a model of the machine",
+    "drive": "quick starts and stops: a chirp to 4 Hz",
+    "pulleys": "",
+}
+"""What shows an effect, by what it needs; empty where no recording of the rig can."""
+
+
+def advice_for(needs: Iterable[str]) -> tuple[str, ...]:
+    """Return what to record, for needs that a recording lacks; nothing where it cannot be had."""
+    wanted = [ADVICE.get(need, "") for need in needs]
+    return tuple(dict.fromkeys(wanted)) if wanted and all(wanted) else ()

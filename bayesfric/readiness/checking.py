@@ -1,0 +1,245 @@
+"""A recording to what can be told with it, in seconds and before any work."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.baseline import data_of
+from bayesfric.diagnosis.examined import examinable
+from bayesfric.errors import Fault, InputError
+from bayesfric.logs.telemetry import Telemetry, telemetry_of
+from bayesfric.planning import Power, power_of_measured
+from bayesfric.planning import power as power_of_conditions
+from bayesfric.readiness.advice import advice_for
+from bayesfric.recording.joints import parted_by_joint
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs.opening import left_out, remarks_of
+
+__all__ = ["Readiness", "Told", "readiness_of", "refuse_untold"]
+
+OF_OTHERS = {"pulleys", "law-without-coulomb", "law-without-offset"}
+"""Needs of effects of other rigs, and of numbers that the law has already."""
+UNTOLD = "these data leave every number of the law to its prior"
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a part of a recording can tell: a joint, or all boards.
+
+    Parameters
+    ----------
+    name : str
+        Of the joint; empty where there is one part.
+    power : Power or None
+        None where nothing can come of it, or where that was all that was asked.
+    why_not : tuple of Fault
+        Why nothing can.
+    lacking : dict of str to tuple of str
+        Effects that cannot be told, and what they need.
+    largest : dict of str to float
+        Of effects that are examined, the largest plausible amplitude.
+    """
+
+    name: str
+    power: Power | None
+    why_not: tuple[Fault, ...] = ()
+    lacking: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    largest: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def effects(self) -> tuple[dict[str, str], list[str]]:
+        """Effects that can be told, with the size from which on, and those that cannot.
+
+        Of several laws the size is that of the one that shows worst. An effect that would be
+        found only where it is larger than is plausible cannot be told.
+        """
+        smallest: dict[str, tuple[float, str]] = {}
+        rows = {} if self.power is None else self.power.effects.to_dict("index")
+        for name, row in rows.items():
+            effect = str(name).partition("/")[0]
+            size = (float(row["smallest"]), str(row["unit"]))
+            smallest[effect] = max(size, smallest.get(effect, size))
+        can = {
+            name: f"{size:.2g}{'' if unit == '1' else ' ' + unit}"
+            for name, (size, unit) in smallest.items()
+            if size <= self.largest.get(name, size)
+        }
+        return can, sorted({*self.largest, *self.lacking} - set(can))
+
+    @property
+    def advice(self) -> dict[str, list[str]]:
+        """What to record next, to the effects that it would show."""
+        found: dict[str, list[str]] = {}
+        for effect, needs in self.lacking.items():
+            wanted = advice_for(needs)
+            if wanted:
+                found.setdefault("; ".join(wanted), []).append(effect)
+        return found
+
+    def lines(self) -> Iterator[str]:
+        """Yield it as lines of a terminal."""
+        of = f" of {self.name}" if self.name else ""
+        if self.power is None:
+            yield f"Nothing can be told{of}:"
+            yield from (f"  {fault}" for fault in self.why_not)
+            return
+        yield f"What can be told{of}"
+        for name, row in self.power.coefficients.iterrows():
+            told = f"± {row['sd']:.2g}"
+            if "sd_where_law_is_off" in row:
+                told += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
+            told += f" [{row['unit']}], of about {row['value']:.3g}"
+            yield f"  {name!s:<24} {told if row['informed'] else 'left to its prior'}"
+        can, cannot = self.effects
+        if can:
+            yield "Effects that would be found, from which size on"
+            yield from (f"  {name:<24} {size}" for name, size in can.items())
+        if cannot:
+            yield f"Effects that cannot be told: {', '.join(cannot)}"
+        if not self.power.pairs.empty:
+            yield "Pairs that cannot be told apart"
+            for _, row in self.power.pairs.iterrows():
+                yield f"  {row['effect']} and {row['other']} (correlation {row['correlation']:.2f})"
+        yield from self._next()
+
+    def _next(self) -> Iterator[str]:
+        assert self.power is not None
+        proposals = self.power.next_condition
+        if proposals.empty and not self.advice:
+            return
+        yield "What to record next"
+        for wanted, effects in self.advice.items():
+            yield f"  {wanted}: for {', '.join(effects)}"
+        for name, row in proposals.iterrows():
+            setting = ", ".join(
+                f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
+                for key, value in row.items()
+                if key != "factor" and value == value
+            )
+            yield f"  for {name}: {setting}; its error is then {row['factor']:.0%} of this"
+
+
+@dataclass(frozen=True)
+class Readiness:
+    """What a recording shows, and what can come of it.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    telemetry : tuple of Telemetry
+        A joint at a time; empty of boards.
+    remarks : tuple of (str, str)
+        What the rigs say of their sensors.
+    told : tuple of Told
+        A part at a time.
+    """
+
+    recording: Recording
+    telemetry: tuple[Telemetry, ...]
+    remarks: tuple[tuple[str, str], ...]
+    told: tuple[Told, ...]
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether no part of it can tell anything."""
+        return all(part.why_not for part in self.told)
+
+    def lines(self) -> Iterator[str]:
+        """Yield it as lines of a terminal."""
+        turns = self.recording.rig.rotary
+        for one in self.telemetry:
+            if one.joint is not None:
+                yield f"Joint {one.joint}"
+            for label, text in one.lines(turns=turns):
+                yield f"  {label:<14} {text}"
+        for label, text in self.remarks:
+            yield f"  {label:<14} {text}"
+        for part in self.told:
+            yield from part.lines()
+
+
+def readiness_of(
+    recording: Recording,
+    analysis: Analysis | None = None,
+    *,
+    baseline: str = "paper",
+    numbers_alone: bool = False,
+) -> Readiness:
+    """Return what a recording shows, and what can be told with it.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    analysis : Analysis or None
+        Priors, and the odds at which an effect is found.
+    baseline : str
+        The friction law, as of a diagnosis.
+    numbers_alone : bool
+        Whether nothing is asked but whether anything can be told, which takes less time.
+
+    Raises
+    ------
+    InputError
+        The law is unknown, or its measurements contradict each other.
+    """
+    parted = parted_by_joint(recording) or {"": recording}
+    return Readiness(
+        recording,
+        () if recording.axis is None else telemetry_of(recording.axis),
+        tuple(remarks_of(recording)),
+        tuple(
+            _told(name, part, analysis, baseline, numbers_alone) for name, part in parted.items()
+        ),
+    )
+
+
+def _told(
+    name: str,
+    recording: Recording,
+    analysis: Analysis | None,
+    baseline: str,
+    numbers_alone: bool,
+) -> Told:
+    if numbers_alone and recording.axis is None:
+        return Told(name, None)  # boards that enter tell their coefficients
+    try:
+        data, _ = data_of(recording, baseline, None)
+        if data.rigs[0].has_pulleys:
+            return Told(name, power_of_conditions(recording, analysis))
+        power = power_of_measured(
+            recording, analysis, baseline=baseline, numbers_alone=numbers_alone
+        )
+    except InputError:
+        reasons = left_out(recording)
+        if not reasons:  # it is not the data that cannot be used
+            raise
+        return Told(name, None, tuple(reasons))
+    if not power.coefficients["informed"].any():
+        return Told(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
+    examined, lacking = examinable(data, {})
+    in_law = {*map(str, power.coefficients.index)}
+    return Told(
+        name,
+        power,
+        (),
+        {name: needs for name, needs in lacking.items() if not OF_OTHERS.intersection(needs)},
+        {
+            name: effect.amplitude.plausible[1]
+            for name, effect in examined.items()
+            if name not in in_law
+        },
+    )
+
+
+def refuse_untold(readiness: Readiness) -> None:
+    """Refuse a recording of which nothing can come.
+
+    Raises
+    ------
+    InputError
+        No part of it can tell anything: why, and what it takes.
+    """
+    if readiness.hopeless:
+        raise InputError([fault for part in readiness.told for fault in part.why_not])

@@ -1,0 +1,34 @@
+"""What a rig cannot show, and why."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array
+
+__all__ = ["Unsupported", "why_inert"]
+
+
+@dataclass(frozen=True)
+class Unsupported:
+    """Something that a rig cannot show, with the reason as a reader is told it.
+
+    Parameters
+    ----------
+    reason : str
+        A sentence.
+    """
+
+    reason: str
+
+
+def why_inert(response: Array) -> Unsupported | None:
+    """Return why an effect with this response would not move a likelihood; None where it does."""
+    if not np.isfinite(response).all():
+        return Unsupported(
+            "This recording lacks a column that it needs: the order of the trials, the radius of "
+            "the pulleys, or their individual wrap angles."
+        )
+    if not response.any():
+        return Unsupported("It changes nothing that was measured here.")
+    return None

@@ -1,0 +1,113 @@
+"""A force that goes together along an axis is no scatter: known forces beside known scatter."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from report.diagnosis_sample import diagnosis, interval
+
+from bayesfric.diagnosis import structure
+from bayesfric.diagnosis.sentence import Statement, sentence_of
+from bayesfric.diagnosis.structure import goes_together, unlike_scatter
+
+COUNT, PRACTICAL = 200, 0.02
+
+
+def windows(force, *, time_s=None, scatter=0.01, seed=0, told=None):
+    """Return windows with a force as a share of friction in scatter that is told, or another."""
+    rng = np.random.default_rng(seed)
+    told = scatter if told is None else told
+    order = np.arange(1.0, COUNT + 1)
+    speed = np.random.default_rng(5).uniform(0, 1, COUNT)
+    residual = force(order, speed) + scatter * rng.standard_normal(COUNT)
+    residuals = SimpleNamespace(
+        residual_n=residual,
+        trial=np.arange(COUNT),
+        friction_rms=1.0,
+        covariates={"order": order, "velocity": speed, "setup": order},
+        axes=("order", "velocity", "setup"),
+        time_s=time_s,
+        without_law=lambda values: values - values.mean(axis=0),
+    )
+    return residuals, told
+
+
+@pytest.fixture
+def found(monkeypatch):
+    """Return what goes together, where redrawn residuals have the scatter that is told."""
+
+    def of(force, **options):
+        residuals, told = windows(force, **options)
+        monkeypatch.setattr(
+            structure,
+            "redrawn",
+            lambda residuals, count, rng: told * rng.standard_normal((COUNT, count)),
+        )
+        return goes_together(residuals, residuals.residual_n, PRACTICAL, np.random.default_rng(1))
+
+    return of
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_scatter_goes_together_along_no_axis(found, seed):
+    assert found(lambda order, speed: 0.0 * order, seed=seed) is None
+
+
+@pytest.mark.parametrize(
+    ("force", "axis"),
+    [
+        (lambda order, speed: 0.03 * np.sqrt(2) * np.sin(2 * np.pi * order / 7), "time"),
+        (lambda order, speed: 0.19 * np.exp(-order / 10), "time"),
+        (lambda order, speed: 0.09 * np.exp(-(((speed - 0.3) / 0.06) ** 2)), "velocity"),
+    ],
+)
+@pytest.mark.parametrize("told", [0.01, 0.032])
+def test_a_wave_a_start_and_a_resonance_of_three_per_cent_do(found, force, axis, told):
+    """Also where the force has gone into the scatter that is told."""
+    together = found(force, told=told)
+    assert together.axis == axis
+    assert 0.015 < together.share < 0.035
+    assert together.p_value < 0.01
+    assert f"a force of 1 N goes together along {axis}" in together.words("1 N")
+
+
+def test_what_goes_together_and_does_not_matter_is_left_alone(found):
+    """Half a per cent of friction in scatter of a tenth of a per cent."""
+    wave = lambda order, speed: 0.005 * np.sin(2 * np.pi * order / 9)  # noqa: E731
+    assert found(wave, scatter=0.001) is None
+
+
+def test_a_wave_in_time_shows_where_runs_have_it_at_the_same_time(found):
+    """Four runs of fifty windows each: the order of windows alone has it too."""
+    time = np.tile(np.linspace(0.0, 10.0, 50), 4)
+    wave = 0.03 * np.sin(2 * np.pi * time / 1.3)
+    assert found(lambda order, speed: wave, time_s=time).axis == "time"
+
+
+def test_the_force_that_is_known_is_taken_off(monkeypatch):
+    residuals, _ = windows(lambda order, speed: 0.1 * speed)
+    monkeypatch.setattr(
+        structure, "redrawn", lambda r, count, rng: 0.01 * rng.standard_normal((COUNT, count))
+    )
+    gap = diagnosis().gap.model_copy(update={"friction_rms": 1.0})
+    known = 0.1 * residuals.covariates["velocity"][:, None] * np.ones(3)
+    for force, words in ((known, None), (0 * known, "along velocity")):
+        posterior, rng = SimpleNamespace(force=force), np.random.default_rng(1)
+        said = unlike_scatter(gap, residuals, residuals.residual_n, posterior, PRACTICAL, rng)
+        assert (said is None) == (words is None)
+        assert words is None or words in said
+
+
+def test_what_is_left_of_held_out_data_is_no_scatter_either():
+    gap = diagnosis().gap.model_copy(update={"held_out_excess": 0.05, "friction_rms": 1.0})
+    assert "0.05 N rms of data held out" in unlike_scatter(gap, None, None, None, 0.02, None)
+    nothing = gap.model_copy(update={"before": interval(0.6)})  # of friction of 1 N
+    assert unlike_scatter(nothing, None, None, None, 0.02, None) is None
+
+
+def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
+    together = structure.Together("trial_in_setup", 0.028, 0.0025)
+    told = Statement("undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%"))
+    said = sentence_of(told)
+    assert "a force of 2.8% goes together along trial in setup" in said
+    assert "Something else acts, or scatter is not what it is taken for" in said

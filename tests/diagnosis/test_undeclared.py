@@ -1,0 +1,44 @@
+"""What nobody said of a machine is told where the answer hangs on it, and nowhere else."""
+
+import pytest
+
+from bayesfric.diagnosis.undeclared import undeclared
+from bayesfric.effects import all_effects
+from bayesfric.recording import RigConstants
+
+EFFECTS = all_effects(None)
+
+
+def told(verdict="named", others="unknown", names=(), rotary=True, **rig):
+    return [*undeclared(RigConstants(rotary=rotary, **rig), verdict, others, names, EFFECTS)]
+
+
+@pytest.mark.parametrize("kind", [None, "unknown"])
+@pytest.mark.parametrize("name", ["torque-saturation", "actuator-lag"])
+def test_effects_of_a_command_hang_on_what_the_force_is(name, kind):
+    (line,) = told(names=[name, "stribeck"], force_is=kind)
+    assert "(rig.force_is)" in line
+    assert name in line
+    assert "stribeck" not in line
+
+
+def test_a_declared_force_and_other_effects_need_no_word():
+    assert told(names=["torque-saturation"], force_is="commanded") == []
+    assert told(names=["stribeck", "load-friction"]) == []  # the load is known there
+
+
+def test_friction_by_the_load_may_be_of_one_way_of_the_power_where_no_load_is_known():
+    lacking = {name: one for name, one in EFFECTS.items() if name != "load-asymmetry"}
+    rig = RigConstants(rotary=True, force_is="motor")
+    (line,) = undeclared(rig, "named", "still", ["load-friction", "stribeck"], lacking)
+    assert line.startswith("load-friction may be of one way of the power")
+    assert not [*undeclared(rig, "named", "still", ["stribeck"], lacking)]
+
+
+def test_an_unknown_cause_may_be_other_joints_where_nobody_says_what_they_did():
+    (line,) = told("unknown")
+    assert "(rig.other_joints)" in line
+    for others in ("still", "logged", "moving"):
+        assert told("unknown", others) == []
+    assert told("unknown", rotary=False) == []
+    assert told("unknown", None) == []

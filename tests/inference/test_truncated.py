@@ -1,0 +1,35 @@
+"""Draws that a bound holds up are those of the density that is cut off there."""
+
+import numpy as np
+import pytest
+from scipy.stats import truncnorm
+
+from bayesfric.inference.truncated import drawn_above
+
+
+@pytest.mark.parametrize("mean", [2.0, 0.3, -0.7, -3.0])
+def test_moments_are_those_of_the_truncated_normal(mean):
+    draws = np.random.default_rng(1).normal(mean, 1.0, (20_000, 1))
+    found = drawn_above(draws, np.array([0.0]))[:, 0]
+    exact = truncnorm(-mean, np.inf, loc=mean)
+    assert found.min() >= 0
+    # Of draws above the bound and others anew: a mixture of two samples of the same density.
+    assert found.mean() == pytest.approx(exact.mean(), rel=0.03)
+    assert found.std() == pytest.approx(exact.std(), rel=0.03)
+
+
+def test_a_number_far_below_its_bound_is_at_it_and_finite():
+    draws = np.random.default_rng(2).normal(-1e3, 1.0, (500, 1))
+    found = drawn_above(draws, np.array([0.0]))
+    assert np.isfinite(found).all()
+    assert found.min() >= 0
+    assert found.max() < 0.5
+
+
+def test_without_a_bound_and_above_it_nothing_changes():
+    draws = np.random.default_rng(3).normal(5.0, 1.0, (300, 2))
+    assert (drawn_above(draws, np.array([-np.inf, 0.0])) == draws).all()
+
+
+def test_draws_that_are_alike_are_clipped():
+    assert (drawn_above(np.full((4, 1), -1.0), np.array([0.5])) == 0.5).all()

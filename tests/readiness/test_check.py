@@ -1,0 +1,108 @@
+"""``bayesfric check``: what can be told, what cannot, and what to record next."""
+
+import numpy as np
+import pytest
+from export.hinge import Hinge, recording
+from rigs.driven_mass import Machine, simulate, write
+from typer.testing import CliRunner
+
+import bayesfric as bf
+from bayesfric.cli import app
+from bayesfric.readiness import readiness_of
+from bayesfric.readiness.advice import ADVICE, advice_for
+from bayesfric.recording import read_recording, write_recording
+from bayesfric.simulate import simulate_recording
+
+OWN = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)
+
+
+@pytest.fixture(scope="module")
+def hinge():
+    pytest.importorskip("mujoco")
+    return recording(Hinge(), 3, own=OWN)
+
+
+@pytest.fixture(scope="module")
+def told(hinge):
+    (part,) = readiness_of(hinge).told
+    return part
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [*map(str, arguments)])
+
+
+def test_errors_lie_about_those_that_are_made(told):
+    """Noise alone is too little, since MuJoCo's friction gives way; the law's own share enough."""
+    truth = {"mass": 0.05, "coulomb": 0.6, "viscous": 0.3}
+    for name, row in told.power.coefficients.iterrows():
+        assert row["informed"]
+        assert abs(row["value"] - truth[name]) < 3 * row["sd_where_law_is_off"], name
+        assert row["sd"] <= row["sd_where_law_is_off"] * 1.01
+
+
+def test_errors_are_those_of_the_law_in_a_diagnosis(hinge, told):
+    law = bf.diagnose(hinge).summary.law
+    for name, row in told.power.coefficients.iterrows():
+        in_diagnosis = {"mass": "armature"}.get(name, name)
+        number = law.get(in_diagnosis) or law["inertia"]
+        assert row["sd"] == pytest.approx(number.before.sd, rel=0.2), name
+
+
+def test_what_is_told_what_is_not_and_what_to_record(told):
+    can, cannot = told.effects
+    assert {"stribeck", "load-friction", "delay"} <= set(can)
+    assert {"thermal", "stiction"} <= set(cannot)
+    assert "viscous" not in cannot  # the law has it
+    assert told.advice["a temperature column, from cold to warm"] == ["thermal"]
+    text = "\n".join(told.lines())
+    assert "rests of different lengths" in text
+    assert "its error is then" in text
+
+
+def test_needs_that_nothing_meets_get_no_advice():
+    assert advice_for(["pulleys"]) == ()
+    assert advice_for(["somebody's own"]) == ()
+    assert advice_for(["test", "dwell"]) == (ADVICE["test"], ADVICE["dwell"])
+
+
+def test_gravity_and_a_spring_on_a_short_stroke_are_one(tmp_path):
+    """A sine over a twentieth of a turn is a line."""
+    machine = Machine(control_hz=500.0, bandwidth_hz=5.0, gravity=(4.0, 0.1), spring=0.0)
+    runs, samples = simulate(machine, runs=2, seconds=6.0, seed=3)
+    folder = write(tmp_path / "axis", machine, runs, samples, rotary=True)
+    (part,) = readiness_of(read_recording(folder)).told
+    pairs = {frozenset(pair) for pair in part.power.pairs[["effect", "other"]].to_numpy()}
+    assert frozenset({"gravity-torque", "spring"}) in pairs
+
+
+@pytest.mark.parametrize("verb", ["check", "diagnose"])
+def test_twelve_samples_end_with_the_reason_and_exit_2(tmp_path, hinge, verb):
+    short = hinge.axis.samples.iloc[:12]
+    axis = type(hinge.axis)(hinge.axis.runs, short)
+    folder = tmp_path / "few"
+    write_recording(type(hinge)("few", "Twelve samples", hinge.rig, axis=axis), folder)
+    where = ("-o", tmp_path / "out") if verb == "diagnose" else ()
+    done = run(verb, folder, *where)
+    assert done.exit_code == 2
+    assert "a run takes 16 samples, and the longest has 12" in done.stderr
+    assert not (tmp_path / "out" / "diagnosis.json").exists()
+
+
+def test_a_slow_log_says_the_rate_that_it_would_need(tmp_path, hinge):
+    slow = hinge.axis.samples.iloc[::25]  # 10 Hz
+    axis = type(hinge.axis)(hinge.axis.runs, slow)
+    folder = tmp_path / "slow"
+    write_recording(type(hinge)("slow", "At 10 Hz", hinge.rig, axis=axis), folder)
+    done = run("check", folder)
+    assert done.exit_code == 2
+    assert "samples a second, or move slower" in done.stderr
+    assert "10 a second" in done.stdout
+
+
+def test_boards_are_checked_by_their_conditions(tmp_path):
+    board = simulate_recording("quick", seed=4, rigs=["motor"])
+    (part,) = readiness_of(board).told
+    assert np.isfinite(part.power.coefficients["sd"]).all()
+    assert not part.lacking
+    assert "What can be told" in "\n".join(part.lines())
