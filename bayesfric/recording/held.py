@@ -85,7 +85,7 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     """
     position = samples["position_m"].to_numpy(dtype=np.float64)
     force = samples["force_n"].to_numpy(dtype=np.float64)
-    position_held = held_for(position) if _jumps(position) else 1
+    position_held = position_held_for(position)
     force_held = held_for(force) if force_is in SENSED else 1
     if force_held > 1:
         time, new = samples["time_s"].to_numpy(dtype=np.float64), renewed(force)
@@ -105,6 +105,17 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
         )
         samples = samples[~late].reset_index(drop=True)
     return samples, "; ".join(said) or None
+
+
+def position_held_for(position: Array) -> int:
+    """Return how many samples each position is held for, which a coarse encoder does not do.
+
+    Parameters
+    ----------
+    position : ndarray, shape (N,)
+        Of a run.
+    """
+    return held_for(position) if _jumps(position) else 1
 
 
 def _jumps(position: Array) -> bool:

@@ -74,7 +74,7 @@ def even_grid(
     columns: dict[str, Array],
     *,
     force_time_s: Array | None = None,
-    commanded: bool = False,
+    steps: bool = False,
 ) -> EvenLog | None:
     """Put a log on an even grid; None where it is too short.
 
@@ -89,16 +89,20 @@ def even_grid(
     columns : dict of str to ndarray, shape (N,)
         ``position``, ``force`` and what else there is.
     force_time_s : ndarray, shape (N,), or None
-        The force's own clock, increasing; None where it is that of the rest [s].
-    commanded : bool
-        Whether ``force`` is a command.
+        The force's own clock, increasing, of as many readings as it has; None where it is that
+        of the rest [s].
+    steps : bool
+        Whether ``force`` acts as it is until the next, as a command does.
     """
     if time_s.size < LEAST_SAMPLES:
         return None
-    steps = np.diff(time_s)
-    interval = float(np.median(steps))
+    between = np.diff(time_s)
+    interval = float(np.median(between))
     known = np.ones(time_s.size, dtype=np.bool_)
-    if np.abs(steps - interval).max() > UNEVEN * interval:
+    own = time_s if force_time_s is None else force_time_s
+    force = columns["force"]
+    columns = {name: values for name, values in columns.items() if name != "force"}
+    if np.abs(between - interval).max() > UNEVEN * interval:
         count = int((time_s[-1] - time_s[0]) / interval) + 1
         grid = time_s[0] + interval * np.arange(count)
         after = np.searchsorted(time_s, grid, side="right").clip(1, time_s.size - 1)
@@ -106,14 +110,11 @@ def even_grid(
         on_grid = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
     else:
         grid, on_grid = time_s, dict(columns)
-    own = time_s if force_time_s is None else force_time_s
-    if commanded:
-        on_grid["force"] = _mean_of_steps(grid, interval, own, columns["force"])
-    elif force_time_s is not None:
-        on_grid["force"] = np.interp(grid, own, columns["force"])
-    time_s, columns = grid, on_grid
-    rest = {n: v for n, v in columns.items() if n not in ("position", "force")}
-    return EvenLog(time_s, columns["position"], columns["force"], known, interval, rest)
+    if steps:
+        force = _mean_of_steps(grid, interval, own, force)
+    elif force_time_s is not None or grid is not time_s:
+        force = np.interp(grid, own, force)
+    return EvenLog(grid, on_grid.pop("position"), force, known, interval, on_grid)
 
 
 def _mean_of_steps(grid: Array, interval: float, time_s: Array, sent: Array) -> Array:

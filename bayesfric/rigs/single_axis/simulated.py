@@ -27,7 +27,7 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
-from bayesfric.recording.held import released
+from bayesfric.recording.held import held_for, position_held_for, released
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.measures import Measures
@@ -149,7 +149,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
 
     What telemetry holds is released: see :mod:`bayesfric.recording.held`.
     """
-    samples = released(samples, constants.force_is)[0]
+    whole, samples = samples, released(samples, constants.force_is)[0]
     names = {
         "position": "position_m",
         "force": "force_n",
@@ -166,14 +166,16 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
         for name, column in names.items()
         if column in samples
     }
-    time, own = samples["time_s"].to_numpy(dtype=np.float64), None
-    if "force_time_s" in samples:
-        own = samples["force_time_s"].to_numpy(dtype=np.float64)
-        apart = float(np.median(own - time))
-        if abs(apart) > ANOTHER_ZERO_S:
-            own = own - apart
-    commanded = constants.force_is == "commanded"
-    log = even_grid(time, columns, force_time_s=own, commanded=commanded)
+    time, steps = samples["time_s"].to_numpy(dtype=np.float64), constants.force_is == "commanded"
+    own = _time_of_force(samples)
+    if position_held_for(whole["position_m"].to_numpy(dtype=np.float64)) > 1:
+        force = whole["force_n"].to_numpy(dtype=np.float64)
+        # A force that is held like the position is a sample of what went on changing; one that
+        # is not tells what acted between two positions.
+        steps = held_for(force) == 1
+        if steps:
+            columns["force"], own = force, _time_of_force(whole)
+    log = even_grid(time, columns, force_time_s=own, steps=steps)
     if log is None:
         return None
     forces = _recorded_forces(log, constants.moving_mass_kg)
@@ -181,6 +183,16 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     # A simulator in the place of the law says the whole force.
     known_force = None if value is None or forces else WeakForce(value)
     return replace(log, forces=forces, known_force=known_force)
+
+
+def _time_of_force(samples: pd.DataFrame) -> Array:
+    """Return when the force of each row was read, by the clock of the positions, (N,) [s]."""
+    time = samples["time_s"].to_numpy(dtype=np.float64)
+    if "force_time_s" not in samples:
+        return time
+    own = samples["force_time_s"].to_numpy(dtype=np.float64)
+    apart = float(np.median(own - time))
+    return own - apart if abs(apart) > ANOTHER_ZERO_S else own
 
 
 def fitting(table: pd.DataFrame) -> Flags:
