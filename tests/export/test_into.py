@@ -154,6 +154,16 @@ def test_powers_of_speed_are_a_polynomial_and_what_is_below_zero_is_zero(tmp_pat
     assert "viscous is below zero (-0.050): 0 is entered" in " ".join(filled.remarks)
 
 
+def test_what_has_a_field_and_is_not_set_is_told(tmp_path):
+    path = tmp_path / "one.xml"
+    path.write_text(OWN.model(joint="elbow"))
+    spring = number("spring.stiffness", 4.21, 0.05, "N·m/rad")
+    filled = filled_model(path, "mjcf", [joint(COULOMB, spring)], {})
+    told = "elbow: not set: spring.stiffness 4.210 N·m/rad (joint/@stiffness)"
+    assert told in filled.remarks
+    assert "stiffness" not in filled.content.decode()
+
+
 @pytest.mark.parametrize(
     ("change", "to", "named", "said"),
     [
