@@ -184,9 +184,7 @@ def _axes_in_words(found: DiagnosisFile) -> Paragraph:
             _largest(found),
             f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
             Reference("where"),
-            " shows where the gap lies; ",
-            Reference("axes"),
-            " has all axes.",
+            " shows where the gap lies.",
         ]
     )
 
@@ -243,6 +241,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
         + ("; right, the residual force along the largest axes with a band" if shapes else "")
         + (f"; {', '.join(blind)} did not vary." if blind else "."),
         label="where",
+        floats=True,
     )
 
 
@@ -254,7 +253,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
         Code(best),
         f" ({format_probability(probability)}). ",
     ]
-    hypotheses: list[Inline] = ["All hypotheses: ", Reference("hypotheses"), "."]
+    hypotheses: list[Inline] = ["All hypotheses: ", Code("diagnosis.json"), "."]
     if not any(one.probability > RARE for one in included):
         none = f"No effect acts with a probability above {format_probability(RARE)}. "
         return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
@@ -272,6 +271,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
         f"{included[0].effect} at {format_probability(included[0].probability)}; right, how strong "
         "each is.",
         label="which",
+        floats=True,
     )
 
 
@@ -306,6 +306,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             else ""
         ),
         label="how-far",
+        floats=True,
     )
 
 
