@@ -18,15 +18,7 @@ __all__ = ["FilledModel", "filled_model"]
 LARGEST_FILE = 16_777_216  # bytes of a model
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
 WRITTEN = {
-    "mjcf": OF_ALL
-    | {
-        "inertia",
-        "armature",
-        "mass",
-        "air-drag.coefficient",
-        "cubic-drag.coefficient",
-        "delay.time",
-    },
+    "mjcf": {*OF_ALL, *INERTIAS, "air-drag.coefficient", "cubic-drag.coefficient", "delay.time"},
     "urdf": OF_ALL,
     "sdf": OF_ALL,
 }
