@@ -122,6 +122,38 @@ def test_the_truth_of_twenty_hinges_lies_in_their_intervals(tmp_path):
     assert sum(inside) > 48
 
 
+def two_joints(monkeypatch, folder):
+    """Stand in for a folder with a diagnosis of two joints."""
+    from bayesfric.cli import export as verb
+    from bayesfric.export import joints as read
+
+    folder.mkdir()
+    both = (joint(COULOMB, name="shoulder"), joint(COULOMB, name="elbow"))
+    monkeypatch.setattr(read, "read_joints", lambda _: both)
+    monkeypatch.setattr(verb, "_of_several", lambda _: True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--to", "mjcf"), "--into MODEL, your own in MJCF: there are 2 joints"),
+        (("--to", "json", "--into", "arm.xml"), "--to with one of mjcf, urdf, sdf"),
+        (("--to", "mjcf", "--into", "arm.xml", "--joint", "a"), "LOG=MODEL, where there are"),
+        (("--to", "mjcf", "--into", "none.xml"), "none.xml"),
+        (("--to", "usd"), "one of json, python, mjcf, urdf, sdf, isaaclab"),
+    ],
+)
+def test_a_slip_of_the_command_line_is_one_line(tmp_path, monkeypatch, arguments, said):
+    two_joints(monkeypatch, tmp_path / "out")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(OWN.model())
+    done = CliRunner().invoke(app, ["export", "out", *arguments])
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not [one for one in (tmp_path / "out").iterdir() if not one.name.startswith(".")]
+
+
 COULOMB, VISCOUS = number("coulomb", 0.61, 0.01), number("viscous", 0.3, 0.01, "N·m s/rad")
 
 
