@@ -112,6 +112,8 @@ def _export_joints(
     from bayesfric.export.joints import read_joints
     from bayesfric.export.of_joints import TEXTS_OF_JOINTS
     from bayesfric.export.snippets import LOAD_FRICTION_FILE, load_friction_text
+    from bayesfric.results import read_json
+    from bayesfric.schemas import DiagnosisFile
 
     joints = read_joints(folder)
     if into is None:
@@ -119,7 +121,8 @@ def _export_joints(
             expected = f"--into MODEL, your own in {to.upper()}: there are {len(joints)} joints"
             raise InputError([Fault("command line", expected, column="--to", value=to)])
         file, text_of = TEXTS_OF_JOINTS[to]
-        _write(folder, {file: text_of(joints, folder.resolve().name)} | _drawn(joints, draws, {}))
+        recording = read_json(DiagnosisFile, folder / "diagnosis.json").recording
+        _write(folder, {file: text_of(joints, recording.name)} | _drawn(joints, draws, {}))
         return
     if into.resolve() == (folder / into.name).resolve():
         expected = "a model outside of the folder of the results, which gets the copy"

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.export.digits import by_error
-from bayesfric.export.joints import ExportedJoint
+from bayesfric.export.joints import INERTIAS, ExportedJoint
 from bayesfric.files import file_bytes
 from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
@@ -16,6 +16,13 @@ from bayesfric.schemas import Enter
 __all__ = ["FilledModel", "filled_model"]
 
 LARGEST_FILE = 16_777_216  # bytes of a model
+OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
+WRITTEN = {
+    "mjcf": {*OF_ALL, *INERTIAS, "air-drag.coefficient", "cubic-drag.coefficient", "delay.time"},
+    "urdf": OF_ALL,
+    "sdf": OF_ALL,
+}
+"""Numbers that are set, by format; others with a field are told."""
 STEP_S = 0.002  # of MJCF that states none
 
 
@@ -200,6 +207,11 @@ def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
                 f"{place}: no field for {name}: {number.lost_without:.2g} {unit} rms are lost"
                 f"{instead}"
             )
+    for name, number in joint.numbers.items():
+        field = number.fields.get(simulator)
+        if field is not None and name not in WRITTEN[model.kind]:
+            told = by_error(number.value.mean, number.value.sd)
+            remarks.append(f"{place}: not set: {name} {told} {number.unit} ({field.field})")
     driven = {"delay.time", "torque-saturation.limit"} & set(joint.numbers)
     if driven and model.kind == "mjcf" and not model.actuators(place):
         remarks.append(

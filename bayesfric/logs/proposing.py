@@ -38,6 +38,16 @@ class Proposal:
     open: tuple[str, ...]
 
 
+ROBOT = (
+    "",
+    "# Your robot's model, in this folder, if you have one: it says weight and links' inertia, and",
+    "# what your simulator has now is shown beside what is found.",
+    "# [robot]",
+    '# model = "robot.xml"  # MJCF or URDF',
+    '# joints = {j1 = "shoulder_pitch"}  # log = model, where the names differ',
+)
+
+
 def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     """Return what a log's columns are believed to be, as a mapping with reasons.
 
@@ -69,6 +79,7 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     if form is not None and form != CsvForm():
         lines += _of_csv(form, why)
     lines += _sections(chosen, log_has_header=form is None or form.header)
+    lines += ROBOT
     toml = "\n".join(lines) + "\n"
     body = "\n".join(line.partition("#")[0] for line in lines)
     missing = [what for key, what in NEEDED.items() if key not in chosen and key != "force"]

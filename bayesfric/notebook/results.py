@@ -141,6 +141,26 @@ class DiagnosisResult(Diagnosed):
         }
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("effect")
 
+    def to_enter(self) -> pd.DataFrame:
+        """Return the numbers to enter in a simulator, a row each; empty of boards."""
+        rows = [
+            {
+                "joint": block.joint,
+                "parameter": number.parameter,
+                "in_your_simulator": number.in_your_simulator,
+                "value": number.value.mean,
+                "sd": number.value.sd,
+                "q05": number.value.q05,
+                "q95": number.value.q95,
+                "unit": number.unit,
+                "lost_without": number.lost_without,
+                **{name: field and field.field for name, field in number.fields.items()},
+            }
+            for block in self.summary.joints or (self.summary,)
+            for number in block.enter
+        ]
+        return pd.DataFrame(rows)
+
     def plot_effects(self) -> "Figure":
         """Draw how probable each effect is, and how strong."""
         from bayesfric.plots.diagnosis import what_acts

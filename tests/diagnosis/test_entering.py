@@ -4,6 +4,7 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from rigs.driven_mass import Machine, simulate, write
 
@@ -13,12 +14,25 @@ from bayesfric.robots.fields import SIMULATORS, fields_of
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
+def diagnosed(tmp_path_factory):
     """A mass of 2 kg, 1.5 N of Coulomb friction and 2 N s/m of damping."""
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, viscous=2.0)
     runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)
     folder = write(tmp_path_factory.mktemp("mass") / "axis", machine, runs, samples)
-    return bf.diagnose(bf.read_recording(folder)).summary
+    return bf.diagnose(bf.read_recording(folder))
+
+
+@pytest.fixture(scope="module")
+def found(diagnosed):
+    return diagnosed.summary
+
+
+def test_a_prompt_shows_it_as_a_table(diagnosed):
+    table = diagnosed.to_enter().set_index("parameter")
+    assert table.loc["coulomb", "mujoco"] == "joint/@frictionloss"
+    assert pd.isna(table.loc["coulomb", "drake"])
+    assert table.loc["coulomb", "value"] == pytest.approx(1.5, rel=0.06)
+    assert table.loc["coulomb", "lost_without"] == pytest.approx(1.5, rel=0.06)
 
 
 @pytest.mark.parametrize(

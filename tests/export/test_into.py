@@ -122,6 +122,38 @@ def test_the_truth_of_twenty_hinges_lies_in_their_intervals(tmp_path):
     assert sum(inside) > 48
 
 
+def two_joints(monkeypatch, folder):
+    """Stand in for a folder with a diagnosis of two joints."""
+    from bayesfric.cli import export as verb
+    from bayesfric.export import joints as read
+
+    folder.mkdir()
+    both = (joint(COULOMB, name="shoulder"), joint(COULOMB, name="elbow"))
+    monkeypatch.setattr(read, "read_joints", lambda _: both)
+    monkeypatch.setattr(verb, "_of_several", lambda _: True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--to", "mjcf"), "--into MODEL, your own in MJCF: there are 2 joints"),
+        (("--to", "json", "--into", "arm.xml"), "--to with one of mjcf, urdf, sdf"),
+        (("--to", "mjcf", "--into", "arm.xml", "--joint", "a"), "LOG=MODEL, where there are"),
+        (("--to", "mjcf", "--into", "none.xml"), "none.xml"),
+        (("--to", "usd"), "one of json, python, mjcf, urdf, sdf, isaaclab"),
+    ],
+)
+def test_a_slip_of_the_command_line_is_one_line(tmp_path, monkeypatch, arguments, said):
+    two_joints(monkeypatch, tmp_path / "out")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(OWN.model())
+    done = CliRunner().invoke(app, ["export", "out", *arguments])
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not [one for one in (tmp_path / "out").iterdir() if not one.name.startswith(".")]
+
+
 COULOMB, VISCOUS = number("coulomb", 0.61, 0.01), number("viscous", 0.3, 0.01, "N·m s/rad")
 
 
@@ -152,6 +184,16 @@ def test_powers_of_speed_are_a_polynomial_and_what_is_below_zero_is_zero(tmp_pat
     filled = filled_model(path, "mjcf", [joint(COULOMB, negative, drag)], {})
     assert 'damping="0 0.0200 0"' in filled.content.decode()
     assert "viscous is below zero (-0.050): 0 is entered" in " ".join(filled.remarks)
+
+
+def test_what_has_a_field_and_is_not_set_is_told(tmp_path):
+    path = tmp_path / "one.xml"
+    path.write_text(OWN.model(joint="elbow"))
+    spring = number("spring.stiffness", 4.21, 0.05, "N·m/rad")
+    filled = filled_model(path, "mjcf", [joint(COULOMB, spring)], {})
+    told = "elbow: not set: spring.stiffness 4.210 N·m/rad (joint/@stiffness)"
+    assert told in filled.remarks
+    assert "stiffness" not in filled.content.decode()
 
 
 @pytest.mark.parametrize(

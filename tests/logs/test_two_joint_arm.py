@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 
 from bayesfric.cli import app
 from bayesfric.errors import InputError
-from bayesfric.logs import import_log
+from bayesfric.logs import import_log, propose_mapping
+from bayesfric.logs.mapping import read_mapping
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.recording.joints import parted_by_joint
@@ -52,6 +53,18 @@ def test_its_truth_comes_back_roughly_by_least_squares(recording, joint):
     assert rough.coulomb == pytest.approx(true(joint, "coulomb"), rel=0.02)
     assert rough.viscous == pytest.approx(true(joint, "viscous"), rel=0.03)
     assert rough.mass == pytest.approx(true(joint, "armature"), rel=0.1)
+
+
+def test_a_proposal_has_a_place_for_a_model(tmp_path):
+    """What is commented out is right once its signs of a comment are gone."""
+    proposal = propose_mapping(ARM / "log.csv").toml
+    body, own = proposal.split("# [robot]\n")
+    own = "\n".join(line.removeprefix("# ") for line in own.splitlines())
+    filled = body.replace('force_is = "SAY"', 'force_is = "motor"').replace('"SAY"', '"N·m"')
+    (tmp_path / "map.toml").write_text(f"{filled}[robot]\n{own}", encoding="utf-8")
+    robot = read_mapping(tmp_path / "map.toml").robot
+    assert robot.model == "robot.xml"
+    assert robot.joints == {"j1": "shoulder_pitch"}
 
 
 @pytest.mark.nightly

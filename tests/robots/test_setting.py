@@ -1,5 +1,6 @@
 """A user's model with the fields of its joints set: the rest of the file stays byte for byte."""
 
+import numpy as np
 import pytest
 
 from bayesfric.errors import InputError
@@ -113,3 +114,24 @@ def test_what_cannot_be_set_is_one_clear_line(content, joint, said):
         model_text(content, "robot.xml").with_values({joint: JointValues(damping="1")})
     assert said in str(raised.value)
     assert len(raised.value.faults) == 1
+
+
+@pytest.mark.parametrize("content", [MJCF, URDF, SDF], ids=["mjcf", "urdf", "sdf"])
+def test_a_damaged_model_is_one_clear_line_or_is_set(content):
+    """Two thousand mutants: a byte is another, or a piece is gone or twice there."""
+    rng = np.random.default_rng(7)
+    name = next(iter(model_text(content, "robot").joints))
+    values = JointValues(frictionloss="0.61", damping="0.3", armature="0.1", limit="4")
+    refused = []
+    for _ in range(2000):
+        at, length = rng.integers(len(content)), int(rng.integers(1, 20))
+        piece = [bytes([rng.integers(256)]), b"", 2 * content[at : at + length]][rng.integers(3)]
+        mutant = content[:at] + piece + content[at + length :]
+        try:
+            done = model_text(mutant, "robot").with_values({name: values})
+        except InputError as error:
+            refused.append(str(error))
+        else:
+            assert b"0.61" in done.content
+    assert 0 < len(refused) < 2000
+    assert all(len(text.splitlines()) == 1 for text in refused)
