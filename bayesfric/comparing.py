@@ -31,7 +31,7 @@ MODELS: dict[str, type[Provenance]] = {
     "margins.json": MarginsFile,
 }
 WENT_IN = ("recording", "seed", "rigs", "baseline", "fixed", "analysis", "versions")
-SHOWN = 12  # shifts in the text
+SHIFTS_SHOWN = 12  # shifts in the text
 
 
 class Quantity(NamedTuple):
@@ -110,7 +110,7 @@ def comparison_text(comparison: ComparisonFile) -> list[str]:
     moved = [shift for shift in comparison.shifts if shift.a != shift.b or shift.sd_a != shift.sd_b]
     if moved:
         lines.append(f"{len(moved)} of {len(comparison.shifts)} numbers moved, the furthest first:")
-    for shift in moved[:SHOWN]:
+    for shift in moved[:SHIFTS_SHOWN]:
         unit = "" if shift.unit == "1" else f" {shift.unit}"
         far = "" if shift.shift is None else f"  ({shift.shift:+.2f} sd)"
         lines.append(

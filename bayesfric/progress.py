@@ -17,7 +17,7 @@ __all__ = ["LOGGER", "stage"]
 
 LOGGER = logging.getLogger("bayesfric")
 PATIENCE_S = 5.0  # until steps that are done say how long the rest takes
-ENOUGH = 0.1  # of all steps
+SHARE_BEFORE_ESTIMATE = 0.1  # of all steps
 
 
 @contextmanager
@@ -74,7 +74,12 @@ def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
         nonlocal announced
         passed = monotonic() - began
         left = passed * (total - done) / done if done else 0.0
-        if not announced and done >= ENOUGH * total and passed > PATIENCE_S and left > PATIENCE_S:
+        if (
+            not announced
+            and done >= SHARE_BEFORE_ESTIMATE * total
+            and passed > PATIENCE_S
+            and left > PATIENCE_S
+        ):
             time = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
             LOGGER.info("%s: %s %s to go", title, roughly, time)
             announced = True

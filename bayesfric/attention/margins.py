@@ -6,7 +6,7 @@ from bayesfric.schemas import FitFile, LawUsed, LoopMargins
 
 __all__ = ["of_margins"]
 
-MOSTLY = 0.9  # of the draws, in which a figure has to hold against an elastic cable
+LEAST_AGREEMENT = 0.9  # of the draws, in which a figure has to hold against an elastic cable
 
 
 def of_margins(
@@ -36,5 +36,5 @@ def _unverified(loop: LoopMargins) -> Iterator[str]:
     if loop.verification is None:
         return
     for held in loop.verification.held:
-        if held.share is not None and held.share < MOSTLY:
+        if held.share is not None and held.share < LEAST_AGREEMENT:
             yield f"{held.what} holds on an elastic cable in {held.share:.0%} of the draws only"

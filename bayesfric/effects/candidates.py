@@ -28,7 +28,7 @@ __all__ = [
 
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
 """Shapes that are tried, as normal quantiles of the prior."""
-SMALL = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
+LINEAR_STEP = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def candidates_of(effect: Effect) -> list[Candidate]:
 def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
     """Return parameters at a small amplitude, and what its response is to be divided by."""
     effect = candidate.effect
-    small = SMALL * prior_moments(effect.amplitude.prior)[1]
+    small = LINEAR_STEP * prior_moments(effect.amplitude.prior)[1]
     values: dict[str, Any] = {effect.amplitude.name: np.float64(small)}
     if effect.shape is not None:
         values[effect.shape.name] = np.float64(candidate.shape)

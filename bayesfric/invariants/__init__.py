@@ -23,7 +23,7 @@ RULES: dict[str, dict[str, Rule]] = {
     "scorecard": COMMON | SCORECARD,
 }
 """Rules by the kind of file and by name."""
-SHOWN = 3  # of the places that break one rule
+PLACES_SHOWN = 3  # of the places that break one rule
 
 
 def check_record(record: Mapping[str, Any]) -> tuple[Check, ...]:
@@ -49,12 +49,12 @@ def check_record(record: Mapping[str, Any]) -> tuple[Check, ...]:
     checks = []
     for name, rule in RULES[kind].items():
         wrong = rule.breaks(looked_at)
-        more = f", and {len(wrong) - SHOWN} more" if len(wrong) > SHOWN else ""
+        more = f", and {len(wrong) - PLACES_SHOWN} more" if len(wrong) > PLACES_SHOWN else ""
         checks.append(
             Check(
                 check=name,
                 holds=not wrong,
-                detail="; ".join(wrong[:SHOWN]) + more if wrong else None,
+                detail="; ".join(wrong[:PLACES_SHOWN]) + more if wrong else None,
             )
         )
     return tuple(checks)

@@ -24,10 +24,10 @@ __all__ = ["meets_all_now", "scaled", "tune"]
 
 
 STEPS = 11
-FEW, MANY = 60, 2000
+GRID_DRAWS, FINAL_DRAWS = 60, 2000
 """Draws of the grid of gains, and of the last steps to the largest kp."""
 SIMULATED = 400
-TRIED = 3
+SETTINGS_SIMULATED = 3
 """Settings of which hunting is looked at: it may end where the loop is softer."""
 HALVINGS = 6
 
@@ -71,10 +71,10 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
     """
     feeds = shaft.loop.compensation.signal in ("measured", "error")
     share = allowed * (1 - MARGIN_RULES.gains_left_to_gamma) if feeds else allowed
-    few, enough = _evenly(shaft, FEW), _evenly(shaft, MANY)
+    few, enough = _evenly(shaft, GRID_DRAWS), _evenly(shaft, FINAL_DRAWS)
     grid = _Grid.of(few)
     tried = []
-    for kp, kd in islice(grid.stiffest(enough, share), TRIED):
+    for kp, kd in islice(grid.stiffest(enough, share), SETTINGS_SIMULATED):
         tuning = _with_gain(shaft, kp, kd, allowed, feeds)
         if tuning.why is None:
             return tuning
@@ -88,7 +88,7 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
 
 def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: bool) -> Tuning:
     """Return a setting with its largest γ, or why it is none."""
-    some = _evenly(scaled(shaft, kp, kd), MANY)
+    some = _evenly(scaled(shaft, kp, kd), FINAL_DRAWS)
     hunting = find_hunting(some, SIMULATED, allowed)
     missed = _missed(some)
     meets, closed = ~missed[hunting.rows], float(missed.mean())
@@ -111,7 +111,8 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
         return _no_setting(
             f"kp × {kp:.3g} and kd × {kd:.3g}, which meet all other specs, hunt with "
             f"probability {hunts.mean():.2g}{' without any compensation' if feeds else ''} (the "
-            f"{TRIED} stiffest that meet all others are simulated, and none that is softer)",
+            f"{SETTINGS_SIMULATED} stiffest that meet all others are simulated, and none that is "
+            "softer)",
             together,
             error,
         )
@@ -150,7 +151,7 @@ class _Grid:
     def stiffest(self, enough: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
         """Yield settings at which no more than a share of many draws misses, the stiffest first."""
         missed = self.missed.min(axis=1)
-        chance = 2 * np.sqrt(share * (1 - share) / FEW)
+        chance = 2 * np.sqrt(share * (1 - share) / GRID_DRAWS)
         for place in reversed(np.flatnonzero(missed <= share + chance)):
             equals = np.flatnonzero(self.missed[place] == missed[place])
             kd = float(self.scales[equals[equals.size // 2]])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ClaimsResult", "DiagnosisResult", "FitResult", "MarginsResult", "Results"]
 
-SHOWN = 9  # lines below the first
+LINES_SHOWN = 9  # lines below the first
 
 
 @dataclass(frozen=True, repr=False)
@@ -285,8 +285,8 @@ def _numbers(interval: Interval) -> dict[str, float]:
 
 def _lines(first: str, lines: Iterable[str]) -> str:
     rest = list(lines)
-    if len(rest) > SHOWN:
-        rest = [*rest[: SHOWN - 1], f"and {len(rest) - SHOWN + 1} more"]
+    if len(rest) > LINES_SHOWN:
+        rest = [*rest[: LINES_SHOWN - 1], f"and {len(rest) - LINES_SHOWN + 1} more"]
     return "\n".join([first, *(f"  {line}".rstrip() for line in rest)])
 
 
