@@ -46,6 +46,7 @@ ROWS = (
     ("margins", "planning"),
     ("comparing", "readiness"),
     ("export", "blind/engines"),
+    ("replaying",),
     ("blind",),
     ("plots",),
     ("report",),

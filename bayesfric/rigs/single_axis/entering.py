@@ -71,7 +71,8 @@ def entering(
         A user's, whose force is looked for beside the rows.
     """
     parts = max(1, -(-ENOUGH // len(axis.runs)))
-    logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
+    recorded: list[EvenLog] = []
+    starts, rows, runs = [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
     machine = machine_of(axis, constants)
@@ -82,12 +83,13 @@ def entering(
         if log is None:
             still.append(str(run["run"]))
             continue
-        logs.append(log)
+        recorded.append(log)
         runs.append({str(name): value for name, value in run.items()})
         starts.append(np.arange(parts) * (log.time_s.size // parts))
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
+    logs: Sequence[EvenLog] = recorded
     if not logs:
         return too_short([len(samples) for samples in by_run.values()])
     resolution = constants.encoder_resolution
@@ -98,14 +100,16 @@ def entering(
     on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
     logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
-    found = within_limit(logs, starts, resolution, clips=clips)
+    found = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
     dither = Dither()
     if found is not None:
         mass = rough_law_of(found[0], found[1].within(found[0])).mass
         calm, dither = steady(logs, mass, found[0].half_s, resolution)
         logs = list(calm)
         if dither.left_out:
-            found = within_limit(logs, starts, resolution, clips=clips)
+            found = within_limit(
+                logs, starts, resolution, clips=clips, declared=constants.force_limit_n
+            )
     too_few = too_few_windows(None if found is None else found[0])
     if found is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
