@@ -1,4 +1,4 @@
-"""What changed between two runs, from the files that they left."""
+"""The differences between the stored results of two runs."""
 
 from collections.abc import Iterator, Mapping
 from os import PathLike
@@ -99,7 +99,7 @@ def write_comparison(comparison: ComparisonFile, folder: Path) -> None:
 
 
 def comparison_text(comparison: ComparisonFile) -> list[str]:
-    """Return a comparison in lines of text, what matters most first."""
+    """Return a comparison in lines of text, the largest differences first."""
     if comparison.same and not comparison.only_in_a and not comparison.only_in_b:
         return ["no difference: " + ", ".join(comparison.run_ids)]
     lines = []
@@ -146,7 +146,7 @@ def _results(folder: Path) -> dict[str, Provenance]:
 
 
 def _settings(name: str, a: Provenance, b: Provenance) -> Iterator[Setting]:
-    """Yield what went in and is not the same."""
+    """Yield the inputs and settings that differ."""
     first_settings, second_settings = (
         _flat(record.model_dump(mode="json", include=set(WENT_IN))) for record in (a, b)
     )

@@ -1,4 +1,4 @@
-"""What a recording can tell, from its conditions alone.
+"""The errors and smallest effects that a recording allows, from its conditions alone.
 
 The trials are laid out anew, without noise, on time by a law: what was measured does not
 enter. Around that law everything is linear, so that friction's scatter and the errors of a
@@ -267,7 +267,7 @@ def _units(model: LinearModel) -> dict[str, str]:
 
 
 def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
-    """Return name, place of the size, column and place among `rest` of each that is known."""
+    """Return name, place of the size, column and place among `rest` of each coefficient."""
     at = {int(place): k for k, place in enumerate(rest)}
     return [
         (name, size, column, at[place])
@@ -327,7 +327,7 @@ def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.Da
 
 
 def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> pd.DataFrame:
-    """Return for each coefficient the condition at which one more assembly tells most."""
+    """Return for each coefficient the condition of one more assembly that lowers its error most."""
     laid = [trials.next_trials(model.laws) for trials in model.data.rigs]
     data = Data(tuple(trials for trials in laid if trials is not None))
     if not data.rigs:

@@ -1,4 +1,4 @@
-"""What is being done, told where somebody is there to read it.
+"""Progress of a stage: a bar where a person looks on, two lines in a log elsewhere.
 
 A terminal and a notebook have a bar. Elsewhere, as in the log of a CI job, the logger
 ``bayesfric`` is told at the level INFO when a stage begins, about how long a long one still
@@ -24,7 +24,7 @@ SHARE_BEFORE_ESTIMATE = 0.1  # of all steps
 def stage(
     title: str, *, quiet: bool = False, longest_first: bool = False
 ) -> Iterator[Callable[[int, int], None]]:
-    """Tell of a stage that may take over a second.
+    """Show the progress of a stage that may take over a second.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def stage(
 
 
 def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
-    """Return what tells once about how long a stage still takes."""
+    """Return a callback that logs once how long a stage will still take."""
     began, announced = monotonic(), False
 
     def tell(done: int, total: int) -> None:
@@ -88,7 +88,7 @@ def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
 
 
 def _in_notebook(title: str) -> Callable[[int, int], None]:
-    """Show a line below the cell, and return what brings it up to date."""
+    """Show a line below the cell, and return a callback that updates it."""
     from IPython.display import display
 
     def line(state: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""What must hold of every stored result, whatever the data were.
+"""Rules that every stored result must keep, whatever the data were.
 
 A result that breaks one of these is no finding: the computation is at fault. They are run on
 every diagnosis before it is written, on every stored file by ``report`` and in the tests, and
@@ -61,7 +61,7 @@ def check_record(record: Mapping[str, Any]) -> tuple[Check, ...]:
 
 
 def broken(checks: tuple[Check, ...]) -> tuple[str, ...]:
-    """Return what is broken, each as a sentence for ``attention``."""
+    """Return a sentence for ``attention`` for each rule that is broken."""
     return tuple(
         f"A fault of the computation, and no finding ({check.check}): {check.detail}."
         for check in checks
@@ -70,7 +70,7 @@ def broken(checks: tuple[Check, ...]) -> tuple[str, ...]:
 
 
 def statements() -> dict[str, dict[str, str]]:
-    """Return what each rule says, by the kind of file and by name."""
+    """Return the statement of each rule, by the kind of file and by name."""
     return {
         kind: {name: rule.statement for name, rule in rules.items()}
         for kind, rules in RULES.items()

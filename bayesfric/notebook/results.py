@@ -55,7 +55,7 @@ class FitResult(Fit):
         return prior_and_posterior(self.predictive)
 
     def plot_residuals(self) -> "Figure":
-        """Draw what the law misses of each trial, in the order of measuring."""
+        """Draw the residual of each trial from the law, in the order of measuring."""
         from bayesfric.plots.residuals import residuals_by_order
 
         return residuals_by_order(self.predictive)
@@ -148,7 +148,7 @@ class DiagnosisResult(Diagnosed):
         return what_acts(self.summary.inclusion, self.summary.practical_share)
 
     def plot_where(self) -> "Figure":
-        """Draw what the law misses along each axis."""
+        """Draw the residual force along each axis."""
         from bayesfric.plots.diagnosis import where_it_lies
         from bayesfric.plots.labels import sizes_of
 
