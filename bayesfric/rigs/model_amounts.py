@@ -13,7 +13,7 @@ from bayesfric.schemas import Interval, ModelError
 __all__ = ["ModelAmounts", "model_errors"]
 
 OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
-FELT = 0.1  # of what was believed of its error, below which none cares
+FELT = 0.1  # of a number's prior error, below which a change is not listed
 LEAST_SHARE_TAKEN = (
     0.5  # of the variance that was believed, that data take at least of a number that is listed
 )
@@ -64,7 +64,7 @@ class ModelAmounts:
         return replace(like, mean=np.asarray(centre, dtype=np.float64), precision=precision)
 
     def and_of(self, other: "ModelAmounts") -> "ModelAmounts":
-        """Return the amounts by two joints together, whose data are independent."""
+        """Return the amounts given the independent data of two joints together."""
         precision = self.precision + other.precision - np.eye(self.mean.size)
         pulled = self.precision @ self.mean + other.precision @ other.mean
         mean = np.asarray(np.linalg.solve(precision, pulled), dtype=np.float64)
@@ -72,7 +72,7 @@ class ModelAmounts:
 
 
 def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
-    """Return the errors of a model's numbers of which data tell something, the surest first.
+    """Return the errors of those of a model's numbers that the data inform, the surest first.
 
     Parameters
     ----------
