@@ -1,4 +1,4 @@
-"""What changed between two runs, from the files that they left."""
+"""The differences between the stored results of two runs."""
 
 from collections.abc import Iterator, Mapping
 from os import PathLike
@@ -31,7 +31,7 @@ MODELS: dict[str, type[Provenance]] = {
     "margins.json": MarginsFile,
 }
 WENT_IN = ("recording", "seed", "rigs", "baseline", "fixed", "analysis", "versions")
-SHOWN = 12  # shifts in the text
+SHIFTS_SHOWN = 12  # shifts in the text
 
 
 class Quantity(NamedTuple):
@@ -99,7 +99,7 @@ def write_comparison(comparison: ComparisonFile, folder: Path) -> None:
 
 
 def comparison_text(comparison: ComparisonFile) -> list[str]:
-    """Return a comparison in lines of text, what matters most first."""
+    """Return a comparison in lines of text, the largest differences first."""
     if comparison.same and not comparison.only_in_a and not comparison.only_in_b:
         return ["no difference: " + ", ".join(comparison.run_ids)]
     lines = []
@@ -110,7 +110,7 @@ def comparison_text(comparison: ComparisonFile) -> list[str]:
     moved = [shift for shift in comparison.shifts if shift.a != shift.b or shift.sd_a != shift.sd_b]
     if moved:
         lines.append(f"{len(moved)} of {len(comparison.shifts)} numbers moved, the furthest first:")
-    for shift in moved[:SHOWN]:
+    for shift in moved[:SHIFTS_SHOWN]:
         unit = "" if shift.unit == "1" else f" {shift.unit}"
         far = "" if shift.shift is None else f"  ({shift.shift:+.2f} sd)"
         lines.append(
@@ -146,7 +146,7 @@ def _results(folder: Path) -> dict[str, Provenance]:
 
 
 def _settings(name: str, a: Provenance, b: Provenance) -> Iterator[Setting]:
-    """Yield what went in and is not the same."""
+    """Yield the inputs and settings that differ."""
     first_settings, second_settings = (
         _flat(record.model_dump(mode="json", include=set(WENT_IN))) for record in (a, b)
     )

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 
 __all__ = ["Fault", "InputError", "near", "one_of"]
 
-SHOWN = 120  # characters of a value
+LONGEST_VALUE = 120  # characters of a value
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Fault:
 
 
 def _short(value: str) -> str:
-    return value if len(value) <= SHOWN else value[:SHOWN] + "…"
+    return value if len(value) <= LONGEST_VALUE else value[:LONGEST_VALUE] + "…"
 
 
 class InputError(ValueError):

@@ -12,7 +12,7 @@ __all__ = ["file_bytes", "key_faults", "read_toml"]
 
 CAPITALS = "; true and false are written in small letters"
 MEANT = re.compile(rb"=\s*(?!true|false)(?i:true|false)\b")
-FEW = 3  # places of a key that can be told
+PLACES_SHOWN = 3  # places of a key that can be told
 LARGEST_TOML = 262_144  # bytes; settings are a few kilobytes, and parsing is slow
 
 
@@ -129,7 +129,7 @@ def _unknown(file: str, key: str, page: str, keys: Collection[str]) -> Fault:
     """Return that there is no such key: one of another table, or misspelt."""
     last = key.rpartition(".")[2]
     own = [candidate for candidate in keys if candidate.rpartition(".")[2] == last]
-    hint = f"; is {' or '.join(map(repr, own))} meant?" if 0 < len(own) <= FEW else ""
+    hint = f"; is {' or '.join(map(repr, own))} meant?" if 0 < len(own) <= PLACES_SHOWN else ""
     return Fault(file, f"no such key (see {page}){hint or _misspelt(key, keys)}", column=key)
 
 

@@ -1,4 +1,4 @@
-"""Interrupts put off while something must not be cut off."""
+"""Deferral of interrupts while a file is written."""
 
 import signal
 import threading
@@ -10,7 +10,7 @@ __all__ = ["uninterrupted"]
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Put SIGINT and SIGTERM off until the end of the block."""
+    """Defer SIGINT and SIGTERM to the end of the block."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread is interrupted
         return

@@ -1,4 +1,4 @@
-"""What the paper states, read from ``data/paper/paper.toml``.
+"""The statements and numbers of the paper, read from ``data/paper/paper.toml``.
 
 Source: Miyasaka, Matheson, Lewis and Hannaford, IROS 2015 ("the paper"). This
 module only reads; nothing here is used as a prior (see :mod:`bayesfric.inference.priors`).

@@ -1,4 +1,4 @@
-"""What a recording can tell, from its conditions alone.
+"""The errors and smallest effects that a recording allows, from its conditions alone.
 
 The trials are laid out anew, without noise, on time by a law: what was measured does not
 enter. Around that law everything is linear, so that friction's scatter and the errors of a
@@ -24,7 +24,7 @@ from bayesfric.diagnosis.next_experiment import condition_of
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
-from bayesfric.inference.power import TOLD, smallest_found
+from bayesfric.inference.power import LEAST_PRECISION_RATIO, smallest_found
 from bayesfric.inference.priors import from_normal
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
@@ -42,7 +42,9 @@ Places = NDArray[np.integer[Any]]
 TO_ITS_PRIOR = "these conditions leave it to its prior"
 NEEDED = "conditions at which something moves by the friction of Table I or of the priors"
 AS_TEXT: dict[str, Any] = {"float_format": "{:.3g}".format, "na_rep": ""}
-ALIKE = 0.95  # correlation of two amplitudes, from which on the data hardly tell them apart
+INSEPARABLE_CORRELATION = (
+    0.95  # correlation of two amplitudes, from which on the data hardly tell them apart
+)
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ class Power:
         parts = [
             ("Coefficients", self.coefficients),
             (f"Effects: the smallest found with probability {FOUND_WITH:g}", self.effects),
-            (f"Pairs hardly told apart, correlation above {ALIKE:g}", self.pairs),
+            (f"Pairs hardly told apart, correlation above {INSEPARABLE_CORRELATION:g}", self.pairs),
             ("One more trial", self.next_condition),
         ]
         tables = [
@@ -243,7 +245,9 @@ def _power(
     information_left = precision[np.ix_(places, places)] - across.T @ np.linalg.solve(
         weight, across
     )
-    nothing = 1 + np.diag(information_left) < TOLD  # an amplitude is counted in widths of its prior
+    nothing = (
+        1 + np.diag(information_left) < LEAST_PRECISION_RATIO
+    )  # an amplitude is counted in widths of its prior
     open_ = [candidate for candidate, left in zip(model.candidates, nothing, strict=True) if left]
     left_out |= {f"{candidate.effect.name}/{candidate.law}": TO_ITS_PRIOR for candidate in open_}
     covariance = np.linalg.inv(weight)
@@ -263,7 +267,7 @@ def _units(model: LinearModel) -> dict[str, str]:
 
 
 def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
-    """Return name, place of the size, column and place among `rest` of each that is known."""
+    """Return name, place of the size, column and place among `rest` of each coefficient."""
     at = {int(place): k for k, place in enumerate(rest)}
     return [
         (name, size, column, at[place])
@@ -313,7 +317,9 @@ def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.Da
     for i, candidate in enumerate(model.candidates):
         for j, other in enumerate(model.candidates[:i]):
             pair = (other.effect.name, candidate.effect.name)
-            if pair[0] != pair[1] and alike[i, j] > max(ALIKE, best.get(pair, 0.0)):
+            if pair[0] != pair[1] and alike[i, j] > max(
+                INSEPARABLE_CORRELATION, best.get(pair, 0.0)
+            ):
                 best[pair] = float(alike[i, j])
     rows = [{"effect": a, "other": b, "correlation": r} for (a, b), r in best.items()]
     table = pd.DataFrame(rows, columns=["effect", "other", "correlation"])
@@ -321,7 +327,7 @@ def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.Da
 
 
 def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> pd.DataFrame:
-    """Return for each coefficient the condition at which one more assembly tells most."""
+    """Return for each coefficient the condition of one more assembly that lowers its error most."""
     laid = [trials.next_trials(model.laws) for trials in model.data.rigs]
     data = Data(tuple(trials for trials in laid if trials is not None))
     if not data.rigs:

@@ -11,7 +11,7 @@ __all__ = ["bound_of", "normalised", "stated", "stated_of_draws", "total"]
 
 ROUNDING = 1e-9  # by which a sum of probabilities may miss what it should be
 
-LEAST = 0.001  # below it, and as close to 1, a probability is stated as a bound
+LEAST_STATED = 0.001  # below it, and as close to 1, a probability is stated as a bound
 
 
 def normalised(weights: Mapping[str, float]) -> dict[str, float]:
@@ -51,7 +51,7 @@ def total(probabilities: Iterable[float]) -> float:
     return min(max(whole, 0.0), 1.0)
 
 
-def stated(p: float, least: float = LEAST) -> str:
+def stated(p: float, least: float = LEAST_STATED) -> str:
     """Write a probability with a third decimal near either end: 0.93, 0.004, > 0.999.
 
     Nothing that is computed from finitely many draws, or by approximation, is certain: neither 0
@@ -88,7 +88,7 @@ def stated_of_draws(p: float, draws: float) -> str:
     draws : float
         How many there are.
     """
-    return stated(p, max(LEAST, bound_of(draws)) if p in (0, 1) else LEAST)
+    return stated(p, max(LEAST_STATED, bound_of(draws)) if p in (0, 1) else LEAST_STATED)
 
 
 def bound_of(draws: float) -> float:

@@ -1,4 +1,4 @@
-"""What is being done, told where somebody is there to read it.
+"""Progress of a stage: a bar where a person looks on, two lines in a log elsewhere.
 
 A terminal and a notebook have a bar. Elsewhere, as in the log of a CI job, the logger
 ``bayesfric`` is told at the level INFO when a stage begins, about how long a long one still
@@ -17,14 +17,14 @@ __all__ = ["LOGGER", "stage"]
 
 LOGGER = logging.getLogger("bayesfric")
 PATIENCE_S = 5.0  # until steps that are done say how long the rest takes
-ENOUGH = 0.1  # of all steps
+SHARE_BEFORE_ESTIMATE = 0.1  # of all steps
 
 
 @contextmanager
 def stage(
     title: str, *, quiet: bool = False, longest_first: bool = False
 ) -> Iterator[Callable[[int, int], None]]:
-    """Tell of a stage that may take over a second.
+    """Show the progress of a stage that may take over a second.
 
     Parameters
     ----------
@@ -67,14 +67,19 @@ def stage(
 
 
 def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
-    """Return what tells once about how long a stage still takes."""
+    """Return a callback that logs once how long a stage will still take."""
     began, announced = monotonic(), False
 
     def tell(done: int, total: int) -> None:
         nonlocal announced
         passed = monotonic() - began
         left = passed * (total - done) / done if done else 0.0
-        if not announced and done >= ENOUGH * total and passed > PATIENCE_S and left > PATIENCE_S:
+        if (
+            not announced
+            and done >= SHARE_BEFORE_ESTIMATE * total
+            and passed > PATIENCE_S
+            and left > PATIENCE_S
+        ):
             time = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
             LOGGER.info("%s: %s %s to go", title, roughly, time)
             announced = True
@@ -83,7 +88,7 @@ def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
 
 
 def _in_notebook(title: str) -> Callable[[int, int], None]:
-    """Show a line below the cell, and return what brings it up to date."""
+    """Show a line below the cell, and return a callback that updates it."""
     from IPython.display import display
 
     def line(state: str) -> dict[str, str]:

@@ -78,7 +78,7 @@ def provenance(
     analysis: Analysis,
     created: str | None,
 ) -> Provenance:
-    """Return what every file carries.
+    """Return the provenance that every file carries.
 
     Parameters
     ----------

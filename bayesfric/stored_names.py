@@ -31,7 +31,7 @@ FURTHER = "further_attributes"
 
 
 def variable_of(name: str, taken: Collection[str] = ()) -> str:
-    """Return what a name is called as a variable, which no other name is.
+    """Return the variable's name that stands for a user's name, and for no other.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def variable_of(name: str, taken: Collection[str] = ()) -> str:
 
 
 def name_of(variable: str) -> str:
-    """Return the name that a variable was called by :func:`variable_of`."""
+    """Return the user's name from which :func:`variable_of` made a variable's."""
     return _CODE.sub(lambda code: chr(int(code[1], 16)), variable)
 
 

@@ -117,7 +117,7 @@ def check_effect(effect: Effect | str | Path) -> None:
 
 
 def _state(effect: Effect) -> State:
-    """Return the state, with each covariate that an effect needs at some value."""
+    """Return a state in which each covariate that an effect needs has a value."""
     covariates = dict.fromkeys(sorted(effect.needs - PULLEYS), 1.5)
     return STATE._replace(covariates=covariates)
 
@@ -146,7 +146,7 @@ def _check_law(effect: Effect, name: str, where_at: State | Reading) -> None:
 
 
 def _value(effect: Effect, name: str, amplitude: float | Array, where_at: State | Reading) -> Array:
-    """Return what a law gives, shape (components if any, amplitudes if any, 12)."""
+    """Return a law's values, shape (components if any, amplitudes if any, 12)."""
     values = {effect.amplitude.name: np.array(amplitude)}
     if effect.shape is not None:
         values[effect.shape.name] = np.array(effect.shape.typical)
@@ -167,7 +167,7 @@ def _value(effect: Effect, name: str, amplitude: float | Array, where_at: State 
 
 
 def check_result(result: Mapping[str, Any] | Path | str) -> list[Check]:
-    """Return what must hold of a stored result, and whether it does.
+    """Return the rules of a stored result, and whether each holds.
 
     Parameters
     ----------

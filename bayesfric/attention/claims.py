@@ -1,4 +1,4 @@
-"""What a reader must know before the verdicts on claims."""
+"""The attention list of verdicts on claims."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""What a reader must know before the numbers of a diagnosis."""
+"""The attention list of a diagnosis."""
 
 from collections.abc import Iterator, Mapping
 
@@ -10,9 +10,9 @@ SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever act
 
 
 def of_diagnosis(diagnosis: DiagnosisFile) -> tuple[str, ...]:
-    """Return every check of a diagnosis that failed, a sentence each.
+    """Return a sentence for every check of a diagnosis that failed.
 
-    What it holds already (settings that a diagnosis does not follow, say) comes first.
+    Sentences that the diagnosis itself wrote, such as settings that it ignores, come first.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a reader must know before the numbers of a fit."""
+"""The attention list of a fit."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -60,7 +60,7 @@ def of_fit(
     assemblies: Sequence[AssemblyCheck],
     coverage: Sequence[Coverage],
 ) -> tuple[str, ...]:
-    """Return every check of a fit that failed, a sentence each.
+    """Return a sentence for every check of a fit that failed.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def of_fit(
 def of_pooled(
     fits: Mapping[str, FitFile], pareto_k: float, limit: float, population: Sequence[str]
 ) -> tuple[str, ...]:
-    """Return every check of a fit of several boards that failed, a sentence each.
+    """Return a sentence for every check of a fit of several boards that failed.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _of_boards(
 
 
 def _entered(quality: DataQuality) -> Iterator[str]:
-    """Yield what is missing of the recording."""
+    """Yield what the recording lacks: replicated cells, or trials that rules left out."""
     if quality.replicated_cells == 0 and quality.trials_used:
         yield (
             "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
@@ -144,7 +144,7 @@ def _entered(quality: DataQuality) -> Iterator[str]:
 
 
 def _sensors(agreement: Agreement | None) -> Iterator[str]:
-    """Yield that the two sensors of some trial do not measure one motion."""
+    """Yield the trials whose two sensors disagree."""
     if agreement is None or agreement.largest_z is None:
         return
     chance = min(2 * float(ndtr(-agreement.largest_z)) * agreement.trials, 1.0)
@@ -161,7 +161,7 @@ def _sensors(agreement: Agreement | None) -> Iterator[str]:
 def unsettled(
     convergence: Mapping[str, Convergence], entries: Mapping[str, ParameterSummary]
 ) -> Iterator[str]:
-    """Yield the parameters that have not converged, and those that the prior drives."""
+    """Yield the parameters that have not converged, and those that rest on their priors."""
     for name, figures in convergence.items():
         if not figures.converged:
             yield (
@@ -181,7 +181,7 @@ def unsettled(
 def contradicted(
     parameters: Sequence[Parameter], entries: Mapping[str, ParameterSummary]
 ) -> Iterator[str]:
-    """Yield where the data are far from what somebody knew beforehand, as a wrong unit is."""
+    """Yield the parameters whose posterior is far from an informative prior, as by a wrong unit."""
     for parameter in parameters:
         entry, prior = entries[parameter.name], parameter.prior
         if not isinstance(prior, Normal):
@@ -205,7 +205,7 @@ def contradicted(
 
 
 def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
-    """Yield where more or fewer trials than expected lie inside their predictive intervals."""
+    """Yield the rigs of which too many or too few trials lie inside their predictive intervals."""
     for coverage in coverages:
         if not coverage.low <= coverage.share <= coverage.high:
             yield (
@@ -217,7 +217,7 @@ def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
 
 
 def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
-    """Yield the assemblies that are far from what all others say of them."""
+    """Yield the assemblies that are far from their prediction by all others."""
     for check in checks:
         rig = all_rigs()[check.rig].words.rig
         for assembly in check.outlying:
@@ -237,7 +237,7 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
 
 
 def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:
-    """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
+    """Yield the rigs whose leave-one-trial-out probabilities are not uniform."""
     for uniformity in uniformities:
         if uniformity.p_value < NOT_UNIFORM:
             rig = all_rigs()[uniformity.rig].words.rig

@@ -1,4 +1,4 @@
-"""What a reader must know before the margins of a controller."""
+"""The attention list of margins."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,13 +6,13 @@ from bayesfric.schemas import FitFile, LawUsed, LoopMargins
 
 __all__ = ["of_margins"]
 
-MOSTLY = 0.9  # of the draws, in which a figure has to hold against an elastic cable
+LEAST_AGREEMENT = 0.9  # of the draws, in which a figure has to hold against an elastic cable
 
 
 def of_margins(
     law: LawUsed, loops: Sequence[LoopMargins], fit: FitFile | None = None
 ) -> tuple[str, ...]:
-    """Return every check of margins that failed, a sentence each.
+    """Return a sentence for every check of margins that failed.
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def of_margins(
 
 
 def _unverified(loop: LoopMargins) -> Iterator[str]:
-    """Yield figures that do not hold against the simulated elastic cable."""
+    """Yield the metrics that disagree with the simulation of an elastic cable."""
     if loop.verification is None:
         return
     for held in loop.verification.held:
-        if held.share is not None and held.share < MOSTLY:
+        if held.share is not None and held.share < LEAST_AGREEMENT:
             yield f"{held.what} holds on an elastic cable in {held.share:.0%} of the draws only"

@@ -1,4 +1,4 @@
-"""What a reader of several results must know, in one list."""
+"""The attention lists of several results as one."""
 
 from collections.abc import Mapping
 

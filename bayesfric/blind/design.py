@@ -18,7 +18,7 @@ import numpy as np
 from bayesfric.errors import Fault, InputError
 
 __all__ = [
-    "ALIKE",
+    "INSEPARABLE_CLASSES",
     "SCORING_FROM",
     "BlindCase",
     "Catalogue",
@@ -32,9 +32,9 @@ SCORING_FROM = 10_000
 FULL, WEAK = 1.0, 0.3
 OTHER_STRENGTHS = (0.1, 0.2, 0.5)
 NONE, OUTSIDERS, PAIRS = 200, 60, 40
-EACH = 6  # cases of an effect at full and at weak strength
+CASES_PER_EFFECT = 6  # cases of an effect at full and at weak strength
 EACH_OTHER = 3  # at other strengths
-ALIKE = (
+INSEPARABLE_CLASSES = (
     frozenset({"clock-scale", "length-scale"}),
     frozenset({"hysteresis", "presliding"}),
 )
@@ -158,7 +158,7 @@ def cases_from_prior(
         several = {"none": 0, "effect": 1, "outsider": 1, "pair": 2}[kind]
         pool = list(catalogue.outsiders) if kind == "outsider" else names
         drawn = _without_repeats(rng, pool, several)
-        while any(set(drawn) <= alike for alike in ALIKE if several == 2):
+        while any(set(drawn) <= alike for alike in INSEPARABLE_CLASSES if several == 2):
             drawn = _without_repeats(rng, pool, several)
         strengths = np.maximum(np.abs(rng.standard_normal(several)), LEAST_STRENGTH)
         effects = tuple(
@@ -196,8 +196,8 @@ def _endless(catalogue: Catalogue) -> Iterator[Drawn]:
     weak, other = (effects[k:] + effects[:k] for k in (third, 2 * third))
     groups: list[tuple[int, Iterator[Drawn]]] = [
         (NONE, _nothing()),
-        (EACH * len(effects), _singles(catalogue, effects, (FULL,))),
-        (EACH * len(effects), _singles(catalogue, weak, (WEAK,))),
+        (CASES_PER_EFFECT * len(effects), _singles(catalogue, effects, (FULL,))),
+        (CASES_PER_EFFECT * len(effects), _singles(catalogue, weak, (WEAK,))),
         (EACH_OTHER * len(effects), _singles(catalogue, other, OTHER_STRENGTHS)),
         (OUTSIDERS, _outsiders(catalogue)),
         (PAIRS, _pairs(effects)),
@@ -237,7 +237,9 @@ def _outsiders(catalogue: Catalogue) -> Iterator[Drawn]:
 
 def _pairs(effects: Sequence[str]) -> Iterator[Drawn]:
     pairs = [
-        pair for pair in combinations(effects, 2) if not any(set(pair) <= alike for alike in ALIKE)
+        pair
+        for pair in combinations(effects, 2)
+        if not any(set(pair) <= alike for alike in INSEPARABLE_CLASSES)
     ]
     order = np.random.default_rng(ORDER_SEED).permutation(len(pairs))
     while True:

@@ -23,9 +23,9 @@ from bayesfric.schemas import (
     Target,
 )
 
-__all__ = ["BELOW", "scorecard_of"]
+__all__ = ["BELOW_PRACTICAL", "scorecard_of"]
 
-BELOW = "below practical share"
+BELOW_PRACTICAL = "below practical share"
 """Row of the confusion matrix: withheld, and too small to count."""
 SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")
 LEAST_CHANCE = 1e-6  # a probability below it is scored as this
@@ -190,13 +190,22 @@ def _confusion(cases: Sequence[ScoredCase]) -> Confusion:
         if case.kind == "none":
             return "none"
         if case.counts_as_none:
-            return BELOW
+            return BELOW_PRACTICAL
         return case.withheld[0] if case.kind == "effect" else case.kind
 
     counts = Counter((row(case), case.outcome) for case in cases)
-    ends = {"none", BELOW, "pair", "outsider", OTHERS, "unknown", "unseparated", "undecided"}
+    ends = {
+        "none",
+        BELOW_PRACTICAL,
+        "pair",
+        "outsider",
+        OTHERS,
+        "unknown",
+        "unseparated",
+        "undecided",
+    }
     effects = sorted({name for pair in counts for name in pair} - ends)
-    rows = ("none", BELOW, *effects, "pair", "outsider")
+    rows = ("none", BELOW_PRACTICAL, *effects, "pair", "outsider")
     columns = ("none", *effects, "pair", OTHERS, "unknown", "unseparated", "undecided")
     return Confusion(
         rows=rows,

@@ -11,7 +11,9 @@ __all__ = ["FLAG_SHARE", "LAWS_OF_FORMS", "NO_CLAIM", "OTHERS", "score"]
 
 NO_CLAIM = ("no-gap", "undecided")
 """Verdicts that claim no gap."""
-HALF = 0.5  # probability of a practical gap from which on `undecided` bets on there being one
+BETS_ON_GAP_FROM = (
+    0.5  # probability of a practical gap from which on `undecided` bets on there being one
+)
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
 NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
 NO_NOISE_FREE = "nobody made this recording without noise"
@@ -173,7 +175,7 @@ def _came_true(names: Sequence[str], kind: str, as_none: bool, diagnosis: Diagno
     if diagnosis.verdict == "no-gap":
         return as_none
     if diagnosis.verdict == "undecided":
-        return as_none is (diagnosis.gap.probability_above_practical < HALF)
+        return as_none is (diagnosis.gap.probability_above_practical < BETS_ON_GAP_FROM)
     twins = _twins(diagnosis)
     sets = [
         inseparable.effects

@@ -26,7 +26,7 @@ TENSION_N = 10.0  # where c1 and c2 of Table I matter about as much
 
 
 class Given(NamedTuple):
-    """What makes a case.
+    """The inputs of a case.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def run_case(given: Given) -> dict[str, Any]:
 
 
 def quantities(model: Model, theta: Array) -> dict[str, Array]:
-    """Return what is ranked, by name, each of shape (W,).
+    """Return the quantities that are ranked, by name, each of shape (W,).
 
     Parameters
     ----------
@@ -108,6 +108,6 @@ def quantities(model: Model, theta: Array) -> dict[str, Array]:
 
 
 def true_value(truth: Truth, name: str) -> float:
-    """Return what a parameter was when a recording was made."""
+    """Return the true value of a parameter in a simulated recording."""
     stem, _, size = name.removesuffix("]").partition("[")
     return float(getattr(truth.coefficients[size] if size else truth, stem))

@@ -1,4 +1,4 @@
-"""The generating prior: what recordings are drawn from, and fitted with.
+"""The generating prior: recordings are drawn from it and fitted with it.
 
 The default priors of a fit are wider than anything that a board does: most of their draws
 would not move it. Calibration takes a prior that is narrow enough, stated in ``[calibration]``,
@@ -59,7 +59,7 @@ def generating_analysis(analysis: Analysis) -> Analysis:
 
 
 def draw_truth(generating: Analysis, rng: np.random.Generator) -> Truth:
-    """Draw what a recording is made from.
+    """Draw the true coefficients, scatter and noise of a recording.
 
     Parameters
     ----------

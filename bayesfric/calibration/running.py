@@ -91,7 +91,7 @@ def calibrate(
 def calibration_of(
     cases: Sequence[Mapping[str, Any]], analysis: Analysis, *, planned: int
 ) -> CalibrationFile:
-    """Return what the cases say together.
+    """Return the ranks of all cases with their bands.
 
     Parameters
     ----------

@@ -18,10 +18,10 @@ __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
 
 LN10 = float(np.log(10))
 SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
-LARGE = 2.0  # log10, from which on odds are a power of ten
-MOST = 6.0  # log10, beyond which odds say more of the models than of the data
+POWER_OF_TEN_FROM = 2.0  # log10, from which on odds are a power of ten
+LARGEST_LOG10 = 6.0  # log10, beyond which odds say more of the models than of the data
 FOUND_WITH = 0.9  # probability of finding the smallest effect that would have been found
-TINY = 1e-12
+LEAST_AMPLITUDE = 1e-12
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 
@@ -213,7 +213,7 @@ def could_be_found(case: Case, rivals: Mapping[Hypothesis, Studied]) -> dict[str
         if error is None:
             open_to_prior.append(rival.label)
             continue
-        per_unit = float(np.median(studied.size / np.maximum(np.abs(draws), TINY)))
+        per_unit = float(np.median(studied.size / np.maximum(np.abs(draws), LEAST_AMPLITUDE)))
         smallest = smallest_found(error, prior, threshold, FOUND_WITH)
         shares[rival.label] = per_unit * smallest
     figures: dict[str, Any] = {"smallest_found": shares, "smallest_found_with": FOUND_WITH}
@@ -318,10 +318,10 @@ def decide(
 def odds(log10: float) -> str:
     """Return a Bayes factor in words, as in ``20 to 1``, up to a million to one."""
     size = abs(log10)
-    if size > MOST:
+    if size > LARGEST_LOG10:
         return "more than 10⁶ to 1" if log10 > 0 else "less than 1 to 10⁶"
     digits = "".join(SUPERSCRIPTS[int(digit)] for digit in str(round(size)))
-    number = f"{10**size:.2g}" if size < LARGE else f"10{digits}"
+    number = f"{10**size:.2g}" if size < POWER_OF_TEN_FROM else f"10{digits}"
     return f"{number} to 1" if log10 >= 0 else f"1 to {number}"
 
 

@@ -1,4 +1,4 @@
-"""What an effect is: something physical that the baseline leaves out."""
+"""The definition of an effect: a physical mechanism that the baseline leaves out."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -28,7 +28,7 @@ __all__ = [
 
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
 """Shapes that are tried, as normal quantiles of the prior."""
-SMALL = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
+LINEAR_STEP = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,9 @@ def candidates_of(effect: Effect) -> list[Candidate]:
 
 
 def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
-    """Return parameters at a small amplitude, and what its response is to be divided by."""
+    """Return parameters at a small amplitude, and the divisor that makes their response unit."""
     effect = candidate.effect
-    small = SMALL * prior_moments(effect.amplitude.prior)[1]
+    small = LINEAR_STEP * prior_moments(effect.amplitude.prior)[1]
     values: dict[str, Any] = {effect.amplitude.name: np.float64(small)}
     if effect.shape is not None:
         values[effect.shape.name] = np.float64(candidate.shape)
@@ -82,7 +82,7 @@ def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
 
 
 def prior_moments(prior: Prior) -> tuple[float, float]:
-    """Return mean and standard deviation of the normal that stands for a prior.
+    """Return mean and standard deviation of the normal that replaces a prior.
 
     That of a half-normal is the normal that is folded; :func:`is_positive` says so. A
     half-Cauchy density is the half-normal of its median, and a Student-t, gamma, beta or
@@ -115,7 +115,7 @@ def goes_to_and_fro(effect: Effect) -> bool:
 
 
 def on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candidate, float]]:
-    """Return those that add to friction along a known path."""
+    """Return the effects, with their amplitudes, that add to friction along a known path."""
     return [
         (candidate, amplitude)
         for candidate, amplitude in acting

@@ -1,4 +1,4 @@
-"""Effects as parameters: which law of which effect acts, and how it enters a likelihood."""
+"""Effects that act, each with one of its laws, as parameters of a likelihood."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -12,7 +12,7 @@ from bayesfric.inference.sampling import Draws, Progress, sample
 
 __all__ = ["draw_posterior"]
 
-EXACT = 1e-9  # over the median of a noise's prior; smaller values are rounding
+VANISHED = 1e-9  # over the median of a noise's prior; smaller values are rounding
 SCATTER = (
     "readings that scatter about the law, or their standard errors; these fit it exactly, so "
     "that no error of theirs can be told"
@@ -72,7 +72,8 @@ def _mode(model: Model, recording: str) -> Laplace:
         parameter.name
         for parameter, value in zip(model.parameters, model.natural(laplace.mode), strict=True)
         # A parameter of either sign, such as a clock offset, is not a scale that may vanish.
-        if parameter.kind == "noise" and abs(value) < EXACT * float(quantile(parameter.prior, 0.5))
+        if parameter.kind == "noise"
+        and abs(value) < VANISHED * float(quantile(parameter.prior, 0.5))
     ]
     if vanished:
         raise InputError([Fault(recording, f"{SCATTER} ({', '.join(vanished)} vanishes)")])

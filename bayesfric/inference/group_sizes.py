@@ -21,8 +21,8 @@ from bayesfric.arrays import Array, Whole
 __all__ = ["Group", "drawn_in_groups"]
 
 BURN_IN = 10  # sweeps over all groups before the first draw
-TOGETHER = 10  # draws of numbers at the same sizes
-TOLD = 1e-3  # information beside a prior of 1, below which data tell nothing
+DRAWS_A_SWEEP = 10  # draws of numbers at the same sizes
+LEAST_INFORMATION = 1e-3  # information beside a prior of 1, below which data tell nothing
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def drawn_in_groups(
     ndarray, shape (S, n)
     """
     values, vectors = np.linalg.eigh(0.5 * (precision + precision.T))
-    seen = values > TOLD
+    seen = values > LEAST_INFORMATION
     root = np.sqrt(values[seen])
     # The data as q readings of unit error.
     design = root[:, None] * (vectors[:, seen].T @ mixing)
@@ -110,9 +110,9 @@ def drawn_in_groups(
     for _ in range(BURN_IN):
         sweep()
     draws = []
-    for start in range(0, count, TOGETHER):
+    for start in range(0, count, DRAWS_A_SWEEP):
         sweep()
-        shape = (min(TOGETHER, count - start), sd.size)
+        shape = (min(DRAWS_A_SWEEP, count - start), sd.size)
         prior = sd * rng.standard_normal(shape)
         off = readings - prior @ design.T - rng.standard_normal((shape[0], readings.size))
         draws.append(prior + sd**2 * (off @ whitening() @ design))
@@ -122,4 +122,4 @@ def drawn_in_groups(
 def _thin(columns: Array) -> Array:
     """Return fewer columns with the same outer product."""
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray((left * singular)[:, singular**2 > TOLD])
+    return np.asarray((left * singular)[:, singular**2 > LEAST_INFORMATION])

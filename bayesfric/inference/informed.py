@@ -9,8 +9,10 @@ from bayesfric.inference.model import Model
 
 __all__ = ["informed_by_data"]
 
-OPEN = 1e-3  # least curvature of a direction: flatter ones differ by finite differences only
-NEAR = 1e-5  # of a prior's width, over which a change of coordinates is linear
+LEAST_CURVATURE = (
+    1e-3  # least curvature of a direction: flatter ones differ by finite differences only
+)
+LINEAR_STEP = 1e-5  # of a prior's width, over which a change of coordinates is linear
 SOME = 500  # draws, of which the most probable is near the mode
 
 
@@ -38,8 +40,8 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     z = some[np.argmax(model.log_posterior(some))]
     unit = model.scale()
     own = np.array([parameter.kind == "coefficient" for parameter in model.parameters])
-    top, near = model.natural(np.array([z, z + NEAR * unit]))
-    slope = (near - top) / (NEAR * unit)
+    top, near = model.natural(np.array([z, z + LINEAR_STEP * unit]))
+    slope = (near - top) / (LINEAR_STEP * unit)
 
     def log_likelihood(points: Array) -> Array:
         # Coefficients move on a straight line: along a curved one a slope passes for curvature.
@@ -60,5 +62,5 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
             information[np.ix_(rest, rest)] + np.eye(rest.sum()), across.T
         )
         values, vectors = np.linalg.eigh(information[np.ix_(own, own)] - taken)
-        informed[own] = (vectors**2 / np.maximum(values, OPEN)).sum(axis=1) < 1
+        informed[own] = (vectors**2 / np.maximum(values, LEAST_CURVATURE)).sum(axis=1) < 1
     return np.asarray(informed)

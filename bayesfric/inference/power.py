@@ -22,7 +22,9 @@ __all__ = ["amplitude_error", "log_bayes_factor", "smallest_found"]
 
 NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
 LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
-TOLD = 1.05  # least ratio of posterior to prior precision of an amplitude that data inform
+LEAST_PRECISION_RATIO = (
+    1.05  # least ratio of posterior to prior precision of an amplitude that data inform
+)
 LEAST_QUANTILE = -8.0  # where a prior that knows one sign ends
 
 
@@ -91,7 +93,11 @@ def amplitude_error(draws: Array, prior: Prior) -> float | None:
         width = float(np.mean(from_normal(prior, ndtri((np.arange(2000) + 0.5) / 2000)) ** 2))
         spread = _uncut(float(draws.mean()), float((draws**2).mean()))
     precision = 1 / spread
-    return None if precision * width < TOLD else float(1 / np.sqrt(precision - 1 / width))
+    return (
+        None
+        if precision * width < LEAST_PRECISION_RATIO
+        else float(1 / np.sqrt(precision - 1 / width))
+    )
 
 
 def _uncut(mean: float, square: float) -> float:

@@ -44,7 +44,7 @@ __all__ = [
 
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_2 = float(np.log(2))
-FAR = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
+FARTHEST_Z = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
 
 
 CLOSED_FORMS = (HalfNormal, LogNormal, Normal, Uniform)
@@ -173,11 +173,11 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
         case HalfNormal(scale=scale):
             # Either form loses its digits in the other's tail.
             low = np.sqrt(2) * special.erfinv(special.ndtr(np.minimum(z, 0.0)))
-            high = -special.ndtri(special.ndtr(-np.clip(z, 0.0, FAR)) / 2)
+            high = -special.ndtri(special.ndtr(-np.clip(z, 0.0, FARTHEST_Z)) / 2)
             value = np.where(z < 0, low, high)
-            if (z > FAR).any():
-                beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(z, FAR)) - LOG_2)
-                value = np.where(z > FAR, beyond, value)
+            if (z > FARTHEST_Z).any():
+                beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(z, FARTHEST_Z)) - LOG_2)
+                value = np.where(z > FARTHEST_Z, beyond, value)
             return np.asarray(scale * value)
         case LogNormal(median=median, sd_log=sd):
             return np.asarray(median * np.exp(sd * z))
@@ -206,9 +206,9 @@ def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
         case HalfNormal(scale=scale):
             u = np.maximum(x, 0.0) / scale
             low = special.ndtri(special.erf(u / np.sqrt(2)))
-            high = -special.ndtri(2 * special.ndtr(-np.minimum(u, FAR)))
-            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(u, FAR)) + LOG_2)
-            return np.asarray(np.where(u < 0.67, low, np.where(u > FAR, beyond, high)))
+            high = -special.ndtri(2 * special.ndtr(-np.minimum(u, FARTHEST_Z)))
+            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(u, FARTHEST_Z)) + LOG_2)
+            return np.asarray(np.where(u < 0.67, low, np.where(u > FARTHEST_Z, beyond, high)))
         case LogNormal(median=median, sd_log=sd):
             with np.errstate(divide="ignore"):
                 return np.asarray(np.log(np.maximum(x, 0.0) / median) / sd)

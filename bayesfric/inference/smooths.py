@@ -21,7 +21,7 @@ __all__ = ["BROAD", "KEPT", "NARROW", "SHARP", "WHOLE", "Smooth", "Span", "smoot
 NODES = 25
 BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, as shares of the range
 KEPT, WHOLE = 0.99, 0.999  # of a process' variance, and where much is told of it
-FEW = 9  # values of a covariate that are taken one by one
+MOST_SEPARATE_VALUES = 9  # values of a covariate that are taken one by one
 FINE = 50.0  # by which a logarithmic axis is finer at its low end than at its high end
 
 
@@ -53,7 +53,7 @@ class Span:
             return cls(0.0, 0.0)
         low, high = float(whole.min()), float(whole.max())
         distinct = np.unique(whole.round(9))
-        few = tuple(distinct.tolist()) if distinct.size <= FEW else ()
+        few = tuple(distinct.tolist()) if distinct.size <= MOST_SEPARATE_VALUES else ()
         return cls(low, high, few)
 
     def place(self, at: Array) -> Array:

@@ -23,7 +23,7 @@ from bayesfric.inference.grouped_normal import LOG_2PI
 __all__ = ["Thresholds", "log_probability_above"]
 
 NEWTON_STEPS = 20  # at most
-CLOSE = 1e-6  # to the mode, in standard deviations of u: nodes need be no closer
+MODE_TOLERANCE = 1e-6  # to the mode, in standard deviations of u: nodes need be no closer
 REACH = 7.0  # of the nodes around the mode, in standard deviations of u
 STEEPEST = 8.0  # |a| up to which steps follow it: there the error is below 1e-6 nat
 
@@ -116,6 +116,6 @@ def _mode(slope: Array, gap: Array) -> Array:
         gradient = np.einsum("wm,wmr->wr", hazard, slope) - mode
         change = np.linalg.solve(curvature, gradient[..., None])[..., 0]
         mode = mode + change
-        if np.abs(change).max() < CLOSE:
+        if np.abs(change).max() < MODE_TOLERANCE:
             break
     return mode

@@ -7,7 +7,7 @@ from bayesfric.arrays import Array
 
 __all__ = ["drawn_above"]
 
-ENOUGH = 3  # draws, of which a standard deviation is told
+LEAST_DRAWS = 3  # draws, of which a standard deviation is told
 FARTHEST = 30.0  # standard deviations of a bound above the mean: beyond, all are at the bound
 
 
@@ -35,7 +35,7 @@ def drawn_above(draws: Array, least: Array) -> Array:
     for place in np.ndindex(drawn.shape[1:]):
         column = drawn[(slice(None), *place)]
         below = column < bound[place]
-        if not below.any() or len(column) < ENOUGH or column.std() == 0:
+        if not below.any() or len(column) < LEAST_DRAWS or column.std() == 0:
             continue
         mean, sd = float(column.mean()), float(column.std())
         start = min(float((bound[place] - mean) / sd), FARTHEST)

@@ -1,4 +1,4 @@
-"""What must hold of every stored result, whatever the data were.
+"""Rules that every stored result must keep, whatever the data were.
 
 A result that breaks one of these is no finding: the computation is at fault. They are run on
 every diagnosis before it is written, on every stored file by ``report`` and in the tests, and
@@ -23,7 +23,7 @@ RULES: dict[str, dict[str, Rule]] = {
     "scorecard": COMMON | SCORECARD,
 }
 """Rules by the kind of file and by name."""
-SHOWN = 3  # of the places that break one rule
+PLACES_SHOWN = 3  # of the places that break one rule
 
 
 def check_record(record: Mapping[str, Any]) -> tuple[Check, ...]:
@@ -49,19 +49,19 @@ def check_record(record: Mapping[str, Any]) -> tuple[Check, ...]:
     checks = []
     for name, rule in RULES[kind].items():
         wrong = rule.breaks(looked_at)
-        more = f", and {len(wrong) - SHOWN} more" if len(wrong) > SHOWN else ""
+        more = f", and {len(wrong) - PLACES_SHOWN} more" if len(wrong) > PLACES_SHOWN else ""
         checks.append(
             Check(
                 check=name,
                 holds=not wrong,
-                detail="; ".join(wrong[:SHOWN]) + more if wrong else None,
+                detail="; ".join(wrong[:PLACES_SHOWN]) + more if wrong else None,
             )
         )
     return tuple(checks)
 
 
 def broken(checks: tuple[Check, ...]) -> tuple[str, ...]:
-    """Return what is broken, each as a sentence for ``attention``."""
+    """Return a sentence for ``attention`` for each rule that is broken."""
     return tuple(
         f"A fault of the computation, and no finding ({check.check}): {check.detail}."
         for check in checks
@@ -70,7 +70,7 @@ def broken(checks: tuple[Check, ...]) -> tuple[str, ...]:
 
 
 def statements() -> dict[str, dict[str, str]]:
-    """Return what each rule says, by the kind of file and by name."""
+    """Return the statement of each rule, by the kind of file and by name."""
     return {
         kind: {name: rule.statement for name, rule in rules.items()}
         for kind, rules in RULES.items()

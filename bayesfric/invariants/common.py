@@ -14,7 +14,7 @@ INTERVAL = ("q05", "q50", "q95")
 
 
 class Rule(NamedTuple):
-    """What must hold of a result.
+    """A rule that a result must keep.
 
     Parameters
     ----------

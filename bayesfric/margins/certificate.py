@@ -44,7 +44,7 @@ from bayesfric.schemas import Certificate
 __all__ = ["certified_gain", "certify", "largest_slope", "not_applicable"]
 
 
-MOST = 200
+MOST_DRAWS = 200
 """Draws that are looked at."""
 POINTS = 1200
 SHARES = np.geomspace(1e-8, 0.9, 40)
@@ -162,7 +162,7 @@ def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, s
     why = not_applicable(shaft)
     if why is not None:
         return None, why
-    place = np.unique(np.linspace(0, hunting.rows.size - 1, MOST).astype(np.intp))
+    place = np.unique(np.linspace(0, hunting.rows.size - 1, MOST_DRAWS).astype(np.intp))
     some, threshold = shaft.taken(hunting.rows[place]), hunting.threshold[place]
     slope = largest_slope(some)
     count = slope.size

@@ -47,14 +47,14 @@ SLIPS = 12.0
 """Stuck bands that a reference passes in a run: six slips of the longest kind."""
 CYCLES = 6.0
 """Slow cycles of integral action in a run."""
-LONGER = 3.0
+SLOWER_ON_A_CABLE = 3.0
 """A slow cycle on an elastic cable over that of a stiff one, at most as seen: the motor slips less
 far while the joint stands."""
 LEAST_EXCESS = 0.02
 """Breakaway over moving friction, as a share of it, below which a slow cycle is not waited for."""
 LASTS = (0.6, MARGIN_RULES.swing_lasts)
 """Least and largest share of its amplitude that a swing keeps if it lasts."""
-WITHIN, FINEST = 0.05, 1e-3
+SHARE_WITHIN, LEAST_WIDTH = 0.05, 1e-3
 """Share of a threshold within which it is found, and the least width that is looked for."""
 
 
@@ -126,7 +126,7 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
             * reset
             * np.divide(breakaway, excess, out=np.zeros_like(excess), where=sticks)
         )
-        slow = slow if loop.cable is None else LONGER * slow
+        slow = slow if loop.cable is None else SLOWER_ON_A_CABLE * slow
         slow = np.where(ki > 0.0, np.maximum(8.0 * reset, slow), 0.0)
         linear = np.minimum(np.maximum(settled, periods), MOST_SETTLING_S)
     wanted = np.maximum(np.max([linear, dragged, slow], axis=0), SHORTEST_S)
@@ -184,7 +184,7 @@ def hunting_threshold(
     gammas : sequence of float
         The γ that are tried first, increasing from 0.
     tolerance : float
-        Width to which the bisection goes, and a share :data:`WITHIN` of smaller thresholds.
+        Width to which the bisection goes, and a share :data:`SHARE_WITHIN` of smaller thresholds.
     hunts_at : array_like
         γ at which each draw hunts in another condition, a scalar or (draws,): none above is tried.
     expected : int
@@ -258,7 +258,7 @@ def _bisect(
     hunts: Callable[[Whole, Array], Flags],
     tolerance: float,
 ) -> Thresholds:
-    """Bisect thresholds down to a tolerance, or to a share :data:`WITHIN` of smaller ones.
+    """Bisect thresholds down to a tolerance, or to a share :data:`SHARE_WITHIN` of smaller ones.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def _bisect(
     """
     threshold, condition = thresholds.gamma, thresholds.condition
     while True:
-        near = np.minimum(tolerance, np.maximum(WITHIN * threshold, FINEST))
+        near = np.minimum(tolerance, np.maximum(SHARE_WITHIN * threshold, LEAST_WIDTH))
         wide = np.isfinite(threshold) & (threshold - below > near)
         if not wide.any():
             return thresholds

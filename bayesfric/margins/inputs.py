@@ -17,7 +17,7 @@ __all__ = ["beyond_the_draws", "refused"]
 
 Range = tuple[float, float]
 
-ROOM = 1e-6
+ROUNDING = 1e-6
 AXES = {"wrap_angle": ("wrap_angle_deg", "c3"), "tension": ("tension_n", "c1")}
 """What a loop may extrapolate by name: the tested axis, and the coefficient that must be known."""
 
@@ -86,7 +86,7 @@ def _tensions(
     low, high = tested
     static = float(_outside(shaft.stages[stage].tension[place], tested).mean())
     least, largest = shaft.side_tension_of(stage)
-    peak = float((largest > high + ROOM).mean())
+    peak = float((largest > high + ROUNDING).mean())
     if static > 0:
         yield (
             f"the tension of {name} is outside of the tested {low:.0f} to {high:.0f} N in "
@@ -102,4 +102,4 @@ def _tensions(
 
 
 def _outside(values: Array | float, tested: Range) -> Flags:
-    return np.asarray((values < tested[0] - ROOM) | (values > tested[1] + ROOM))
+    return np.asarray((values < tested[0] - ROUNDING) | (values > tested[1] + ROUNDING))

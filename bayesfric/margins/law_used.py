@@ -15,7 +15,7 @@ from bayesfric.schemas import DiagnosisFile, LawNumber, LawUsed
 __all__ = ["ChosenLaw", "LawAsked", "choose_law"]
 
 LawAsked = Literal["fitted", "refitted"]
-SHOWN = 3  # numbers of the law that are told as wrong
+NUMBERS_SHOWN = 3  # numbers of the law that are told as wrong
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _wrong(numbers: Mapping[str, LawNumber]) -> str:
         for name, number in numbers.items()
         if number.after.mean
     }
-    worst = sorted(off, key=lambda name: -abs(off[name]))[:SHOWN]
+    worst = sorted(off, key=lambda name: -abs(off[name]))[:NUMBERS_SHOWN]
     said = (
         f"{name} {abs(off[name]):.0%} too {'high' if off[name] > 0 else 'low'}" for name in worst
     )

@@ -24,9 +24,9 @@ __all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_gri
 
 Rows = Whole
 
-COARSE = 1.5  # rad; a step of arg(1 + L) beyond this is looked at again, more finely
+LARGEST_TURN = 1.5  # rad; a step of arg(1 + L) beyond this is looked at again, more finely
 AT_ONCE = 64  # loops
-FINEST = 12  # times that a step is halved at most
+MOST_HALVINGS = 12  # times that a step is halved at most
 
 
 class Response(Protocol):
@@ -103,7 +103,7 @@ def is_stable(response: Response, omega: Array, on_grid: Complex | None = None) 
     step = np.angle(around[:, 1:] * around[:, :-1].conj())
     turned = step.sum(axis=1)
     # A large step may hide a whole turn: halve it until every step is small.
-    for row, left in zip(*np.nonzero(np.abs(step) > COARSE), strict=True):
+    for row, left in zip(*np.nonzero(np.abs(step) > LARGEST_TURN), strict=True):
         turned[row] += _turning(response, omega[row, left], omega[row, left + 1], row)
         turned[row] -= step[row, left]
     start = np.angle(around[:, 0])
@@ -255,12 +255,12 @@ def _turning(response: Response, low: float, high: float, row: np.intp) -> float
     """Return how far arg(1 + L) turns between two frequencies, in ever smaller steps."""
     points = 16
     turned = 0.0
-    for _ in range(FINEST):
+    for _ in range(MOST_HALVINGS):
         omega = np.geomspace(low, high, points + 1)
         around = 1 + response(omega, np.full(points + 1, row))
         step = np.angle(around[1:] * around[:-1].conj())
         turned = float(step.sum())
-        if np.abs(step).max() < COARSE:
+        if np.abs(step).max() < LARGEST_TURN:
             break
         points *= 2
     return turned

@@ -23,7 +23,9 @@ from bayesfric.schemas import FitFile
 
 __all__ = ["read_draws"]
 
-WITHIN = "the draws are of a board that was not measured: the scatter between boards is in them"
+SCATTER_BETWEEN_BOARDS = (
+    "the draws are of a board that was not measured: the scatter between boards is in them"
+)
 
 
 def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
@@ -80,7 +82,7 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
                 for size in coefficients
             },
         ),
-        RigDiscrepancy(0.0, WITHIN),
+        RigDiscrepancy(0.0, SCATTER_BETWEEN_BOARDS),
     )
 
 

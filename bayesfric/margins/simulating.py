@@ -32,7 +32,7 @@ __all__ = ["LoopMotion", "follow", "simulate"]
 
 EARLY_TWICE = 2
 """Times that a shaft which stands again after all may be judged early: slow cycles end, too."""
-BRIEFLY = 4
+STANDS_IN_SETTLING = 4
 """Stands in a settling time: who stands for less at a time counts as moving."""
 LOOKED_AT_EVERY = 8
 """Samples between looks at which shafts stand still and which runs are over."""
@@ -259,7 +259,7 @@ class _Run:
                         np.where(running, step.length, 0.0), plant.position, plant.speed, acting
                     )
         self.k = self.k + running
-        self.moving = np.where(BRIEFLY * self.quiet > self.settling, 0, self.moving + 1)
+        self.moving = np.where(STANDS_IN_SETTLING * self.quiet > self.settling, 0, self.moving + 1)
         error = self._error()
         asked = self.controller.reference.speed(self.k * self.controller.period)
         self.swing.see(self.k, error, plant.speed - asked, running)

@@ -40,7 +40,9 @@ MAPPED = 30
 OTHER_KICKS = (0.0, 2.0)
 """Kicks, over the file's, that must not hunt either at the gain that is called safe."""
 ROUNDS = 3
-TOGETHER = "motors of the coupled joints that move along or swing together; others hold still here"
+MOVE_TOGETHER = (
+    "motors of the coupled joints that move along or swing together; others hold still here"
+)
 
 
 @dataclass(frozen=True)
@@ -160,7 +162,7 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
         None,
         (
             "references that move, as the file's reference_range_rad_s has it",
-            *(() if shaft.wrist is None else (TOGETHER,)),
+            *(() if shaft.wrist is None else (MOVE_TOGETHER,)),
         ),
         "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw; at rest alone",
     )
@@ -250,7 +252,7 @@ def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[st
     if not (shaft.backlash > 0).any():
         missing.append("backlash")
     if shaft.wrist is not None:
-        missing.append(TOGETHER)
+        missing.append(MOVE_TOGETHER)
     if shaft.cable is None:
         missing.append("swings of the cable, which is so stiff that it is simulated as one shaft")
     return tuple(missing)

@@ -24,10 +24,10 @@ __all__ = ["meets_all_now", "scaled", "tune"]
 
 
 STEPS = 11
-FEW, MANY = 60, 2000
+GRID_DRAWS, FINAL_DRAWS = 60, 2000
 """Draws of the grid of gains, and of the last steps to the largest kp."""
 SIMULATED = 400
-TRIED = 3
+SETTINGS_SIMULATED = 3
 """Settings of which hunting is looked at: it may end where the loop is softer."""
 HALVINGS = 6
 
@@ -71,10 +71,10 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
     """
     feeds = shaft.loop.compensation.signal in ("measured", "error")
     share = allowed * (1 - MARGIN_RULES.gains_left_to_gamma) if feeds else allowed
-    few, enough = _evenly(shaft, FEW), _evenly(shaft, MANY)
-    grid = _Grid.of(few)
+    on_grid, final = _evenly(shaft, GRID_DRAWS), _evenly(shaft, FINAL_DRAWS)
+    grid = _Grid.of(on_grid)
     tried = []
-    for kp, kd in islice(grid.stiffest(enough, share), TRIED):
+    for kp, kd in islice(grid.stiffest(final, share), SETTINGS_SIMULATED):
         tuning = _with_gain(shaft, kp, kd, allowed, feeds)
         if tuning.why is None:
             return tuning
@@ -82,13 +82,13 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
     return (
         max(tried, key=lambda tuning_tried: tuning_tried.probability)
         if tried
-        else _none(grid, enough)
+        else _none(grid, final)
     )
 
 
 def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: bool) -> Tuning:
     """Return a setting with its largest γ, or why it is none."""
-    some = _evenly(scaled(shaft, kp, kd), MANY)
+    some = _evenly(scaled(shaft, kp, kd), FINAL_DRAWS)
     hunting = find_hunting(some, SIMULATED, allowed)
     missed = _missed(some)
     meets, closed = ~missed[hunting.rows], float(missed.mean())
@@ -111,7 +111,8 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
         return _no_setting(
             f"kp × {kp:.3g} and kd × {kd:.3g}, which meet all other specs, hunt with "
             f"probability {hunts.mean():.2g}{' without any compensation' if feeds else ''} (the "
-            f"{TRIED} stiffest that meet all others are simulated, and none that is softer)",
+            f"{SETTINGS_SIMULATED} stiffest that meet all others are simulated, and none that is "
+            "softer)",
             together,
             error,
         )
@@ -147,24 +148,24 @@ class _Grid:
         }
         return cls(scales, np.array(missed), alone)
 
-    def stiffest(self, enough: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
+    def stiffest(self, final: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
         """Yield settings at which no more than a share of many draws misses, the stiffest first."""
         missed = self.missed.min(axis=1)
-        chance = 2 * np.sqrt(share * (1 - share) / FEW)
+        chance = 2 * np.sqrt(share * (1 - share) / GRID_DRAWS)
         for place in reversed(np.flatnonzero(missed <= share + chance)):
             equals = np.flatnonzero(self.missed[place] == missed[place])
             kd = float(self.scales[equals[equals.size // 2]])
             low = float(self.scales[place])
-            if _missed(scaled(enough, low, kd)).mean() <= share:
+            if _missed(scaled(final, low, kd)).mean() <= share:
                 high = float(self.scales[min(place + 1, self.scales.size - 1)])
-                yield _largest_kp(enough, low, high, kd, share), kd
+                yield _largest_kp(final, low, high, kd, share), kd
 
 
-def _none(grid: _Grid, enough: LoopAtShaft) -> Tuning:
+def _none(grid: _Grid, final: LoopAtShaft) -> Tuning:
     """Return that no setting will do, and which spec stands in the way of all of them."""
     best = np.unravel_index(grid.missed.argmin(), grid.missed.shape)
     kp, kd = grid.scales[list(best)]
-    missed = float(_missed(scaled(enough, float(kp), float(kd))).mean())
+    missed = float(_missed(scaled(final, float(kp), float(kd))).mean())
     name = max(grid.missed_alone, key=lambda spec: grid.missed_alone[spec].min())
     widest = MARGIN_RULES.gains_widest
     why = (
@@ -172,7 +173,7 @@ def _none(grid: _Grid, enough: LoopAtShaft) -> Tuning:
         f"{name.replace('_', ' ')} is missed with probability "
         f"{grid.missed_alone[name].min():.2g} at the best of them"
     )
-    return _no_setting(why, missed, standard_error(missed, float(enough.gamma.size)))
+    return _no_setting(why, missed, standard_error(missed, float(final.gamma.size)))
 
 
 def _no_setting(why: str, missed: float, error: float) -> Tuning:

@@ -26,7 +26,7 @@ __all__ = ["jeffreys", "verify"]
 
 
 TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
-FINER = 4
+STEPS_FOR_ONE = 4
 """Steps of the cable for one of the search for γ."""
 SHARES = (0.0, 0.5, 0.7, 0.9, 1.1, 1.3, 1.6)
 """Of the γ that hunts, at which it is tried whether it does."""
@@ -186,7 +186,7 @@ def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: f
         reference_speed=speed.ravel(),
         duration=duration,
         lasts=run_length(loop).lasts,
-        substeps=FINER,
+        substeps=STEPS_FOR_ONE,
     )
 
 

@@ -113,7 +113,7 @@ def power(
     *,
     priors: Priors | None = None,
 ) -> Power:
-    """Say what the conditions of a recording can tell, whatever was measured.
+    """Return the errors and smallest effects that the conditions of a recording allow.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def compute_margins(
     seed: int | None = None,
     **options: Any,
 ) -> MarginsResult:
-    """Compute what the uncertainty of friction does to controllers.
+    """Compute the margins of controllers under the uncertainty of friction.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def load(folder: FilePath) -> Results:
 
 @contextmanager
 def _stage_of(title: str, options: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Tell of a stage, unless the user's own ``progress`` does; return options that have one."""
+    """Show the progress of a stage, unless ``progress`` is given; return options with it."""
     with stage(title, quiet="progress" in options) as progress:
         yield {"progress": progress, **options}
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ClaimsResult", "DiagnosisResult", "FitResult", "MarginsResult", "Results"]
 
-SHOWN = 9  # lines below the first
+LINES_SHOWN = 9  # lines below the first
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,7 +55,7 @@ class FitResult(Fit):
         return prior_and_posterior(self.predictive)
 
     def plot_residuals(self) -> "Figure":
-        """Draw what the law misses of each trial, in the order of measuring."""
+        """Draw the residual of each trial from the law, in the order of measuring."""
         from bayesfric.plots.residuals import residuals_by_order
 
         return residuals_by_order(self.predictive)
@@ -168,7 +168,7 @@ class DiagnosisResult(Diagnosed):
         return what_acts(self.summary.inclusion, self.summary.practical_share)
 
     def plot_where(self) -> "Figure":
-        """Draw what the law misses along each axis."""
+        """Draw the residual force along each axis."""
         from bayesfric.plots.diagnosis import where_it_lies
         from bayesfric.plots.labels import sizes_of
 
@@ -305,8 +305,8 @@ def _numbers(interval: Interval) -> dict[str, float]:
 
 def _lines(first: str, lines: Iterable[str]) -> str:
     rest = list(lines)
-    if len(rest) > SHOWN:
-        rest = [*rest[: SHOWN - 1], f"and {len(rest) - SHOWN + 1} more"]
+    if len(rest) > LINES_SHOWN:
+        rest = [*rest[: LINES_SHOWN - 1], f"and {len(rest) - LINES_SHOWN + 1} more"]
     return "\n".join([first, *(f"  {line}".rstrip() for line in rest)])
 
 

@@ -12,7 +12,7 @@ from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 
 __all__ = ["friction_of_priors"]
 
-LEAST = 0.05  # of an axis that has room for frictions down to zero [N]
+LEAST_FRICTION_N = 0.05  # of an axis that has room for frictions down to zero [N]
 
 
 def friction_of_priors(predictive: xr.DataTree) -> Figure:
@@ -33,7 +33,7 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
     table = predictive["prior"].to_dataset()
     sizes = ordered_sizes(table["pulley"].to_numpy())
     measured = table["measured_n"].to_numpy()
-    least = max(LEAST, float(measured.min()))
+    least = max(LEAST_FRICTION_N, float(measured.min()))
     with figure(height=58.0) as fig:
         panels = fig.subplots(1, len(sizes), squeeze=False, sharey=True)[0]
         for axes, size in zip(panels, sizes, strict=True):

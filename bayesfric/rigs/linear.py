@@ -215,7 +215,7 @@ class LinearRig(Protocol):
         phases: Sequence[tuple[int, float, str]] = (),
         used: Flags | None = None,
     ) -> Evaluated:
-        """Return what the data say of the numbers of a hypothesis.
+        """Return the information of the data on the numbers of a hypothesis.
 
         Parameters
         ----------
@@ -233,7 +233,7 @@ class LinearRig(Protocol):
         """Return the rig with mixtures of its columns in their place."""
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
-        """Return what each trial alone says of the local numbers, (N, q, q)."""
+        """Return the information of each trial alone on the local numbers, (N, q, q)."""
 
     def phase_strength(self, place: int) -> float:
         """Return the squared signal over noise of a candidate's phases at unit amplitude."""

@@ -12,9 +12,11 @@ from bayesfric.schemas import Interval, ModelError
 
 __all__ = ["ModelAmounts", "model_errors"]
 
-SURE = 3.3  # standard deviations, from which on a number is off
-FELT = 0.1  # of what was believed of its error, below which none cares
-TOLD = 0.5  # of the variance that was believed, that data take at least of a number that is listed
+OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
+FELT = 0.1  # of a number's prior error, below which a change is not listed
+LEAST_SHARE_TAKEN = (
+    0.5  # of the variance that was believed, that data take at least of a number that is listed
+)
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ class ModelAmounts:
         return replace(like, mean=np.asarray(centre, dtype=np.float64), precision=precision)
 
     def and_of(self, other: "ModelAmounts") -> "ModelAmounts":
-        """Return the amounts by two joints together, whose data are independent."""
+        """Return the amounts given the independent data of two joints together."""
         precision = self.precision + other.precision - np.eye(self.mean.size)
         pulled = self.precision @ self.mean + other.precision @ other.mean
         mean = np.asarray(np.linalg.solve(precision, pulled), dtype=np.float64)
@@ -70,7 +72,7 @@ class ModelAmounts:
 
 
 def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
-    """Return the errors of a model's numbers of which data tell something, the surest first.
+    """Return the errors of those of a model's numbers that the data inform, the surest first.
 
     Parameters
     ----------
@@ -83,7 +85,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     mean = amounts.root @ amounts.mean
     sd = np.sqrt(np.einsum("pc,pc->p", amounts.root, _solved(amounts)))
     before = np.sqrt(np.sum(amounts.root**2, axis=1))
-    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - TOLD) * before**2))
+    listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_SHARE_TAKEN) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
     reach = float(norm.ppf(0.95))
     errors = []
@@ -97,7 +99,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
             q50=centre,
             q95=centre + reach * spread,
         )
-        off = abs(centre) > SURE * spread and abs(centre) > FELT * before[place]
+        off = abs(centre) > OFF_FROM_SD * spread and abs(centre) > FELT * before[place]
         errors.append(
             ModelError(
                 link=link,

@@ -167,7 +167,7 @@ class PointRows:
         return rms_of(self.relative_force(candidate))
 
     def strays(self) -> tuple[str, ...]:
-        """Return no trial: one is known by its own reading alone."""
+        """Return no trial: one reading alone cannot show that its trial strays."""
         return ()
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:

@@ -92,7 +92,7 @@ class PointPart:
             column = rows.candidate_column(candidate)
             if not isinstance(column, Unsupported):
                 self._moved = self._moved + amplitude * column
-        # What deviations of a load and of an assembly move: friction, and its intercept alone.
+        # Deviations of a load and of an assembly move friction, and its intercept alone.
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(model.priors)
@@ -149,8 +149,8 @@ class PointPart:
         x = root[:, None] * x
         y, moved = root * self.rows.reading[runs], self._moved[runs]
         variance = self._error2(noise)[runs] + (noise[self._own] * moved) ** 2
-        # Trials under one load share deviations, and those of one assembly others: what
-        # both are known by are sums over trials, and over loads.
+        # Trials under one load share deviations, and loads of one assembly share others. Both
+        # are integrated out by sums over trials and over loads.
         shared = root[:, None] * self._shared[runs]
         pulls = shared / variance[:, None]
         weighted = x / variance[:, None]
@@ -222,14 +222,14 @@ class PointPart:
         return squeezed
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
-        """Return what each trial alone says of the local numbers, (N, q, q)."""
+        """Return the information of each trial alone on the local numbers, (N, q, q)."""
         variance = self._error2(noise) / self._weight
         variance += self.scatter(noise).sum(axis=1) * self._moved**2
         outer = self.columns[:, :, None] * self.columns[:, None, :]
         return np.asarray(outer / variance[:, None, None])
 
     def phase_strength(self, place: int) -> float:
-        """Return 0: what goes round averages out."""
+        """Return 0: an effect that goes round with the pulleys averages out in a steady run."""
         del place
         return 0.0
 

@@ -124,7 +124,7 @@ class NestedDeviations:
 
     @property
     def constant(self) -> float:
-        """What the log density is more."""
+        """The constant that the deviations add to the log density."""
         return self.group.constant + self.setup.constant
 
     def taken_by(self, groups: Flags, setups: Flags) -> tuple[Array, Array]:
@@ -156,7 +156,7 @@ class NestedDeviations:
         return setup.left(setup.columns), setup.left(setup.response), own
 
     def of_rows(self) -> tuple[Array, Array, Array]:
-        """Return what the deviations take up in a row, per ``pulls`` of it.
+        """Return the parts of a row that the deviations take up, over its ``pulls``.
 
         Returns
         -------
@@ -194,7 +194,7 @@ def second_moments(
     mean: Sequence[Array],
     covariance: Sequence[Array],
 ) -> Array:
-    """Return what a variance more along each row or group adds to the log evidence, doubled."""
+    """Return twice the derivative of the log evidence by a variance added to each row or group."""
     moments = np.empty(own.size)
     for which, (m, v) in enumerate(zip(mean, covariance, strict=True)):
         mine = size == which

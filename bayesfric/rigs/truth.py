@@ -1,4 +1,4 @@
-"""What a simulated recording is made from."""
+"""The truth of a simulated recording: coefficients, scatter, noise and effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -53,7 +53,7 @@ def table1_coefficients() -> dict[str, Coefficients]:
 
 @dataclass(frozen=True)
 class Truth:
-    """What a simulated recording is made from.
+    """The truth of a simulated recording: coefficients, scatter, noise and effects.
 
     Parameters
     ----------

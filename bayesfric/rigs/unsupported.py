@@ -11,7 +11,7 @@ __all__ = ["Unsupported", "why_inert"]
 
 @dataclass(frozen=True)
 class Unsupported:
-    """Something that a rig cannot show, with the reason as a reader is told it.
+    """Something that a rig cannot show, with the reason that a reader is given.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Residual friction force in windows: what the eye would look at."""
+"""Residual friction force, averaged in windows of the travel."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

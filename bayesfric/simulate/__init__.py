@@ -1,4 +1,4 @@
-"""Boards, effects and noise make a recording: the mirror of :mod:`bayesfric.likelihood`."""
+"""Simulation of recordings: boards, effects and noise to tables."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace

@@ -105,7 +105,7 @@ def at_strength(
 
 
 def _square(effect: Effect, change: Array) -> Array:
-    """Return the mean square of each row's change, over its times and the phases."""
+    """Return the mean square of each row's change over its times and phases."""
     squares = change**2
     if effect.components:
         squares = squares.sum(axis=0)

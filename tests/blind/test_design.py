@@ -5,7 +5,7 @@ from itertools import combinations
 
 import pytest
 
-from bayesfric.blind.design import ALIKE, Catalogue, cases_from_prior, cases_of
+from bayesfric.blind.design import INSEPARABLE_CLASSES, Catalogue, cases_from_prior, cases_of
 from bayesfric.effects import all_effects
 from bayesfric.errors import InputError
 
@@ -55,12 +55,12 @@ def test_each_case_has_a_seed_of_its_own():
 def test_no_pair_is_of_one_class():
     pairs = [{name for name, _ in case.effects} for case in whole() if case.kind == "pair"]
     assert len({frozenset(pair) for pair in pairs}) == 40
-    assert not any(pair <= alike for pair in pairs for alike in ALIKE)
+    assert not any(pair <= alike for pair in pairs for alike in INSEPARABLE_CLASSES)
     two = Catalogue(dict.fromkeys(["clock-scale", "length-scale", "viscous"], (True, True)), ("x",))
     drawn = cases_from_prior(two, 400).values()
     pairs = [{name for name, _ in case.effects} for case in drawn if case.kind == "pair"]
     assert {frozenset(pair) for pair in pairs} == {
-        frozenset(p) for p in combinations(two.effects, 2) if set(p) not in ALIKE
+        frozenset(p) for p in combinations(two.effects, 2) if set(p) not in INSEPARABLE_CLASSES
     }
 
 

@@ -6,7 +6,7 @@ from blind.scored import scored
 
 from bayesfric.analysis import Analysis
 from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
-from bayesfric.blind.scorecard import BELOW, scorecard_of
+from bayesfric.blind.scorecard import BELOW_PRACTICAL, scorecard_of
 
 FOREIGN = {"own": False}
 MISSED = {"verdict": "no-gap", "causes": (), "outcome": "none", "correct": False}
@@ -74,7 +74,7 @@ def test_rates_count_what_they_say(card):
 
 def test_the_confusion_matrix_holds_every_case_once(card):
     table = card.confusion
-    assert table.rows == ("none", BELOW, "runout", "viscous", "pair", "outsider")
+    assert table.rows == ("none", BELOW_PRACTICAL, "runout", "viscous", "pair", "outsider")
     assert table.columns == (
         *("none", "runout", "viscous", "pair", "other-combination"),
         *("unknown", "unseparated", "undecided"),

@@ -99,7 +99,7 @@ def empty_names(source: str, file: str) -> list[Place]:
         Place(file, node.lineno, name)
         for node in ast.walk(ast.parse(source))
         for name in bound_names(node)
-        if name.strip("_") in EMPTY_NAMES and (file, name) not in KEYS_OF_FILES
+        if name.strip("_").lower() in EMPTY_NAMES and (file, name) not in KEYS_OF_FILES
     ]
 
 

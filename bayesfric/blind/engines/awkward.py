@@ -17,7 +17,9 @@ from bayesfric.blind.engines.state import ImposedEffect, Kind
 __all__ = ["Awkward", "background_of", "draw_awkward", "nearly_stalling", "spoiled"]
 
 SELDOM = 0.12  # of each gap in the design
-TOGETHER = 0.045  # strength of the background, below 0.5 % rms of friction in the worst case
+BACKGROUND_STRENGTH = (
+    0.045  # strength of the background, below 0.5 % rms of friction in the worst case
+)
 CRAWL_M_S2 = 0.05  # of the trial that nearly stalls
 BOUNCE_S = 4e-4  # between an event and its double
 MARGIN = 8  # events at either end of a train that are spared
@@ -69,7 +71,7 @@ def background_of(
     names = {kind.name for kind in withheld}
     kinds = [kind for kind in EFFECTS.values() if kind.name not in names and kind.needs in there]
     chosen = rng.permutation(len(kinds))[: int(rng.integers(3, 5))]
-    shares = rng.dirichlet(np.ones(chosen.size)) * TOGETHER * rng.uniform(0.3, 1.0)
+    shares = rng.dirichlet(np.ones(chosen.size)) * BACKGROUND_STRENGTH * rng.uniform(0.3, 1.0)
     return [
         drawn(kinds[place], float(share), "random", trials, rng)
         for place, share in zip(chosen, shares, strict=True)

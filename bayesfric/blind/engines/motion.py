@@ -20,7 +20,7 @@ GRID = 240  # points of the dense output in each stage
 STAGES = 12
 TOLERANCE = 1e-9
 LARGEST_STEP = 0.1  # of the time that a trial takes
-ENOUGH = 1e-11  # N, at which the iteration for the acceleration stops
+FORCE_TOLERANCE_N = 1e-11  # N, at which the iteration for the acceleration stops
 MOST_SECANTS = 20
 SHARE_AT_DRIVE = {"ends": 0.5, "air": 0.5, "drive": 1.0, "load": 0.0}
 NONE_AND_ONE = np.array([0.0, 1.0])[:, None, None]  # N: tensions that show a straight line
@@ -180,7 +180,7 @@ def acceleration_of(
     acceleration = before + force_before / moving
     for _ in range(MOST_SECANTS):
         force = missing(acceleration)
-        if np.abs(force).max() < ENOUGH:
+        if np.abs(force).max() < FORCE_TOLERANCE_N:
             break
         change = force_before - force
         steep = np.abs(change) > 1e-3 * moving * np.abs(acceleration - before)

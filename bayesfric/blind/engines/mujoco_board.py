@@ -26,7 +26,7 @@ from bayesfric.blind.engines.state import Array
 __all__ = ["Made", "Withheld", "effect_names", "forms", "make", "outsider_names"]
 
 LONGEST_S = 8.0
-BEYOND = 1.05  # of the travel, up to which a trial is simulated
+SIMULATED_TRAVEL = 1.05  # of the travel, up to which a trial is simulated
 MIDDLE_N = 16.5  # tension about which friction may bend
 POINTS = 60  # of time in a trial, over which strength is a mean
 FULL = 0.1  # rms share of friction at strength 1
@@ -290,7 +290,7 @@ def _time_of(cable: Cable) -> float:
         cable.damping * fastest + cable.drag * fastest**2 + cable.stiffness * TRAVEL_M
     ) / (cable.drive_kg + cable.load_kg)
     least = max(slowed, 0.25 * closed_form(cable), 0.02)
-    return float(min(np.sqrt(2 * BEYOND * TRAVEL_M / least), LONGEST_S))
+    return float(min(np.sqrt(2 * SIMULATED_TRAVEL * TRAVEL_M / least), LONGEST_S))
 
 
 def _motion(runs: list[tuple[Array, Array, Array]]) -> Motion:

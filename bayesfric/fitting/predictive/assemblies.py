@@ -17,11 +17,11 @@ from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.left_out import LeftOut, Uniformity, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
 
-__all__ = ["FAR", "Assemblies", "assemblies_of"]
+__all__ = ["FAR_SD", "Assemblies", "assemblies_of"]
 
-FAR = 3.0  # standard deviations; an assembly beyond is named
+FAR_SD = 3.0  # standard deviations; an assembly beyond is named
 FEWEST = 5  # assemblies whose distribution says something
-AGAIN = 2000  # sets of independent ones
+SETS_AGAIN = 2000  # sets of independent ones
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Assemblies:
                 "pit": ("assembly", self.pit[order]),
                 "trials": ("assembly", own.size().loc[names].to_numpy()),
                 "expected": (("assembly", "quantile"), ndtri(expected)),
-                "far": FAR,
+                "far": FAR_SD,
                 "pit_difference": ("probability", self.uniformity.difference),
                 "pit_band": (
                     ("end", "probability"),
@@ -112,4 +112,4 @@ def assemblies_of(left: LeftOut, setups: tuple[str, ...], seed: int) -> Assembli
     pit = left.setup_pit[there]
     rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
     names = tuple(name for name, present in zip(setups, there, strict=True) if present)
-    return Assemblies(names, pit, uniformity(pit, rng.uniform(size=(AGAIN, pit.size))))
+    return Assemblies(names, pit, uniformity(pit, rng.uniform(size=(SETS_AGAIN, pit.size))))

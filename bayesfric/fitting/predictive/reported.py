@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from bayesfric.fitting.predictive.assemblies import FAR, Assemblies
+from bayesfric.fitting.predictive.assemblies import FAR_SD, Assemblies
 from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
 from bayesfric.inference.evidence import ELPD
 from bayesfric.schemas import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
@@ -65,7 +65,7 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
         far = [
             OutlyingAssembly(setup=name, z=float(z), chance=checked.chance(float(z)))
             for name, z in zip(checked.names, checked.z, strict=True)
-            if abs(z) > FAR
+            if abs(z) > FAR_SD
         ]
         low, _, high = checked.uniformity.spread_expected
         entries.append(

@@ -30,10 +30,10 @@ from bayesfric.rigs.gravity_board.event_trains import SENSORS, event_trains, qua
 
 __all__ = ["LARGEST_SHARE", "RepairedEvents", "repair_events"]
 
-CLEAN = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
+CLEAN_SPACING = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
 SEED = 6  # events: three more than a quadratic takes
 WINDOW = 6  # events: with more, friction that changes fast at a slow start looks like faults
-ODD = 0.4  # of a spacing; in 0.4 to 0.6 neither neighbour is meant
+AMBIGUOUS_FROM = 0.4  # of a spacing; in 0.4 to 0.6 neither neighbour is meant
 LEFT_OVER = 0.25  # of a spacing, after repair
 LARGEST_SHARE = 0.2  # of a train's events that may be at fault
 NOISE_LIMIT = 5.0  # standard deviations, before the later of two edges is believed
@@ -95,7 +95,7 @@ def repair_events(
     enough = trains.keep(~odd[trains.train])
     if enough.starts.size:
         residual = quadratic_fits(enough, np.ones(enough.time.size)).residual
-        odd[~odd] = np.maximum.reduceat(np.abs(residual), enough.starts) > CLEAN
+        odd[~odd] = np.maximum.reduceat(np.abs(residual), enough.starts) > CLEAN_SPACING
     displacement = events["displacement_m"].to_numpy(dtype=np.float64, copy=True)
     stays = np.ones(len(events), dtype=bool)
     rows = []
@@ -128,7 +128,7 @@ def repair_events(
 
 def _is_smooth(time: Array, recorded: Array) -> bool:
     """Return whether no event is off the motion of those around it: nothing is to repair."""
-    return bool(np.abs(_window_residuals(time, recorded, WINDOW)).max() <= CLEAN)
+    return bool(np.abs(_window_residuals(time, recorded, WINDOW)).max() <= CLEAN_SPACING)
 
 
 def _repair(time: Array, recorded: Array) -> _Repair:
@@ -163,7 +163,7 @@ def _follow(time: Array, recorded: Array) -> Array | None:
     width = min(SEED, recorded.size)
     worst = np.abs(_window_residuals(time, recorded, width)).max(axis=1)
     seed = int(worst.argmin())
-    if worst[seed] > CLEAN:
+    if worst[seed] > CLEAN_SPACING:
         return None
     place = np.full(recorded.size, np.nan)
     place[seed : seed + width] = recorded[seed : seed + width]
@@ -188,7 +188,10 @@ def _extend(
         nearest = np.rint(predicted)
         if speed <= 0:  # the motion would have turned back: it does not reach this far
             nearest = place[near] + recorded[event] - recorded[near]
-        elif abs(predicted - nearest) > ODD or (nearest - place[near]) * (event - near) < 0:
+        elif (
+            abs(predicted - nearest) > AMBIGUOUS_FROM
+            or (nearest - place[near]) * (event - near) < 0
+        ):
             continue
         place[event] = nearest
         if nearest != place[near]:

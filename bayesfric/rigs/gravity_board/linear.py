@@ -248,7 +248,7 @@ class GravityPart:
         return squeezed
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
-        """Return what each trial alone says of the local numbers, (N, q, q).
+        """Return the information of each trial alone on the local numbers, (N, q, q).
 
         Its scatter and its assembly's, wander and measurement are taken up.
         """

@@ -40,7 +40,7 @@ ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has 
 SHAPED_PHASES = Unsupported(
     "Nobody recorded its phases, and how it varies between them is not known either."
 )
-LEAST = 1e-3  # m/s², of a trial that is said to start from rest
+LEAST_ACCELERATION = 1e-3  # m/s², of a trial that is said to start from rest
 BENT_READING = Unsupported(
     "It rings faster than the likelihood's few fixed responses follow, its rate being unknown."
 )
@@ -235,7 +235,7 @@ class TrialPlaces:
         spacing of the magnets at most: a push spares some travel.
         """
         speed, acceleration = self.paths.speed_m_s[:, :1], self.paths.acceleration_m_s2[:, :1]
-        start = speed**2 / (2 * np.maximum(acceleration, LEAST))
+        start = speed**2 / (2 * np.maximum(acceleration, LEAST_ACCELERATION))
         most = self._rig.hall_spacing_m or np.inf
         return np.asarray(np.minimum(start, most) + self.paths.travel_m)
 
@@ -251,7 +251,7 @@ class TrialPlaces:
             displacement_m=(events.regressors * fit.T).sum(axis=0),
             event=np.rint(events.displacement / rig.hall_spacing_m),
             is_load=(events.regressors[1] != 0).astype(np.float64),
-            time_s=speed / np.maximum(fit[:, 3], LEAST),
+            time_s=speed / np.maximum(fit[:, 3], LEAST_ACCELERATION),
             speed_m_s=speed,
             acceleration_m_s2=fit[:, 3],
             mass_drive_kg=np.asarray(self.condition.mass_drive_kg)[trial],

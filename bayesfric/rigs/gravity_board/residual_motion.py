@@ -15,7 +15,7 @@ __all__ = ["runs_of", "whitening", "windows_of"]
 
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
-APART = (1, 2, 3)  # powers of the travel, by which two sensors differ
+SENSOR_POWERS = (1, 2, 3)  # powers of the travel, by which two sensors differ
 FIRST = 5  # events of a sensor that set the offset and the first speed
 
 
@@ -42,7 +42,7 @@ def whitening(
         halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
         late = board.clock_column()[None, rows] * white
         late = late[late.any(axis=1)]
-        nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART), late])
+        nuisance = np.vstack([nuisance, *(halves * travel**k for k in SENSOR_POWERS), late])
     basis = np.linalg.qr(nuisance.T)[0]
     return white, lambda values: np.asarray(values - basis @ (basis.T @ values))
 

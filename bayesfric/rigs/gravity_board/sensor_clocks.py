@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 FURTHEST = 5.0  # of these standard deviations, that no cable explains
-SURE = 5.0  # standard errors by which an offset is beyond them
+SURE_SD = 5.0  # standard errors by which an offset is beyond them
 SHARP = 10.0  # standard errors of an acceleration that tells when the cable was at rest
 SAME_SHARE = 0.01  # by which a sensor reads too long: beyond it, not only the clocks differ
 ROUNDS = 3  # the motion of both sensors is known once their clocks are
@@ -154,7 +154,7 @@ def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, F
         further, share, deviation = events.apart(late)
         late = late + further
     longer, unsure = np.abs(share), deviation[1]
-    same = (longer <= SAME_SHARE) | (longer <= SURE * unsure)
+    same = (longer <= SAME_SHARE) | (longer <= SURE_SD * unsure)
     return trains.trial[::2], late, deviation[0], same
 
 
@@ -248,8 +248,8 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     if clocks.late_s is None or clocks.sd_s is None:
         return []
     alike = clocks.trials[clocks.trials["same_motion"]]
-    beyond = alike["late_s"].abs() - clocks.furthest_s > SURE * alike["sd_s"]
-    pooled = abs(clocks.late_s) - clocks.furthest_s > SURE * clocks.sd_s
+    beyond = alike["late_s"].abs() - clocks.furthest_s > SURE_SD * alike["sd_s"]
+    pooled = abs(clocks.late_s) - clocks.furthest_s > SURE_SD * clocks.sd_s
     if not pooled and not beyond.any():
         return []
     far = alike[beyond]

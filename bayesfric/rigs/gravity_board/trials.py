@@ -51,7 +51,9 @@ __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
 
 STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
-MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
+DISAGREEING_SHARE = (
+    0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
+)
 WORDS = Words("gravity board", "trial", "trials")
 
 
@@ -231,7 +233,7 @@ class GravityTrials(PulleyTrials):
         """
         excluded = self.screened.excluded
         disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
-        if len(disagreeing) <= MANY * len(self.recorded):
+        if len(disagreeing) <= DISAGREEING_SHARE * len(self.recorded):
             return self.moved() or self
         screened = screen_trials(self.source, self.constants, exclude=False)
         whole = replace(self, gravity=screened.gravity, screened=screened)

@@ -17,7 +17,7 @@ from bayesfric.rigs.steady_points.scale import Scale
 __all__ = ["Bench", "bench_of"]
 
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-KNOWN = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
+OWN_COLUMNS = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
 ABSENT = {
     "n_pulleys": 1,
     "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG,
@@ -132,7 +132,7 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
         table["setup"] = [f"a{number + 1}" for number in cell] if shared else table["trial"]
     table = table.sort_values("setup", kind="stable", ignore_index=True)
-    own_columns = (*KNOWN, *PULLEYS, "tension_n")
+    own_columns = (*OWN_COLUMNS, *PULLEYS, "tension_n")
     covariates = tuple(str(name) for name in table if name not in own_columns)
     return Bench(table, given, covariates, shared, _scale(table, given), rotary)
 

@@ -15,8 +15,8 @@ from bayesfric.rigs.steady_points.places import CONDITION
 __all__ = ["lay_out"]
 
 LEVELS = 5  # of a column
-MOST = 3000  # points; beyond, of each column its ends and its middle
-FEW = 3
+MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle
+FEW_LEVELS = 3
 
 
 def lay_out(
@@ -48,13 +48,13 @@ def lay_out(
     )
     names = ("pulley_size", *CONDITION, *settings)
     cells: list[tuple[object, ...]] = []
-    for levels in (LEVELS, FEW):
+    for levels in (LEVELS, FEW_LEVELS):
         cells = [
             (size, *cell)
             for size, own in table.groupby("pulley_size", sort=False)
             for cell in product(*(_levels(own[name], levels) for name in names[1:]))
         ]
-        if len(cells) <= MOST:
+        if len(cells) <= MOST_POINTS:
             break
     points = pd.DataFrame(cells, columns=list(names))
     for name in ("velocity_m_s", *bench.covariates):

@@ -18,7 +18,7 @@ from bayesfric.rigs.rotary import rotary_unit
 
 __all__ = ["Scale"]
 
-WIDER = 3.0  # priors of amplitudes that are shares; a force is one pulley's, not a board's
+PRIOR_WIDENING = 3.0  # priors of amplitudes that are shares; a force is one pulley's, not a board's
 IN_PROPORTION = "in proportion to this machine's friction, tension and speed; on a board "
 SENTENCES = {
     "fixed-drag": "a force opposes the motion, whatever the load",
@@ -54,7 +54,7 @@ class Scale:
         rotary : bool
             Whether radians and newton metres take the place of metres and newtons.
         """
-        wider = 1.0 if effect.amplitude.unit.startswith("N") else WIDER
+        wider = 1.0 if effect.amplitude.unit.startswith("N") else PRIOR_WIDENING
         amplitude = self._parameter(effect.amplitude, wider, rotary=rotary)
         shape = effect.shape
         return replace(
