@@ -111,6 +111,8 @@ class State(NamedTuple):
         1 in a run of role ``test``, in which something may differ from calibration; else 0.
     load : Load
         Of a driven axis: how a load behind its drive moves.
+    mass_over_friction : float
+        Of such a load: its share of the mass over that of the friction, as it was looked for.
     carried_n, held_n : array_like
         Of a driven axis: what its gear carries, positive along the position, with what the
         moving mass takes and without: what gravity and springs pull alone [N, or N·m].
@@ -154,6 +156,7 @@ class State(NamedTuple):
     wave_from_m: ArrayLike = 0.0
     tested: ArrayLike = 0.0
     load: Load = _fixed
+    mass_over_friction: float = 1.0
     carried_n: ArrayLike = 0.0
     held_n: ArrayLike = 0.0
     dwell_s: ArrayLike = 0.0
@@ -362,6 +365,25 @@ def followed(held: str, length: str, heavy: float) -> Law:
         Share of the mass that is behind, over that of the friction; infinite for the mass alone.
     """
     return partial(_followed, held, length, heavy)
+
+
+def followed_by_own_shares(held: str, length: str) -> Law:
+    """Return the law of a load whose shares of mass and friction were looked for.
+
+    Its `length` is that at which as much of the friction is behind as of the mass, so that a
+    length means one stiffness for each mass.
+
+    Parameters
+    ----------
+    held, length : str
+        As of :func:`followed`.
+    """
+    return partial(_followed_by_own_shares, held, length)
+
+
+def _followed_by_own_shares(held: str, length: str, p: Mapping[str, Array], state: State) -> Array:
+    heavy = state.mass_over_friction
+    return _followed(held, length, heavy, {**p, length: p[length] / heavy}, state)
 
 
 def _followed(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:

@@ -13,7 +13,13 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State, followed
+from bayesfric.effects.base import (
+    Effect,
+    EffectParameter,
+    State,
+    followed,
+    followed_by_own_shares,
+)
 from bayesfric.physics.loads import taken_along
 
 SPREAD = 3.0  # a spring takes a load along over a third of the travel
@@ -49,7 +55,7 @@ EFFECT = Effect(
         name="share",
         unit="1",
         meaning="part of the friction that is behind the spring, and of the mass half as large a "
-        "part, or as large a one",
+        "part, as large a one, or one that is looked for by itself",
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 1.0),
         reference="by definition: between nothing and all of it is behind the spring",
@@ -58,7 +64,8 @@ EFFECT = Effect(
         name="length",
         unit="m",
         meaning="travel after a reversal over which friction winds the transmission up: twice "
-        "the friction over the stiffness",
+        "the friction over the stiffness; were as much of it behind the spring as of the mass, "
+        "where that has a share of its own",
         prior=LogNormal(median=6e-4, sd_log=1.0),
         plausible=(1e-5, 0.02),
         reference="argued: harmonic drives, belts and long screws give a ten-thousandth to a "
@@ -71,6 +78,7 @@ EFFECT = Effect(
         "seen-at-load": _seen_at_load,
         "rings-half-mass": followed("spring", "length", 0.5),
         "rings-mass": followed("spring", "length", 1.0),
+        "rings-own-shares": followed_by_own_shares("spring", "length"),
         "rings-mass-alone": followed("spring", "length", np.inf),
     },
     along_path=True,

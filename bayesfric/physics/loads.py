@@ -42,7 +42,7 @@ def behind(
     slows: float,
     heavy: Array,
     length: Array,
-    damping: float,
+    damping: ArrayLike,
 ) -> tuple[Array, Array]:
     """Return how loads follow a drive, as :func:`through_play` does.
 
@@ -59,7 +59,7 @@ def behind(
     length : ndarray, shape (K,)
         The play, or the travel over which as much friction as there is for its mass, or without
         friction the drive's, winds the spring up from one side to the other [m].
-    damping : float
+    damping : float or ndarray, shape (K,)
         Of the spring, over what is critical.
     """
     slowing = slows / heavy
@@ -110,7 +110,7 @@ def through_play(
 
 
 def on_spring(
-    path: Array, interval_s: ArrayLike, slows: Array, pull: Array, damping: float
+    path: Array, interval_s: ArrayLike, slows: Array, pull: Array, damping: ArrayLike
 ) -> tuple[Array, Array]:
     """Return how loads move that hang on a drive by a spring, as :func:`through_play` does.
 
@@ -120,12 +120,12 @@ def on_spring(
         As there.
     pull : ndarray, shape (K,)
         Stiffness over mass [1/s²].
-    damping : float
+    damping : float or ndarray, shape (K,)
         Over what is critical.
     """
     ahead, rubs = (np.zeros((*path.shape, pull.size)) for _ in range(2))
     step, moves = np.asarray(interval_s)[..., None], _moves(path)
-    damped = damping * np.sqrt(pull) * step
+    damped = np.asarray(damping) * np.sqrt(pull) * step
     halved = 0.25 * pull * step**2
     loss = np.maximum(slows * step / (1 + damped + halved), np.finfo(float).tiny)
     speed = np.zeros(ahead.shape[1:])

@@ -40,7 +40,7 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
         of its assembly; scores by condition.
     """
     tables = [(rig, rig.assemblies) for rig in rig_tables(predictive) if rig.assemblies is not None]
-    with figure(height=4.0 + 106.0 * len(tables)) as fig:
+    with figure(height=4.0 + 78.0 * len(tables)) as fig:
         grid = fig.add_gridspec(2 * len(tables), 6)
         for place, (rig, table) in enumerate(tables):
             title = plain(rig.title)

@@ -28,7 +28,7 @@ def over_prior_width(curves: xr.DataTree, support: float, refute: float) -> Figu
     table = curves["curves"].to_dataset()
     width = table["width"].to_numpy()
     values = np.clip(table["log10_bayes_factor"].to_numpy(), -FURTHEST, FURTHEST)
-    with figure(height=62.0) as fig:
+    with figure(height=48.0) as fig:
         axes = fig.subplots()
         for place, name in enumerate(table["claim"].to_numpy()):
             axes.plot(
@@ -62,7 +62,7 @@ def against_rivals(factors: Mapping[str, Mapping[str, float]]) -> Figure:
         Claim to rival to log10 Bayes factor in favour of the claim.
     """
     rows = sum(len(rivals) for rivals in factors.values())
-    with figure(height=14.0 + 3.4 * (rows + len(factors))) as fig:
+    with figure(height=14.0 + 2.9 * (rows + len(factors))) as fig:
         axes = fig.subplots()
         row, ticks, labels = 0, [], []
         for place, (claim, rivals) in enumerate(factors.items()):
@@ -106,7 +106,7 @@ def smallest_found(shares: Mapping[str, Mapping[str, float]], matters: float) ->
     """
     rows = [(claim, rival, share) for claim, own in shares.items() for rival, share in own.items()]
     claims = list(shares)
-    with figure(height=16.0 + 3.4 * len(rows)) as fig:
+    with figure(height=16.0 + 2.9 * len(rows)) as fig:
         axes = fig.subplots()
         for row, (claim, _, share) in enumerate(rows):
             shade = SHADES[claims.index(claim) % len(SHADES)]

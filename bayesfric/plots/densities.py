@@ -31,7 +31,7 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
     names = [str(name) for name in table["parameter"].to_numpy()]
     columns = columns_of(len(names))
     rows = -(-len(names) // columns)
-    with figure(height=24.0 * rows + 12.0) as fig:
+    with figure(height=18.0 * rows + 12.0) as fig:
         panels = np.reshape(fig.subplots(rows, columns), (rows, columns))
         for panel, name in zip(panels.flat, names, strict=False):
             entry = table.sel(parameter=name)

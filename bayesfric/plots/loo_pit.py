@@ -37,7 +37,7 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
         for rig in rig_tables(predictive)
         if rig.checks is not None and "pit_difference" in rig.checks
     }
-    with figure(height=46.0) as fig:
+    with figure(height=40.0) as fig:
         panels = fig.subplots(1, len(tables), squeeze=False, sharey=True)[0]
         for axes, (title, table) in zip(panels, tables.items(), strict=True):
             at = table["probability"].to_numpy()

@@ -125,7 +125,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
         for mark, (low, high) in zip(marks, ranges, strict=True)
     ]
     color = size_styles([size])[size].color
-    with figure(PAIRS_SHARE * TEXT_WIDTH, 60.0, room=False) as fig:
+    with figure(PAIRS_SHARE * TEXT_WIDTH, 56.0, room=False) as fig:
         _corner(fig, points, ranges, [label for _, label in printed.values()], shown, color)
         for axes in fig.axes:
             axes.grid(visible=False)

@@ -34,7 +34,7 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
     sizes = ordered_sizes(table["pulley"].to_numpy())
     measured = table["measured_n"].to_numpy()
     least = max(LEAST, float(measured.min()))
-    with figure(height=74.0) as fig:
+    with figure(height=58.0) as fig:
         panels = fig.subplots(1, len(sizes), squeeze=False, sharey=True)[0]
         for axes, size in zip(panels, sizes, strict=True):
             of_size = np.flatnonzero(table["pulley_size"].to_numpy() == size)

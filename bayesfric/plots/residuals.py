@@ -14,7 +14,6 @@ from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure,
 
 __all__ = ["residuals_by_order"]
 
-"""Half the width of a standard normal's 90 % interval, the unit of the stored z."""
 
 NAMED = 6  # outliers that carry their id; more would hide the points
 LINE = 0.9
@@ -37,7 +36,7 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
     tables = rig_tables(predictive)
     names = [name for rig in tables for name in rig.sizes]
     styles = size_styles(ordered_sizes(names))
-    with figure(height=10.0 + 48.0 * len(tables)) as fig:
+    with figure(height=10.0 + 40.0 * len(tables)) as fig:
         panels = fig.subplots(len(tables), squeeze=False)[:, 0]
         for axes, rig in zip(panels, tables, strict=True):
             _draw(axes, rig, styles)

@@ -46,7 +46,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
     styles = size_styles(sizes)
     count = table["n"].to_numpy()
     rows = (("slope", "", "slope [10⁻³]"), ("intercept", "_n", "intercept [mN]"))
-    with figure(height=76.0) as fig:
+    with figure(height=62.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex=True)
         for column, size in enumerate(sizes):
             some = cells.isel(cell=np.flatnonzero(cells["pulley_size"] == size))
@@ -100,7 +100,7 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
         ("n_pulleys", "n", "law_against_n", "tension_n", "level", "T = {:.1f} N"),
         ("tension_n", "tension", "law_against_tension", "n_pulleys", "count", "n = {:g}"),
     )
-    with figure(height=88.0) as fig:
+    with figure(height=70.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex="row")
         for column, size in enumerate(sizes):
             of_size = table.isel(line=np.flatnonzero(table["pulley_size"] == size))

@@ -54,7 +54,7 @@ def friction_against_tension(predictive: xr.DataTree, wrap_angle_deg: float) -> 
     middle = (len(counts) - 1) / 2
     shifts = {n: ASIDE * (place - middle) for place, n in enumerate(counts)}
     top = float(curves["tension_n"].max())
-    with figure(height=74.0) as fig:
+    with figure(height=66.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex="col", height_ratios=[3, 2])
         for (above, below), size in zip(panels.T, sizes, strict=True):
             law = curves.isel(curve=np.flatnonzero(curves["pulley_size"] == size))

@@ -37,7 +37,7 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
     blocks = -(-count // COLUMNS)
     columns = -(-count // blocks)
     styles = size_styles(ordered_sizes(table["pulley_size"].to_numpy()))
-    with figure(height=42.0 * blocks + 8.0) as fig:
+    with figure(height=36.0 * blocks + 8.0) as fig:
         grid = fig.add_gridspec(2 * blocks, columns, height_ratios=[5, 4] * blocks)
         for place in range(count):
             trial = table.isel(shown=place)

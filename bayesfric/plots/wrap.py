@@ -33,7 +33,7 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
     counts = table["count"].to_numpy()
     levels = table["level"].to_numpy()
     grid = table["law_angle_deg"].to_numpy()
-    with figure(height=18.0 + 31.0 * len(counts)) as fig:
+    with figure(height=18.0 + 24.0 * len(counts)) as fig:
         panels = fig.subplots(len(counts), len(sizes), squeeze=False, sharex=True)
         for row, n in enumerate(counts):
             for column, size in enumerate(sizes):

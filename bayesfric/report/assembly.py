@@ -7,21 +7,22 @@ from bayesfric.report.chapters.blind import blind_chapter, scored_from
 from bayesfric.report.chapters.boards import boards
 from bayesfric.report.chapters.calibration import calibrated_from, calibration
 from bayesfric.report.chapters.checks import checks
-from bayesfric.report.chapters.claims import claims
+from bayesfric.report.chapters.claims import claims, further_claims
 from bayesfric.report.chapters.comparison import comparison
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnosis import diagnosis
 from bayesfric.report.chapters.diagnosis_details import appendix as diagnosis_tables
-from bayesfric.report.chapters.diagnostics import diagnostics
+from bayesfric.report.chapters.diagnostics import diagnostics, further_diagnostics
+from bayesfric.report.chapters.left_out import further_left_out
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.plain_law import own_law
-from bayesfric.report.chapters.posteriors import posteriors
-from bayesfric.report.chapters.predictions import predictions
+from bayesfric.report.chapters.posteriors import further_posteriors, posteriors
+from bayesfric.report.chapters.predictions import further_predictions, predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import summary
-from bayesfric.report.content import Block, Document, Heading
+from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
 
@@ -59,6 +60,7 @@ def build_document(stored: StoredResults) -> Document:
         else "Cable-pulley friction",
         subtitle=subtitle,
         blocks=tuple(_blocks(stored)),
+        details=tuple(_details(stored)),
         date=None if created is None else datetime.fromisoformat(created),
     )
 
@@ -73,7 +75,7 @@ def _rigs(stored: StoredResults) -> tuple[str, ...]:
 
 
 def _blocks(stored: StoredResults) -> Iterator[Block]:
-    """Yield page one, results, evidence, method, where all is from, and the long tables."""
+    """Yield page one, results, evidence, method, and where all is from."""
     yield from page_one(stored)
     fitted, pooled = stored.fitted, stored.pooled
     if fitted is not None:
@@ -110,6 +112,23 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
             yield scored_from(stored.scorecard)
         elif not stored.records and stored.calibration is not None:
             yield calibrated_from(stored.calibration)
+    details = [block.text for block in _details(stored) if isinstance(block, Heading)]
+    if details:
+        yield Paragraph(["More stands in ", Code("report.html"), f": {'; '.join(details[1:])}."])
+
+
+def _details(stored: StoredResults) -> Iterator[Block]:
+    """Yield what few readers look for: it stands at the end of the HTML page, and not on paper."""
+    chapters: list[Block] = []
     if stored.diagnosis is not None:
-        yield Heading(1, "Long tables")
-        yield from diagnosis_tables(stored.diagnosis.found)
+        chapters += diagnosis_tables(stored.diagnosis.found)
+    if stored.claims is not None:
+        chapters += further_claims(stored.claims)
+    if stored.fitted is not None:
+        chapters += further_predictions(stored.fitted)
+        chapters += further_posteriors(stored.fitted)
+        chapters += further_diagnostics(stored.fitted)
+        chapters += further_left_out(stored.fitted)
+    if chapters:
+        yield Heading(1, "Details")
+        yield from chapters

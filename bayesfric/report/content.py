@@ -276,6 +276,8 @@ class Document:
         is taken as UTC.
     language : str
         Two- or three-letter code.
+    details : sequence of Block
+        What follows on the HTML page alone. On paper nothing refers to it.
 
     Raises
     ------
@@ -290,6 +292,7 @@ class Document:
     authors: Sequence[str] | None = None
     date: datetime | None = None
     language: str = "en"
+    details: Sequence[Block] = ()
 
     def __post_init__(self) -> None:
         require_text(self.title, "document, title")
@@ -299,8 +302,9 @@ class Document:
             f"document: expected a language code such as 'en', got {code!r}",
         )
         _check_labels(self.blocks)
+        _check_labels(self.every_block)
         level = 0
-        for block in self.blocks:
+        for block in self.every_block:
             if isinstance(block, Heading):
                 # PDF/UA and screen readers need an outline without holes.
                 require(
@@ -309,6 +313,11 @@ class Document:
                     f"got {block.level}",
                 )
                 level = block.level
+
+    @property
+    def every_block(self) -> tuple[Block, ...]:
+        """What stands on paper, and then the details."""
+        return (*self.blocks, *self.details)
 
     @property
     def listed(self) -> tuple[Heading, ...]:

@@ -30,7 +30,7 @@ def draw_figures(document: Document, executor: Executor) -> Document:
     executor : Executor
         Who helps.
     """
-    figures = [block for block in document.blocks if isinstance(block, Figure)]
+    figures = [block for block in document.every_block if isinstance(block, Figure)]
     asked = {id(one): executor.submit(one.draw) for one in figures}
     drawn: dict[int, bytes] = {}
     for one in reversed(figures):
@@ -46,4 +46,8 @@ def draw_figures(document: Document, executor: Executor) -> Document:
         draw: Callable[[], bytes] = partial(bytes, drawn[id(block)])
         return replace(block, draw=draw)
 
-    return replace(document, blocks=tuple(shown(block) for block in document.blocks))
+    return replace(
+        document,
+        blocks=tuple(shown(block) for block in document.blocks),
+        details=tuple(shown(block) for block in document.details),
+    )

@@ -38,7 +38,8 @@ def render_html(document: content.Document) -> str:
     places = number_blocks(document)
     labels = label_places(document)
     shown = [
-        _block(block, place, labels) for block, place in zip(document.blocks, places, strict=True)
+        _block(block, place, labels)
+        for block, place in zip(document.every_block, places, strict=True)
     ]
     listed = document.listed
     heads = (i for i, one in enumerate(document.blocks) if isinstance(one, content.Heading))
@@ -57,7 +58,7 @@ def render_html(document: content.Document) -> str:
         body=shown[first:],
         contents=[
             (block.level, place.anchor, place.number, legible(block.text))
-            for block, place in zip(document.blocks, places, strict=True)
+            for block, place in zip(document.every_block, places, strict=True)
             if place is not None and isinstance(block, content.Heading) and block in listed
         ],
     )

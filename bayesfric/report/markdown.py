@@ -52,7 +52,7 @@ def render_summary(document: Document) -> str:
         made.append(document.date.date().isoformat())
     if made:
         parts.append(_guard(", ".join(made)))
-    for block, place in zip(document.blocks, number_blocks(document), strict=True):
+    for block, place in zip(document.every_block, number_blocks(document), strict=True):
         if isinstance(block, Heading):
             break
         if not isinstance(block, Figure):

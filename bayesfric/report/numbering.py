@@ -34,11 +34,11 @@ class Place:
 
 
 def number_blocks(document: Document) -> tuple[Place | None, ...]:
-    """Return the place of each block of a document, None for one without a number."""
+    """Return the place of each block of a document and its details, None where it has no number."""
     counts = {"Figure": 0, "Table": 0, "Equation": 0}
     section = [0, 0, 0]
     places: list[Place | None] = []
-    for block in document.blocks:
+    for block in document.every_block:
         match block:
             case Heading(level):
                 section[level - 1] += 1
@@ -57,7 +57,7 @@ def label_places(document: Document) -> dict[str, Place]:
     """Return the place of each label of a document."""
     return {
         block.label: place
-        for block, place in zip(document.blocks, number_blocks(document), strict=True)
+        for block, place in zip(document.every_block, number_blocks(document), strict=True)
         if isinstance(block, Heading | Figure | Table | Equation)
         and block.label is not None
         and place is not None

@@ -14,12 +14,15 @@ from bayesfric.probabilities import stated
 __all__ = [
     "MISSING",
     "error_cells",
+    "factor_cells",
     "format_count",
+    "format_factor",
     "format_fixed",
     "format_interval",
     "format_number",
     "format_probability",
     "format_share",
+    "format_shift",
     "format_unit",
     "interval_cells",
     "three_digits",
@@ -27,6 +30,9 @@ __all__ = [
 
 MISSING = "—"
 THIN = "\u202f"
+MOST_DIGITS = 6  # significant ones of a number whose error is smaller than what anyone needs
+CERTAIN = 6.0  # log10 of the odds beyond which their size says no more
+FAR_SHIFT = 10.0  # standard deviations, likewise
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DECIMAL = re.compile(r"\d+\.\d+(e-?\d+)?")
 _UNITS = {"": "", "-": "", "–": "", "1": "", "deg": "°", "1/deg": "deg⁻¹", "1/s": "s⁻¹"}
@@ -153,8 +159,7 @@ def interval_cells(
     size = max(abs(mean), abs(q05), abs(q95))
     # Two digits of the width; four of the number where there is no width.
     place = _order(q95 - q05) - 1 if q95 > q05 else _order(size) - 3 if size else -1
-    # A double has no more than some twelve digits worth printing.
-    place = max(place, _order(size) - 11) if size else place
+    place = max(place, _order(size) + 1 - MOST_DIGITS) if size else place
     one, two, three = (_fixed(v, exponent, exponent - place) for v in (mean, q05, q95))
     return one, two, three
 
@@ -183,9 +188,31 @@ def error_cells(value: float | None, error: float | None) -> tuple[str, str]:
     # Round first: 0.0996 is 0.10 to two digits.
     error = float(f"{error:.1e}")
     place = _order(error) - 1 if error else _order(value) - 3
-    # A double has no more than some twelve digits worth printing.
-    place = max(place, _order(value) - 11)
-    return _fixed(value, 0, -place), _fixed(error, 0, -place)
+    place = max(place, _order(value) + 1 - MOST_DIGITS)
+    least = 10.0**place
+    error_cell = f"< {_fixed(least, 0, -place)}" if 0 < error < least else _fixed(error, 0, -place)
+    return _fixed(value, 0, -place), error_cell
+
+
+def factor_cells(log10: float | None, error: float | None) -> tuple[str, str]:
+    """Write a log10 Bayes factor and its error as two cells; beyond 10⁶ to 1 it is told as that."""
+    if log10 is None or abs(log10) <= CERTAIN:
+        return error_cells(log10, error)
+    return format_factor(log10), MISSING
+
+
+def format_factor(log10: float | None) -> str:
+    """Write a log10 Bayes factor to one decimal; beyond 10⁶ to 1 it is told as that."""
+    if log10 is None or abs(log10) <= CERTAIN:
+        return format_fixed(log10, 1)
+    return f"> {CERTAIN:.0f}" if log10 > 0 else f"< −{CERTAIN:.0f}"
+
+
+def format_shift(shift: float | None) -> str:
+    """Write a shift in standard deviations to two decimals; beyond 10 it is told as that."""
+    if shift is None or abs(shift) <= FAR_SHIFT:
+        return format_fixed(shift, 2)
+    return f"> {FAR_SHIFT:.0f}" if shift > 0 else f"< −{FAR_SHIFT:.0f}"
 
 
 def format_count(count: int) -> str:
@@ -195,8 +222,8 @@ def format_count(count: int) -> str:
 
 
 def format_fixed(value: float | None, decimals: int) -> str:
-    """Write a number with so many decimals, a dash for None: −2.3."""
-    return MISSING if value is None else f"{value:.{decimals}f}".replace("-", "−")
+    """Write a number with so many decimals, a dash for None: −2.3, and no sign before a 0."""
+    return MISSING if value is None else _fixed(value, 0, decimals)
 
 
 def format_probability(p: float | None) -> str:
@@ -234,6 +261,8 @@ def _power(size: float) -> int:
 def _fixed(value: float, power: int, decimals: int) -> str:
     # In decimals, since 2.79e-5 / 1e-5 is not 2.79 in doubles.
     scaled = Decimal(repr(float(value))).scaleb(-power)
+    if decimals < 0:
+        scaled = scaled.quantize(Decimal(1).scaleb(-decimals))
     text = f"{scaled:.{max(decimals, 0)}f}"
     negative = text.startswith("-") and any(digit in text for digit in "123456789")
     return ("−" if negative else "") + text.lstrip("-")

@@ -7,7 +7,7 @@ JSON alone, so no text of a document can be read as Typst.
 
 import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from importlib import resources
 from typing import Any
@@ -48,7 +48,7 @@ def render_pdf(document: content.Document) -> bytes:
         "main.typ": template,
         "document.json": json.dumps(_document(document)).encode(),
     }
-    for block, place in zip(document.blocks, number_blocks(document), strict=True):
+    for block, place in _on_paper(document):
         if isinstance(block, content.Figure) and place is not None:
             files[f"{place.anchor}.svg"] = block.svg
     # The package's stub leaves out files in memory by name.
@@ -59,6 +59,11 @@ def render_pdf(document: content.Document) -> bytes:
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
     return bytes(pdf)
+
+
+def _on_paper(document: content.Document) -> Iterator[tuple[content.Block, Place | None]]:
+    """Return the blocks without the details, each with its number."""
+    return zip(document.blocks, number_blocks(document), strict=False)
 
 
 def _document(document: content.Document) -> dict[str, object]:
@@ -74,10 +79,7 @@ def _document(document: content.Document) -> dict[str, object]:
         "moment": moment.timetuple()[:6],
         "language": document.language,
         "contents": bool(document.listed),
-        "blocks": [
-            _block(block, place, places)
-            for block, place in zip(document.blocks, number_blocks(document), strict=True)
-        ],
+        "blocks": [_block(block, place, places) for block, place in _on_paper(document)],
     }
 
 

@@ -134,7 +134,7 @@ def test_a_recording_of_one_tension_has_no_lines_and_still_a_report():
     document = build_document(
         StoredResults(StoredFit(found.summary, found.draws, found.predictive))
     )
-    labels = {block.label for block in document.blocks if isinstance(block, Figure)}
+    labels = {block.label for block in document.every_block if isinstance(block, Figure)}
     assert "tension" in labels
     assert not labels & {"pulleys", "wrap", "wrap-slopes"}
 

@@ -22,14 +22,11 @@ NOT_YET_NAMED = {
     "cli": 33,
     "diagnosis": 318,
     "export": 23,
-    "inference": 1,
     "logs": 9,
-    "planning": 2,
     "readiness": 7,
     "recording": 27,
     "report": 165,
     "rigs/single_axis": 141,
-    "robots": 4,
 }
 NOT_YET_SHORT = {
     "cli/blind.py blind",
@@ -49,7 +46,6 @@ NOT_YET_SHORT = {
     "report/chapters/posteriors.py posteriors",
     "report/chapters/prior_friction.py prior_friction",
     "rigs/single_axis/entering.py entering",
-    "rigs/single_axis/run_rows.py rows_of_run",
 }
 NOT_YET_STRAIGHT = [
     {"diagnosis/diagnosing.py", "diagnosis/joints.py"},

@@ -21,7 +21,11 @@ def stored(wrap_fit):
 @pytest.fixture(scope="module")
 def shown(stored):
     """Figures of what the posterior predicts, drawn once."""
-    return {b.label: b for b in predictions.predictions(stored) if isinstance(b, Figure)}
+    return {
+        b.label: b
+        for b in (*predictions.predictions(stored), *predictions.further_predictions(stored))
+        if isinstance(b, Figure)
+    }
 
 
 @pytest.fixture(scope="module")
@@ -214,7 +218,7 @@ def test_each_figure_is_referred_to_or_stands_alone_in_its_chapter(stored):
     document = build_document(StoredResults(stored))
     named = {
         inline.label
-        for block in document.blocks
+        for block in document.every_block
         if isinstance(block, Paragraph)
         for inline in inlines(block.text)
         if isinstance(inline, Reference)

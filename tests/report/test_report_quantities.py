@@ -6,12 +6,16 @@ import xarray as xr
 from bayesfric.plots.rig_tables import RigTable
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.report.quantities import (
+    MISSING,
     error_cells,
+    factor_cells,
     format_count,
+    format_fixed,
     format_interval,
     format_number,
     format_probability,
     format_share,
+    format_shift,
     format_unit,
     interval_cells,
     three_digits,
@@ -29,7 +33,7 @@ THIN = "\u202f"
         ((2.79e-5, 2.71e-5, 2.87e-5), "1/deg", f"2.79 [2.71, 2.87] × 10⁻⁵{THIN}deg⁻¹"),
         ((-1e-7, -3e-4, 3e-4), "N", f"0.0 [−3.0, 3.0] × 10⁻⁴{THIN}N"),
         ((85.0, 84.1, 86.0), "deg", "85.0 [84.1, 86.0]°"),
-        ((12345.0, 11000.0, 13000.0), "N/m", f"12345 [11000, 13000]{THIN}N/m"),
+        ((12345.0, 11000.0, 13000.0), "N/m", f"12300 [11000, 13000]{THIN}N/m"),
         ((5.0, 5.0, 5.0), None, "5.000 [5.000, 5.000]"),
         ((None, 1.0, 2.0), "N", "—"),
     ],
@@ -133,3 +137,36 @@ def test_one_trial_is_no_trials(count, words):
     rows = xr.Dataset(coords={"trial": range(count)})
     table = RigTable("motor_board", "motor board", "trial", "trials", "setup", "trial", rows, None)
     assert counted(table) == f"{words} of the motor board"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "cells"),
+    [
+        (582011.4, 21000.0, ("582000", "21000")),
+        (25.295725, 0.000028, ("25.2957", "< 0.0001")),
+        (0.0129, 0.00083, ("0.01290", "0.00083")),
+        (-0.0001, 0.12, ("0.00", "0.12")),
+    ],
+)
+def test_digits_by_the_error_and_six_at_most(value, error, cells):
+    assert error_cells(value, error) == cells
+
+
+@pytest.mark.parametrize(
+    ("log10", "error", "cells"),
+    [
+        (-1015.847, 0.018, ("< −6", MISSING)),
+        (7.2, 0.1, ("> 6", MISSING)),
+        (2.3456, 0.021, ("2.346", "0.021")),
+        (None, None, (MISSING, MISSING)),
+    ],
+)
+def test_odds_beyond_a_million_are_told_as_that(log10, error, cells):
+    assert factor_cells(log10, error) == cells
+
+
+def test_a_shift_beyond_ten_is_told_as_that():
+    assert format_shift(-54285.9) == "< −10"
+    assert format_shift(10.5) == "> 10"
+    assert format_shift(1.234) == "1.23"
+    assert format_fixed(-0.0001, 1) == "0.0"

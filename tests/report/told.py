@@ -13,7 +13,7 @@ def plain(text):
 
 def told(document):
     lines = []
-    for block in document.blocks:
+    for block in getattr(document, "every_block", document.blocks):
         parts = (getattr(block, name, "") for name in ("title", "text", "caption", "note", "alt"))
         lines += [plain(part) for part in parts if part]
         lines += [plain(item) for item in getattr(block, "items", ())]

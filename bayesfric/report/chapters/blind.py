@@ -84,7 +84,7 @@ def _seeds(card: ScorecardFile) -> list[Inline | str]:
     words = f"The seeds, from {card.seed} on, are those of {which}"
     if card.scoring:
         return [f"{words}. "]
-    return [Strong(f"{words}: these rates are no proof."), " "]
+    return [Strong(f"{words}: these rates prove nothing."), " "]
 
 
 def _promises(card: ScorecardFile) -> Table:

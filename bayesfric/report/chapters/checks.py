@@ -61,6 +61,7 @@ def checks(stored: StoredFit) -> Iterator[Block]:
         "Points in the order of measuring scatter about zero, most of them within a shaded "
         "band of the 90 percent interval; dotted lines above and below mark outliers.",
         label="residuals",
+        floats=True,
     )
     yield from left_out(stored)
 

@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
-import xarray as xr
-
 from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.style import svg_of
@@ -23,11 +21,11 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import error_cells, format_fixed
+from bayesfric.report.quantities import error_cells, factor_cells, format_factor, format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
-__all__ = ["claims", "fallen"]
+__all__ = ["claims", "fallen", "further_claims"]
 
 Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}
@@ -96,9 +94,8 @@ def _verdicts(found: ClaimsFile) -> Table:
             [
                 Code(one.id),
                 Strong(f"{SIGNS[one.verdict]} {_worded(one.verdict)}"),
-                *error_cells(one.log10_bayes_factor, one.log10_bayes_factor_se),
-                format_fixed(one.elpd_difference, 1),
-                _elpd_error(one),
+                *factor_cells(one.log10_bayes_factor, one.log10_bayes_factor_se),
+                *_elpd(one),
             ]
             for one in found.claims
         ],
@@ -137,7 +134,6 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
             for one in found.self_contradictions
         ]
     )
-    yield from _figures(found, stored.curves)
 
 
 def _claim(one: ClaimResult) -> Iterator[Block]:
@@ -159,7 +155,7 @@ def _alone(one: ClaimResult) -> list[str]:
     if not one.by_pulley:
         return []
     each = ", ".join(
-        f"{size} {format_fixed(entry.log10_bayes_factor, 1)}"
+        f"{size} {format_factor(entry.log10_bayes_factor)}"
         + (f" ({_short(entry.log10_bayes_factor_why)})" if entry.log10_bayes_factor is None else "")
         for size, entry in ((size, one.by_pulley[size]) for size in ordered_sizes(one.by_pulley))
     )
@@ -171,10 +167,13 @@ def _short(why: str | None) -> str:
     return (why or "").partition(":")[0]
 
 
-def _elpd_error(one: ClaimResult) -> str:
-    number = format_fixed(one.elpd_difference_se, 1)
-    unreliable = one.elpd_difference_se is not None and not one.figures.get("elpd_reliable", True)
-    return f"({number})" if unreliable else number
+def _elpd(claim: ClaimResult) -> tuple[str, str]:
+    """Return the difference of the predictive densities and its error, to digits of the error."""
+    difference, error = error_cells(claim.elpd_difference, claim.elpd_difference_se)
+    known = claim.elpd_difference_se is not None
+    return difference, f"({error})" if known and not claim.figures.get(
+        "elpd_reliable", True
+    ) else error
 
 
 def _rules(found: ClaimsFile) -> list[str]:
@@ -198,12 +197,10 @@ def _rules(found: ClaimsFile) -> list[str]:
     ]
 
 
-def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
-    factors = {
-        one.id: rivals
-        for one in found.claims
-        if isinstance(rivals := one.figures.get("log10_bayes_factor_against"), dict)
-    }
+def further_claims(stored: StoredClaims) -> Iterator[Block]:
+    """Yield each claim against each rival, what could stay hidden, and what priors change."""
+    found, curves = stored.found, stored.curves
+    factors = _factors(found)
     if not factors:
         return
     yield Heading(2, "Against each rival")
@@ -211,9 +208,7 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         [
             Reference("rivals"),
             " sets each claim against each of its rivals, which are an effect beside the law, "
-            "written as effect/variant, or another law; ",
-            Reference("prior-width"),
-            " shows how far a verdict rests on the width of the rivals' priors.",
+            "written as effect/variant, or another law.",
         ]
     )
     yield Figure(
@@ -247,6 +242,15 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         "logarithmic axis; lines rise with the width where the effect is small.",
         label="prior-width",
     )
+
+
+def _factors(found: ClaimsFile) -> dict[str, dict[str, float]]:
+    """Return log10 Bayes factors against each rival, by claim."""
+    return {
+        claim.id: rivals
+        for claim in found.claims
+        if isinstance(rivals := claim.figures.get("log10_bayes_factor_against"), dict)
+    }
 
 
 def _power(found: ClaimsFile) -> Iterator[Block]:

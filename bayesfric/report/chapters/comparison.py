@@ -13,7 +13,7 @@ from bayesfric.report.content import (
     Reference,
     Table,
 )
-from bayesfric.report.quantities import MISSING, format_count, format_fixed, format_interval
+from bayesfric.report.quantities import MISSING, format_count, format_interval, format_shift
 from bayesfric.schemas import ComparisonFile, Shift
 
 __all__ = ["comparison", "comparison_line"]
@@ -77,7 +77,7 @@ def comparison(found: ComparisonFile) -> Iterator[Block]:
                     Code(one.name),
                     format_interval(one.a, one.a - one.sd_a, one.a + one.sd_a, one.unit),
                     format_interval(one.b, one.b - one.sd_b, one.b + one.sd_b, one.unit),
-                    format_fixed(one.shift, 2),
+                    format_shift(one.shift),
                     Code(one.file),
                 ]
                 for one in furthest

@@ -7,7 +7,7 @@ from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.diagnosis_details import codes
 from bayesfric.report.content import Block, Column, Heading, Paragraph, Table
 from bayesfric.report.quantities import (
-    format_fixed,
+    format_factor,
     format_number,
     format_probability,
     format_unit,
@@ -68,7 +68,7 @@ def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
             [
                 condition_words(one.condition),
                 codes(one.separates),
-                format_fixed(one.log10_bayes_factor, 1),
+                format_factor(one.log10_bayes_factor),
             ]
             for one in found.next_experiment
         ],

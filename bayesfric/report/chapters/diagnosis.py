@@ -19,6 +19,7 @@ from bayesfric.report.chapters.diagnosis_details import (
     remainder,
     share_words,
 )
+from bayesfric.report.chapters.entering import replays
 from bayesfric.report.chapters.joints import joints
 from bayesfric.report.content import (
     Block,
@@ -85,6 +86,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     if found.joints:
         yield from joints(found)
     yield _at_a_glance(found)
+    yield from replays(stored)
     yield Heading(2, "How large it is")
     yield gap_words(found)
     yield _how_far(stored)
@@ -182,9 +184,7 @@ def _axes_in_words(found: DiagnosisFile) -> Paragraph:
             _largest(found),
             f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
             Reference("where"),
-            " shows where the gap lies; ",
-            Reference("axes"),
-            " has all axes.",
+            " shows where the gap lies.",
         ]
     )
 
@@ -241,6 +241,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
         + ("; right, the residual force along the largest axes with a band" if shapes else "")
         + (f"; {', '.join(blind)} did not vary." if blind else "."),
         label="where",
+        floats=True,
     )
 
 
@@ -252,7 +253,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
         Code(best),
         f" ({format_probability(probability)}). ",
     ]
-    hypotheses: list[Inline] = ["All hypotheses: ", Reference("hypotheses"), "."]
+    hypotheses: list[Inline] = ["All hypotheses: ", Code("diagnosis.json"), "."]
     if not any(one.probability > RARE for one in included):
         none = f"No effect acts with a probability above {format_probability(RARE)}. "
         return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
@@ -270,6 +271,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
         f"{included[0].effect} at {format_probability(included[0].probability)}; right, how strong "
         "each is.",
         label="which",
+        floats=True,
     )
 
 
@@ -304,6 +306,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             else ""
         ),
         label="how-far",
+        floats=True,
     )
 
 

@@ -19,7 +19,8 @@ from bayesfric.report.content import (
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import (
     MISSING,
-    error_cells,
+    factor_cells,
+    format_factor,
     format_fixed,
     format_interval,
     format_number,
@@ -182,8 +183,8 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
 def _factor(cause: Cause) -> str:
     factor, error = cause.log10_bayes_factor, cause.log10_bayes_factor_se
     if error is None:
-        return f"{format_fixed(factor, 1)} ({cause.log10_bayes_factor_se_why})"
-    return " ± ".join(error_cells(factor, error))
+        return f"{format_factor(factor)} ({cause.log10_bayes_factor_se_why})"
+    return " ± ".join(cell for cell in factor_cells(factor, error) if cell != MISSING)
 
 
 def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
@@ -211,7 +212,7 @@ def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
 def remainder(found: DiagnosisFile) -> Iterator[Block]:
     """Yield what the named causes leave."""
     rest = found.remainder
-    factor = f"log₁₀ Bayes factor {format_fixed(rest.log10_bayes_factor, 1)}"
+    factor = f"log₁₀ Bayes factor {format_factor(rest.log10_bayes_factor)}"
     said = f" The evidence does not ask for a further, smooth force ({factor})."
     if rest.significant:
         said = f" The evidence asks for a further, smooth force ({factor})."
@@ -360,7 +361,7 @@ def _examined(found: DiagnosisFile) -> Table:
         "Every effect examined, alone against the baseline.",
         ["effect", Column("log₁₀ BF", align="decimal")],
         [
-            [Code(one.effect), format_fixed(one.log10_bayes_factor, 1)]
+            [Code(one.effect), format_factor(one.log10_bayes_factor)]
             for one in found.effects
             if one not in absent
         ],

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 
-from bayesfric.inference.diagnostics import LIMITS
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
@@ -12,7 +12,7 @@ from bayesfric.report.quantities import format_count, format_number, format_shar
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
 
-__all__ = ["diagnostics"]
+__all__ = ["diagnostics", "further_diagnostics"]
 
 
 def diagnostics(stored: StoredFit) -> Iterator[Block]:
@@ -25,17 +25,18 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         f"{format_count(sampler.draws)} draws in all. {format_share(sampler.acceptance)} of the "
         f"proposals were accepted, and an effective draw took at most "
         f"{format_number(sampler.autocorrelation_time, digits=2)} steps of a walker. Converged "
-        f"means: R-hat below {LIMITS['r_hat']}, walker by walker below {LIMITS['r_hat_walkers']}, "
-        f"and at least {LIMITS['ess']:.0f} effective draws, for every parameter. "
-        f"{'All of that holds here.' if fit.converged else 'Some of that does not hold here.'}"
+        f"means: R-hat below {SAMPLING_RULES.r_hat}, walker by walker below "
+        f"{SAMPLING_RULES.r_hat_walkers}, and at least {SAMPLING_RULES.effective_draws:.0f} "
+        "effective draws, for every parameter. "
+        f"{'All of that holds here.' if fit.converged else 'Some of that does not hold here.'} "
+        f"{_worst(stored)}"
     )
-    entries = {
-        f"{name}[{size}]": entry
-        for name in ("c1", "c2", "c3")
-        for size, coefficients in fit.pulleys.items()
-        if (entry := coefficients.get(name)) is not None
-    }
-    entries |= {**fit.scatter, **fit.noise, **fit.parameters}
+
+
+def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
+    """Yield what each coefficient rests on, and the ranks of the draws."""
+    entries = _entries(stored)
+    yield Heading(2, "Sampler and prior")
     yield Table(
         "Diagnostics of each parameter, and how far the data moved it from its prior.",
         [
@@ -87,6 +88,29 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         label="ranks",
         floats=True,
     )
+
+
+def _worst(stored: StoredFit) -> str:
+    """Return the largest R-hat and the fewest effective draws of all parameters."""
+    entries = _entries(stored).values()
+    fewest = min(min(entry.ess_bulk, entry.ess_tail) for entry in entries)
+    return (
+        f"The largest R-hat is {max(entry.r_hat for entry in entries):.4f}, walker by walker "
+        f"{max(entry.r_hat_walkers for entry in entries):.4f}, and the fewest effective draws are "
+        f"{format_count(round(fewest))}."
+    )
+
+
+def _entries(stored: StoredFit) -> dict[str, ParameterSummary]:
+    """Return every parameter, the coefficients first."""
+    fit = stored.fit
+    coefficients = {
+        f"{name}[{size}]": entry
+        for name in ("c1", "c2", "c3")
+        for size, of_size in fit.pulleys.items()
+        if (entry := of_size.get(name)) is not None
+    }
+    return {**coefficients, **fit.scatter, **fit.noise, **fit.parameters}
 
 
 def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:

@@ -16,6 +16,8 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import (
+    MISSING,
+    error_cells,
     format_count,
     format_fixed,
     format_number,
@@ -25,7 +27,7 @@ from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import AssemblyCheck, Prediction, Uniformity
 
-__all__ = ["left_out"]
+__all__ = ["further_left_out", "left_out"]
 
 
 def left_out(stored: StoredFit) -> Iterator[Block]:
@@ -47,18 +49,23 @@ def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator
             "Each trial is now left out in turn, and the fit to all others, those of its own "
             f"{group_words(stored.fit.rigs)[0]} included, says how probable less friction was "
             "than it had. Of a model that "
-            "is right these probabilities are uniform; in ",
-            Reference("loo-pit"),
-            " their distribution then stays inside the band. An S that first rises and then falls "
-            "says that trials scatter more than the model has it, its mirror image that they "
-            "scatter less, and a bow to one side that friction is misjudged. ",
+            "is right these probabilities are uniform. ",
             " ".join(map(_uniform, found)),
         ]
     )
+
+
+def further_left_out(stored: StoredFit) -> Iterator[Figure]:
+    """Yield the distribution of the leave-one-out probabilities, where there are any."""
+    if not (stored.fit.uniformity and has_probabilities(stored.predictive)):
+        return
     yield Figure(
         svg_of(leave_one_out_probabilities, stored.predictive),
         [
             "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
+            "An S that first rises and then falls says that trials scatter more than the model "
+            "has it, its mirror image that they scatter less, and a bow to one side that friction "
+            "is misjudged. "
             "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
             f"trials of one {group_words(stored.fit.rigs)[0]} dependent as the model has them. "
             "From ",
@@ -113,6 +120,7 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
         "Of each rig a step line around zero inside a band, points along a diagonal, and points by "
         "condition about zero, most of them within a shaded band of the 90 percent interval.",
         label="assemblies",
+        floats=True,
     )
 
 
@@ -149,8 +157,11 @@ def _densities(found: tuple[Prediction, ...]) -> Table:
             [
                 _kind(one),
                 format_count(one.groups),
-                format_fixed(one.elpd, 1),
-                "—" if one.elpd_se is None else format_number(one.elpd_se, 2),
+                *(
+                    (format_fixed(one.elpd, 1), MISSING)
+                    if one.elpd_se is None
+                    else error_cells(one.elpd, one.elpd_se)
+                ),
                 format_count(one.bad),
                 format_count(one.refitted),
             ]

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from bayesfric.report.chapters.plain_law import own_law
-from bayesfric.report.content import Block, Equation, Heading, Math, Paragraph, Reference
+from bayesfric.report.content import Block, Code, Equation, Heading, Math, Paragraph
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
 from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredResults
@@ -42,7 +42,7 @@ def _fit(fit: FitFile) -> Iterator[Block]:
     yield Paragraph(
         [
             "Priors are proper and listed in ",
-            Reference("diagnostics"),
+            Code("fit.json"),
             "; the default ones do not rest on the paper's Table I. Draws come from emcee: moves "
             "that propose from a Student-t fitted around the posterior, independent of the "
             "walker's place, mixed with differential evolution. A parameter counts as informed "

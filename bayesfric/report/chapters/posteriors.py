@@ -12,20 +12,15 @@ from bayesfric.report.chapters.prior_friction import prior_friction
 from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["posteriors"]
+__all__ = ["further_posteriors", "posteriors"]
 
 
 def posteriors(stored: StoredFit) -> Iterator[Block]:
-    """Yield prior beside posterior, and a corner figure a size."""
+    """Yield the friction that priors expect, and the joint posterior of the first size."""
     yield Heading(1, "Posteriors")
     yield from prior_friction(stored)
-    posterior = stored.draws["posterior"].to_dataset()
-    # A bench without tensions has c2 alone, which hangs together with nothing.
-    names = [name for name in ("c1", "c2", "c3") if name in posterior]
-    sizes = stored.fit.pulleys if len(names) > 1 else {}
+    sizes = _sizes(stored)
     if sizes:
-        # Of all draws these alone: another process may draw the figures.
-        drawn = xr.DataTree.from_dict({"posterior": posterior[names]})
         yield Heading(2, "Joint posteriors")
         yield Paragraph(
             [
@@ -33,31 +28,19 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
                 "together: propagate the draws, not the means and standard deviations of ",
                 Reference("coefficients"),
                 ".",
+                " The other sizes stand in the details of the HTML page." if sizes[1:] else "",
             ]
         )
-    for size in sizes:
-        paper = None
-        mark = "The paper has no such size."
-        if size in table1():
-            row = table1()[size]
-            paper = {"c1": row.c1.value, "c2": row.c2.value, "c3": row.c3.value}
-            mark = (
-                "Dashed lines mark Table I: where data and paper agree, they cross inside the "
-                "contours."
-            )
-        yield Figure(
-            svg_of(coefficient_pairs, drawn, size, paper),
-            [
-                f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
-                f"that two coefficients are known better together than apart. {mark} From ",
-                Code("draws.nc"),
-                ".",
-            ],
-            f"A triangle of panels for the {size} pulley: histograms of c1, c2 and c3 on the "
-            "diagonal, each with one peak, and below it the contours of each pair.",
-            label=f"pairs-{size}",
-            width=PAIRS_SHARE,
-        )
+        yield _pairs(stored, sizes[0])
+
+
+def further_posteriors(stored: StoredFit) -> Iterator[Block]:
+    """Yield joint posteriors of the sizes after the first, and priors beside posteriors."""
+    sizes = _sizes(stored)[1:]
+    if sizes:
+        yield Heading(2, "Joint posteriors of the other sizes")
+        for size in sizes:
+            yield _pairs(stored, size)
     yield Heading(2, "Each parameter")
     yield Paragraph(
         [
@@ -78,5 +61,44 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
         "Small panels, one for each parameter: a filled histogram of the posterior, with one peak, "
         "and a dashed line of the prior.",
         label="densities",
+        floats=True,
+    )
+
+
+def _sizes(stored: StoredFit) -> list[str]:
+    """Return the sizes with two coefficients or more; a bench without tensions has c2 alone."""
+    return list(stored.fit.pulleys) if len(_coefficients(stored)) > 1 else []
+
+
+def _coefficients(stored: StoredFit) -> list[str]:
+    posterior = stored.draws["posterior"].to_dataset()
+    return [name for name in ("c1", "c2", "c3") if name in posterior]
+
+
+def _pairs(stored: StoredFit, size: str) -> Figure:
+    """Return the joint posterior of the coefficients of a size."""
+    # Of all draws these alone: another process may draw the figures.
+    posterior = stored.draws["posterior"].to_dataset()[_coefficients(stored)]
+    drawn = xr.DataTree.from_dict({"posterior": posterior})
+    paper = None
+    mark = "The paper has no such size."
+    if size in table1():
+        row = table1()[size]
+        paper = {"c1": row.c1.value, "c2": row.c2.value, "c3": row.c3.value}
+        mark = (
+            "Dashed lines mark Table I: where data and paper agree, they cross inside the contours."
+        )
+    return Figure(
+        svg_of(coefficient_pairs, drawn, size, paper),
+        [
+            f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
+            f"that two coefficients are known better together than apart. {mark} From ",
+            Code("draws.nc"),
+            ".",
+        ],
+        f"A triangle of panels for the {size} pulley: histograms of c1, c2 and c3 on the "
+        "diagonal, each with one peak, and below it the contours of each pair.",
+        label=f"pairs-{size}",
+        width=PAIRS_SHARE,
         floats=True,
     )

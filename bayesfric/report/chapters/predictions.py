@@ -24,7 +24,7 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import format_number, format_probability
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["predictions"]
+__all__ = ["further_predictions", "predictions"]
 
 REFERENCE_ANGLE_DEG = 85.0
 FROM_PREDICTIVE: tuple[Inline, ...] = (" From ", Code("predictive.nc"), ".")
@@ -35,11 +35,29 @@ AGAIN = (
 
 
 def predictions(stored: StoredFit) -> Iterator[Block]:
-    """Yield what is there of the paper's Figs 11 to 16 and 4 to 7."""
-    figures = [*_trajectories(stored), *_lines(stored)]
+    """Yield what is there of the paper's Figs 11 and 12, and 4 to 7."""
+    figures = [*_trajectories(stored), *_against_tension(stored)]
     figures += [_speed(one) for one in rig_tables(stored.predictive) if has_speeds(one)]
     if figures:
         yield Heading(1, "Measured and predicted")
+        yield from figures
+
+
+def further_predictions(stored: StoredFit) -> Iterator[Block]:
+    """Yield the paper's further steps, from lines in tension to slopes in the wrap angle."""
+    figures = list(_slopes(stored)) if _holds(stored, "curves", "law_n") else []
+    if figures:
+        yield Heading(2, "The paper's own steps")
+        yield Paragraph(
+            [
+                Reference(str(figures[0].label)),
+                " to ",
+                Reference(str(figures[-1].label)),
+                " show the slope of friction in tension, and the slopes of that in the number of "
+                "pulleys and the wrap angle. The posterior takes no such steps: its bands come "
+                "from all trials at once.",
+            ]
+        )
         yield from figures
 
 
@@ -58,6 +76,7 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
             " starts with the speed that the trial had at its first event and runs free to the "
             "end of travel. Its band is that of a new trial on a new assembly, scatter included, "
             "so nine trials in ten should stay inside it.",
+            *_with_tension(stored),
         ]
     )
     yield Figure(
@@ -79,6 +98,13 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
         label="trajectories",
         floats=True,
     )
+
+
+def _with_tension(stored: StoredFit) -> list[Inline]:
+    """Return the sentence that leads to the figure over tension, where there is one."""
+    if not _holds(stored, "curves", "law_n"):
+        return []
+    return [" ", Reference("tension"), " has the friction of each trial."]
 
 
 def _tension(stored: StoredFit) -> Figure:
@@ -115,23 +141,9 @@ def _least(stored: StoredFit, name: str, of: str) -> str:
     return f"; the least R² of a {of} is {written} here"
 
 
-def _lines(stored: StoredFit) -> Iterator[Block]:
-    """Yield the paper's steps, as far as the recording has the lines that they rest on."""
-    if not _holds(stored, "curves", "law_n"):
-        return
-    figures = [_tension(stored), *_slopes(stored)]
-    if len(figures) > 1:
-        yield Paragraph(
-            [
-                Reference(str(figures[0].label)),
-                " to ",
-                Reference(str(figures[-1].label)),
-                " take the paper's own steps: friction of each trial, its slope in tension, and "
-                "the slopes of that in the number of pulleys and the wrap angle. The posterior "
-                "takes no such steps: its bands come from all trials at once.",
-            ]
-        )
-    yield from figures
+def _against_tension(stored: StoredFit) -> Iterator[Figure]:
+    if _holds(stored, "curves", "law_n"):
+        yield _tension(stored)
 
 
 def _slopes(stored: StoredFit) -> Iterator[Figure]:

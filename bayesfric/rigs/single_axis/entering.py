@@ -71,7 +71,8 @@ def entering(
         A user's, whose force is looked for beside the rows.
     """
     parts = max(1, -(-ENOUGH // len(axis.runs)))
-    logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
+    recorded: list[EvenLog] = []
+    starts, rows, runs = [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
     machine = machine_of(axis, constants)
@@ -82,12 +83,13 @@ def entering(
         if log is None:
             still.append(str(run["run"]))
             continue
-        logs.append(log)
+        recorded.append(log)
         runs.append({str(name): value for name, value in run.items()})
         starts.append(np.arange(parts) * (log.time_s.size // parts))
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
+    logs: Sequence[EvenLog] = recorded
     if not logs:
         return too_short([len(samples) for samples in by_run.values()])
     resolution = constants.encoder_resolution

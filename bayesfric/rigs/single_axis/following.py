@@ -22,13 +22,28 @@ from bayesfric.effects.base import Load
 from bayesfric.physics.loads import behind
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-__all__ = ["DAMPINGS", "LENGTHS", "TRIED", "DrivePath", "Followed"]
+__all__ = ["DAMPINGS", "LENGTHS", "NEAR", "OWN", "REFINED", "TRIED", "DrivePath", "Followed"]
 
 LENGTHS = {"play": np.geomspace(4e-4, 0.1, 31), "spring": np.geomspace(6e-5, 0.02, 33)}
 """Of the stroke: a fifth more from one to the next."""
 DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
 """Of a spring, over what is critical: steel, gears and belts."""
-TRIED = {"play": LENGTHS["play"].size, "spring": LENGTHS["spring"].size * len(DAMPINGS)}
+OWN = np.geomspace(0.18, 9.0, 16)
+"""Shares of the mass over those of the friction, of a load on a spring, that are tried."""
+NEAR = np.geomspace(0.12, 1.6, 9)
+"""Lengths that are tried with each, over the best of a load whose shares are tied."""
+REFINED = {
+    "shares": np.geomspace(0.7, 1.4, 7),
+    "length": np.geomspace(0.92, 1.09, 7),
+    "damping": np.geomspace(0.75, 1.33, 5),
+}
+"""Numbers of such a load that are tried once more, over the best."""
+TRIED = {
+    "play": LENGTHS["play"].size,
+    "spring": LENGTHS["spring"].size * len(DAMPINGS)
+    + OWN.size * NEAR.size
+    + int(np.prod([values.size for values in REFINED.values()])),
+}
 """Of how a load is held, forms that were tried."""
 AT_ONCE = 4_000_000  # numbers of all loads along the paths that are followed together
 LONG = 20_000  # samples of a path, beyond which it is followed in parts
@@ -103,7 +118,7 @@ class Followed:
 
     def __init__(self, paths: Sequence[DrivePath]) -> None:
         self._paths = tuple(part for path in paths for part in path.parts())
-        self._kept: dict[tuple[str, float, bytes, float], dict[float, Array]] = {}
+        self._kept: dict[tuple[object, ...], dict[float, Array]] = {}
 
     def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:
         """Return how a load moves in some rows.
@@ -121,31 +136,53 @@ class Followed:
         """
 
         def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
-            tried = lengths[held]
+            tried: Array = lengths[held]
+            shares: tuple[float, ...] = HEAVY
+            if heavy not in HEAVY:  # of its own shares, whose lengths go with them
+                tried, shares = tried / heavy, (heavy,)
             at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
             low = min(int(at), tried.size - 2)
-            table = self._tabulated(held, slows, tried, damping)[heavy][:, rows]
+            table = self._tabulated(held, slows, tried, damping, shares)[heavy][:, rows]
             found = (1 - (at - low)) * table[..., low] + (at - low) * table[..., low + 1]
             return found[0][:, None], found[1][:, None]
 
         return load
 
     def _tabulated(
-        self, held: str, slows: float, lengths: Array, damping: float
+        self, held: str, slows: float, lengths: Array, damping: float, shares: tuple[float, ...]
     ) -> dict[float, Array]:
         """Return rows by how heavy the load is, (2, W, K)."""
-        key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0)
+        key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0, shares)
         if key not in self._kept:
-            each = np.repeat(HEAVY, lengths.size), np.tile(lengths, len(HEAVY))
-            found = []
-            for together in _batches(self._paths, each[0].size):
-                places, intervals = _side_by_side(together)
-                moved = behind(held, places, intervals, slows, *each, damping)
-                for place, one in enumerate(together):
-                    found.append(one.rows(*(part[: one.position.size, place] for part in moved)))
-            parts = np.split(np.concatenate(found, axis=1), len(HEAVY), axis=2)
-            self._kept[key] = dict(zip(HEAVY, parts, strict=True))
+            heavy, tried = np.repeat(shares, lengths.size), np.tile(lengths, len(shares))
+            whole = self.side_by_side(held, slows, heavy, tried, damping)
+            parts = np.split(whole, len(shares), axis=2)
+            self._kept[key] = dict(zip(shares, parts, strict=True))
         return self._kept[key]
+
+    def side_by_side(
+        self, held: str, slows: float, heavy: Array, lengths: Array, damping: ArrayLike
+    ) -> Array:
+        """Return how K loads move in all rows, side by side, shape (2, W, K).
+
+        Parameters
+        ----------
+        held : str
+            In ``play``, or on a ``spring``.
+        slows : float
+            Friction of the axis over its mass [m/s²].
+        heavy, lengths : ndarray, shape (K,)
+            Of each load its share of the mass over that of the friction, and its length [m].
+        damping : float or ndarray, shape (K,)
+            Of a spring.
+        """
+        rows = []
+        for together in _batches(self._paths, heavy.size):
+            places, intervals = _side_by_side(together)
+            moved = behind(held, places, intervals, slows, heavy, lengths, damping)
+            for place, path in enumerate(together):
+                rows.append(path.rows(*(part[: path.position.size, place] for part in moved)))
+        return np.concatenate(rows, axis=1)
 
 
 def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]]:

@@ -78,23 +78,23 @@ class Compared(NamedTuple):
         if self.p_value >= SURE or self.strength < WEAK:
             return False
         off = (
-            abs(self.instrumental[name].value - one.value) > MATTERS * abs(one.value)
-            for name, one in self.ordinary.items()
+            abs(self.instrumental[name].value - number.value) > MATTERS * abs(number.value)
+            for name, number in self.ordinary.items()
             if name != "viscous"
         )
         return any(off)
 
-    def told(self, unit: Callable[[str], str]) -> Instrument:
+    def stored(self, unit: Callable[[str], str]) -> Instrument:
         """Return it as it is stored, its numbers in the axis' own units."""
         numbers = {
             name: InstrumentNumber(
                 unit=unit(UNITS[name]),
-                ordinary=one.value,
-                ordinary_se=one.error,
+                ordinary=number.value,
+                ordinary_se=number.error,
                 instrumental=self.instrumental[name].value,
                 instrumental_se=self.instrumental[name].error,
             )
-            for name, one in self.ordinary.items()
+            for name, number in self.ordinary.items()
         }
         return Instrument(
             kind=self.kind,
@@ -126,17 +126,17 @@ def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) 
         windows before.
     """
     reference = log.further.get("reference")
-    found = np.full((centres.size, 2 * BEFORE), np.nan)
+    instruments = np.full((centres.size, 2 * BEFORE), np.nan)
     if reference is not None:
-        found[:, 0] = test.over(reference, test.curvature, centres)
-        found[:, 1] = -test.over(reference, test.slope, centres)
-        return found
+        instruments[:, 0] = test.over(reference, test.curvature, centres)
+        instruments[:, 1] = -test.over(reference, test.slope, centres)
+        return instruments
     for before in range(BEFORE):
         middle = centres - (before + 1) * (2 * test.half + 1)
         inside = middle >= test.half
-        found[inside, 2 * before] = test.over(log.position, test.curvature, middle[inside])
-        found[inside, 2 * before + 1] = -test.over(log.position, test.slope, middle[inside])
-    return found
+        instruments[inside, 2 * before] = test.over(log.position, test.curvature, middle[inside])
+        instruments[inside, 2 * before + 1] = -test.over(log.position, test.slope, middle[inside])
+    return instruments
 
 
 def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> Compared | str:
@@ -168,16 +168,16 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     own = _scaled(own)[0]
     moved, rest = columns[:, :MOVED], columns[:, MOVED:]
     excluded = np.column_stack([own, rest])
-    fitted = excluded @ np.linalg.lstsq(excluded, moved, rcond=1e-10)[0]
-    strength = min(_wald(moved[:, [one]], own, rest, groups)[0] for one in range(MOVED))
+    fitted = excluded @ _least_squares(excluded, moved)
+    strength = min(_wald(moved[:, [place]], own, rest, groups)[0] for place in range(MOVED))
     left = moved - fitted
     statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
         statistic, p_value = _wald(force[:, None], left, columns, groups)
     second = np.column_stack([fitted, rest])
-    numbers = np.asarray(np.linalg.lstsq(second, force, rcond=1e-10)[0], dtype=np.float64)
+    numbers = _least_squares(second, force)
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
-    numbers = np.asarray(np.linalg.lstsq(columns, force, rcond=1e-10)[0], dtype=np.float64)
+    numbers = _least_squares(columns, force)
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
     return Compared(kind, statistic, p_value, strength, instrumental, ordinary, len(force))
 
@@ -200,10 +200,14 @@ def _scaled(columns: Array) -> tuple[Array, Array]:
     return columns / width, width
 
 
+def _least_squares(columns: Array, goal: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(columns, goal, rcond=1e-10)[0], dtype=np.float64)
+
+
 def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[float, float]:
     """Return F that columns add nothing beside others, and its p-value; errors go by groups."""
     design = np.column_stack([asked, beside])
-    numbers = np.linalg.lstsq(design, goal[:, 0], rcond=1e-10)[0]
+    numbers = _least_squares(design, goal[:, 0])
     covariance = _covariance(design, goal[:, 0] - design @ numbers, groups)
     count = asked.shape[1]
     own = numbers[:count]

@@ -56,6 +56,8 @@ class Measures:
         Of how a load is held: lengths at which it is followed [m or rad].
     damping : float
         Of a load's spring, over what is critical.
+    mass_over_friction : float
+        Of a load on a spring: its share of the mass over that of the friction.
     carried : Carried or None
         What the gear carries.
     rough_mass : float
@@ -78,6 +80,7 @@ class Measures:
     pull: float = 0.0
     lengths: Mapping[str, Array] = field(default_factory=dict)
     damping: float = DAMPINGS[2]
+    mass_over_friction: float = 1.0
     carried: Carried | None = None
     rough_mass: float = 0.0
     both_ways: bool = True

@@ -85,18 +85,18 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
         return OnTime(tuple(logs))
     step = squares.reach_s / STEPS
     delays = step * np.arange(-STEPS, STEPS + 1)
-    left = np.array([squares.delayed(one) for one in delays])
+    left = np.array([squares.delayed(late) for late in delays])
     best = float(delays[np.argmin(left)])
-    found = minimize_scalar(squares.delayed, bounds=(best - step, best + step), method="bounded")
-    late_s = float(found.x)
+    nearest = minimize_scalar(squares.delayed, bounds=(best - step, best + step), method="bounded")
+    late_s = float(nearest.x)
     if -margin_s <= late_s <= LATEST_S:
         return OnTime(tuple(logs))
     near = np.linspace(-margin_s, LATEST_S, STEPS)
     lags = np.geomspace(0.1 * LATEST_S, squares.reach_s, LAGS)
     otherwise = min(*map(squares.delayed, near), *map(squares.lagging, lags))
-    if not float(found.fun) < CLEARLY * otherwise:
+    if not float(nearest.fun) < CLEARLY * otherwise:
         return OnTime(tuple(logs))
-    return OnTime(tuple(_moved(one, late_s) for one in logs), late_s)
+    return OnTime(tuple(_moved(log, late_s) for log in logs), late_s)
 
 
 def _moved(log: EvenLog, late_s: float) -> EvenLog:
@@ -129,10 +129,10 @@ class _Squares(NamedTuple):
         """Lay rows out whose windows stay inside of their runs however the force is moved."""
         noise = position_sd(logs, resolution)
         half_s = widest_half_s(logs, noise)
-        stroke = max(float(np.ptp(one.position)) for one in logs)
-        shortest = min(one.time_s.size * one.interval_s for one in logs)
+        stroke = max(float(np.ptp(log.position)) for log in logs)
+        shortest = min(log.time_s.size * log.interval_s for log in logs)
         reach_s = min(REACH_S, OF_A_RUN * shortest)
-        total = sum(one.time_s.size * one.interval_s for one in logs)
+        total = sum(log.time_s.size * log.interval_s for log in logs)
         hop_s = max(0.5 * half_s, total / ROWS)
         parts, means = [], []
         for log in logs:
@@ -144,9 +144,9 @@ class _Squares(NamedTuple):
             inside = (centre >= out) & (centre < log.time_s.size - out)
             part = {name: part[name][inside] for name in LAW}
             parts.append(part)
-            known = test.over(log.force, test.value, part["centre"].astype(np.intp))
-            known = known - part["way"] * part["force"]
-            means.append((log, test.value, part["centre"], part["way"], known))
+            whole = test.over(log.force, test.value, part["centre"].astype(np.intp))
+            modelled = whole - part["way"] * part["force"]
+            means.append((log, test.value, part["centre"], part["way"], modelled))
         columns = _columns(parts)
         if len(columns) < ROWS_A_NUMBER * columns.shape[1]:
             return None
@@ -169,7 +169,10 @@ class _Squares(NamedTuple):
 
     def _left(self, forces: Iterable[Array]) -> float:
         force = np.concatenate(
-            [way * (one - known) for one, (*_, way, known) in zip(forces, self.means, strict=True)]
+            [
+                way * (mean - modelled)
+                for mean, (*_, way, modelled) in zip(forces, self.means, strict=True)
+            ]
         )
         rest = force - self.basis @ (self.basis.T @ force)
         return float(rest @ rest)

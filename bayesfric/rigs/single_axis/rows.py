@@ -276,6 +276,7 @@ def state_of(
         force_curvature_n_s2=rows.force_curvature[:, None],
         wave_from_m=measures.wave.start,
         load=measures.load(rows),
+        mass_over_friction=measures.mass_over_friction,
         carried_n=held + moved,
         held_n=held,
         dwell_s=rows.dwell_s[:, None],

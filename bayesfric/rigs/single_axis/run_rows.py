@@ -1,5 +1,6 @@
 """The rows of one run: mean forces over windows, and all that is known in each."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.instruments import instruments_of
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
-from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, node_weights
+from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce, node_weights
 
 __all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run", "turns_back"]
 
@@ -37,20 +38,10 @@ def rows_of_run(
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
-    quick = half < NARROWEST
-    position, velocity, way = smooth_motion(log, max(SMOOTHED, half // 2), noise, quick=quick)
-    if (other := log.further.get("sim_position")) is not None:
-        # Where the simulated axis runs the other way its friction says nothing of this motion.
-        there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]
-        way = np.where(there == way, way, 0.0)
+    position, velocity, way = _motion(log, half, noise, stroke)
     travel, before = passes_of(position, way, FAR * stroke)
     dwell, since = rests_of(position, way, log.interval_s)
-    warm = log.further.get("temperature", np.full(way.size, np.nan))
-    # A log does not say how long ago the axis turned before it, nor by which way it came to where
-    # it rests, which friction may remember; where it turns later on, that is better known.
-    if (way > 0).any() and (way < 0).any():
-        near = np.abs(position - position[0]) < FORGOTTEN * stroke
-        way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
+    _forget_the_start(position, way, stroke)
     centres = np.arange(half, log.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
     runs = np.concatenate([[0.0], np.cumsum(way)])
@@ -67,43 +58,91 @@ def rows_of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, log.time_s, values))
 
-    simulated = [sign * one.over(test, centres) for one in log.forces]
-    beside = [sign * one.over(test, centres) for one in log.beside]
-    force = test.over(log.force, test.value, centres)
-    if log.known_force is not None:
-        force = force - log.known_force.over(test, centres)
-    held, moved = _known_load(log)
-    lags = range(0, 2 * half // step + 1)
-    acting = given(log, limit)
-    curvature = force_curvature(acting, test, centres, runs)
-    delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
+    known_held, known_moved = _known_load(log)
     return {
         "path": position,
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
-        "force": sign * force,
         "acceleration": sign * test.over(log.position, test.curvature, centres),
-        "force_rate": sign * delayed,
-        "lagging_rate": sign * lagging,
-        "force_curvature": sign * curvature,
         "time_s": log.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
         "passes": before[centres],
         "dwell_s": dwell[centres],
         "since_rest": since[centres],
-        "temperature": warm[centres],
+        "temperature": log.further.get("temperature", np.full(way.size, np.nan))[centres],
         "position": inside(position),
-        "known_held": inside(held),
-        "known_moved": inside(moved),
+        "known_held": inside(known_held),
+        "known_moved": inside(known_moved),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
+        "instruments": sign[:, None] * instruments_of(log, test, centres),
+        "simulated": _under(log.forces, test, centres, sign),
+        "beside": _under(log.beside, test, centres, sign),
+        **_forces(log, test, centres, sign, runs, late_s, limit),
+        **_errors(log, test, centres, step),
+    }
+
+
+def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
+    """Return position, speed and way of a run, where a simulated one runs alike."""
+    over, quick = max(SMOOTHED, half // 2), half < NARROWEST
+    position, velocity, way = smooth_motion(log, over, noise, quick=quick)
+    if (other := log.further.get("sim_position")) is not None:
+        # Where the simulated axis runs the other way its friction says nothing of this motion.
+        there = smooth_motion(replace(log, position=other), over, noise)[2]
+        way = np.where(there == way, way, 0.0)
+    return position, velocity, way
+
+
+def _forget_the_start(position: Array, way: Array, stroke: float) -> None:
+    """Take away the way of the first samples, near the place where a log begins.
+
+    A log does not say how long ago the axis turned before it, nor by which way it came to where
+    it rests, which friction may remember; where it turns later on, that is better known.
+    """
+    if (way > 0).any() and (way < 0).any():
+        near = np.abs(position - position[0]) < FORGOTTEN * stroke
+        way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
+
+
+def _under(forces: Sequence[WeakForce], test: TestFunction, centres: Whole, sign: Array) -> Array:
+    """Return forces under the test functions, in the way's sense, (W, K)."""
+    means = [sign * force.over(test, centres) for force in forces]
+    return np.reshape(means, (len(means), centres.size)).T
+
+
+def _forces(
+    log: EvenLog,
+    test: TestFunction,
+    centres: Whole,
+    sign: Array,
+    runs: Array,
+    late_s: float,
+    limit: float,
+) -> dict[str, Array]:
+    """Return the force of each window, and what it does in time, in the way's sense."""
+    force = test.over(log.force, test.value, centres)
+    if log.known_force is not None:
+        force = force - log.known_force.over(test, centres)
+    acting = given(log, limit)
+    curvature = force_curvature(acting, test, centres, runs)
+    delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
+    return {
+        "force": sign * force,
+        "force_rate": sign * delayed,
+        "lagging_rate": sign * lagging,
+        "force_curvature": sign * curvature,
+    }
+
+
+def _errors(log: EvenLog, test: TestFunction, centres: Whole, step: int) -> dict[str, Array]:
+    """Return how errors of positions and forces hang together between neighbours."""
+    lags = range(0, 2 * test.half // step + 1)
+    return {
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
-        "instruments": sign[:, None] * instruments_of(log, test, centres),
-        "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
-        "beside": np.reshape(beside, (len(beside), centres.size)).T,
     }
 
 

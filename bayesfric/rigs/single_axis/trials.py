@@ -334,12 +334,12 @@ class AxisRuns(PlainTrials):
 
         See :mod:`.declared`, :mod:`.on_time` and :mod:`.dither`.
         """
-        found = [*doubts(self.constants, law, self.measures.rough_mass)]
+        lines = [*doubts(self.constants, law, self.measures.rough_mass)]
         if self._carried is not None and "load-both-ways" not in self.offers:
-            found.append(ONE_WAY)
+            lines.append(ONE_WAY)
         if self.late_s:
             acts = "later" if self.late_s > 0 else "earlier"
-            found.append(
+            lines.append(
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
             )
@@ -349,12 +349,12 @@ class AxisRuns(PlainTrials):
                 if self.dither.left_out
                 else "They enter, for too few would be left: friction is told too low at low speed"
             )
-            found.append(
+            lines.append(
                 f"In {self.dither.windows} of {self.dither.of} windows the joint dithers: counts "
                 "of its encoder in the controller's damping turn it back again and again, so that "
                 f"friction has not one sign there. {done}"
             )
-        return tuple(found)
+        return tuple(lines)
 
     def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
         """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
@@ -362,24 +362,24 @@ class AxisRuns(PlainTrials):
             return "a simulator has the place of the law"
         rows, readings = self._rows(self._rough), self.readings
         speed = rows.mean(readings.speed)
-        others = [rows.candidate_column(one) for one, _ in acting]
+        others = [rows.candidate_column(candidate) for candidate, _ in acting]
         columns = np.column_stack(
             [
                 readings.acceleration,
                 speed,
                 np.ones(readings.count),
                 *rows.nuisance_columns().T,
-                *(one for one in others if not isinstance(one, Unsupported)),
+                *(column for column in others if not isinstance(column, Unsupported)),
             ]
         )
         inside = self.measures.limit.within(readings)
-        found = compared(
+        comparison = compared(
             readings.force[inside],
             columns[inside],
             readings.instruments[inside],
             readings.piece[inside],
         )
-        return found if isinstance(found, str) else found.told(self.measures.unit)
+        return comparison if isinstance(comparison, str) else comparison.stored(self.measures.unit)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

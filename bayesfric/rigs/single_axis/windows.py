@@ -32,14 +32,14 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
     """Return half the width of a window [s], and windows' distance as a share of that."""
     logs = [replace(log, beside=()) for log in logs]
     moved = float(np.mean([log.known_inertia for log in logs]))
-    length = sum(one.time_s.size * one.interval_s for one in logs)
+    length = sum(log.time_s.size * log.interval_s for log in logs)
     half_s, longest = _narrowest_and_widest(logs, noise)
     while half_s < longest:
         rows = []
-        for one in logs:
-            half = half_samples(half_s, one)
-            test = test_function(half, one.interval_s)
-            rows.append(rows_of_run(one, test, 2 * half, noise, stroke))
+        for log in logs:
+            half = half_samples(half_s, log)
+            test = test_function(half, log.interval_s)
+            rows.append(rows_of_run(log, test, 2 * half, noise, stroke))
         force, way = joined(rows, "force"), joined(rows, "way")
         pull = pull_columns(joined(rows, "position"), way)
         acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
@@ -53,7 +53,7 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
 
 
 def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:
-    interval = max(one.interval_s for one in logs)
+    interval = max(log.interval_s for log in logs)
     room_s = pass_s(logs, noise) / (2 * PASSES)
     narrowest = int(np.clip(room_s / interval, FEWEST, NARROWEST)) * interval
     return narrowest, max(room_s, narrowest)
@@ -71,18 +71,18 @@ def half_samples(half_s: float, log: EvenLog) -> int:
 
 def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
     """Return the standard deviation of a position's error, the median of runs."""
-    return float(np.median([position_noise(one, resolution) for one in logs]))
+    return float(np.median([position_noise(log, resolution) for log in logs]))
 
 
 def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
-    found = []
-    for one in logs:
-        way = smooth_motion(one, resolving(one, SMOOTHED, noise), noise)[2]
+    passes = []
+    for log in logs:
+        way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
         edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
-        each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
-        found.append(each * one.interval_s)
-    lengths = np.concatenate(found)
+        lasting = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
+        passes.append(lasting * log.interval_s)
+    lengths = np.concatenate(passes)
     if not lengths.size:
         return 0.0
     # Of the time, not of the passes: at a reversal noise makes many short ones.
@@ -96,7 +96,7 @@ def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
     It is the mean that the force is: over a wide window another says less of a short pass.
     """
     values, weights = [row[name] for row in rows], node_weights()[1]
-    return np.concatenate([one @ weights if one.ndim > 1 else one for one in values])
+    return np.concatenate([part @ weights if part.ndim > 1 else part for part in values])
 
 
 def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:
@@ -104,9 +104,9 @@ def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float)
     late_s, logs = 0.0, [replace(log, beside=()) for log in logs]
     for _ in range(2):
         rows = []
-        for one in logs:
-            test = test_function(half_samples(half_s, one), one.interval_s)
-            rows.append(rows_of_run(one, test, test.half, noise, stroke, late_s))
+        for log in logs:
+            test = test_function(half_samples(half_s, log), log.interval_s)
+            rows.append(rows_of_run(log, test, test.half, noise, stroke, late_s))
         force, rate = joined(rows, "force"), joined(rows, "force_rate")
         acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
         pull = pull_columns(joined(rows, "position"), joined(rows, "way"))
@@ -115,6 +115,6 @@ def late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float)
             design = np.column_stack([design, pull])
         width = np.abs(design).max(axis=0, initial=0.0)
         width[width == 0] = 1.0
-        found = np.linalg.lstsq(design / width, force, rcond=1e-6)[0] / width
-        late_s = float(np.clip(found[0], -LATEST_S, LATEST_S)) if force.size else 0.0
+        numbers = np.linalg.lstsq(design / width, force, rcond=1e-6)[0] / width
+        late_s = float(np.clip(numbers[0], -LATEST_S, LATEST_S)) if force.size else 0.0
     return late_s
