@@ -10,6 +10,7 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.recalibrating import Refit, recalibrated, refit_of
 from bayesfric.diagnosis.residuals import Residuals, numbers_of_laws, spread_numbers, used_of
+from bayesfric.inference.symmetric import eigen_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
@@ -115,7 +116,7 @@ class Arms:
         refit = refit_of(self.plain, residuals, ~out)
         # What effects and nuisances are uncertain by, in columns of unit variance.
         shared = slice(layout.own * len(layout.sizes), None)
-        values, vectors = np.linalg.eigh(at.covariance[shared, shared])
+        values, vectors = eigen_of(at.covariance[shared, shared])
         numbers = np.zeros((values.size, at.mean.size))
         numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
         uncertain = held(numbers).transpose(1, 2, 0)

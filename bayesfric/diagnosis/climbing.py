@@ -10,6 +10,7 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.inference.symmetric import eigen_of
 
 __all__ = ["at_bounds", "climb", "curvature_at"]
 
@@ -92,7 +93,7 @@ def curvature_at(
     here = gradient(at.psi)
     moved = [gradient(at.psi + STEP * along) for along in np.eye(at.psi.size)]
     hessian = (np.array(moved) - here) / STEP
-    values, vectors = np.linalg.eigh(-0.5 * (hessian + hessian.T))
+    values, vectors = eigen_of(-0.5 * (hessian + hessian.T))
     return np.asarray((vectors * np.maximum(values, LEAST_CURVATURE)) @ vectors.T)
 
 

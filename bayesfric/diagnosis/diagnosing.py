@@ -358,7 +358,7 @@ def _diagnose(
         beside,
         considered,
         not_shown if above < MOSTLY else None,
-        elsewhere,
+        others if elsewhere else None,
         why,
         unexplained_by_scatter if above < MOSTLY else None,
         windows_told(residuals),

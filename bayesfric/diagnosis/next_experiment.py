@@ -15,6 +15,7 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS
@@ -220,9 +221,9 @@ def _expected(
         place, kept = _shared(model, rows, rig, which, start, int(rig.size[trial]))
         covariance[np.ix_(place, place)] += which.at.covariance[np.ix_(kept, kept)]
     taken = told @ mean
-    values, vectors = np.linalg.eigh(covariance)
+    values, vectors = eigen_of(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    stiffness, turned = np.linalg.eigh(root.T @ told @ root)
+    stiffness, turned = eigen_of(root.T @ told @ root)
     moved = turned.T @ (root.T @ taken)
     square = mean @ taken - (moved**2 / (1 + np.maximum(stiffness, 0.0))).sum()
     return float(square) / 2 / LN10

@@ -7,6 +7,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["Refit", "recalibrated", "refit_of"]
@@ -57,7 +58,7 @@ class Refit:
     def spread(self, residuals: Residuals, further: Array) -> Array:
         """Return columns whose outer product is the covariance of the coefficients, (p, k)."""
         covariance = self.smoothing @ residuals.scattered(self.smoothing.T)
-        values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+        values, vectors = eigen_of(0.5 * (covariance + covariance.T))
         own = vectors * np.sqrt(np.maximum(values, 0.0))
         return np.asarray(self.sd[:, None] * np.hstack([own, -self.smoothing @ further]))
 

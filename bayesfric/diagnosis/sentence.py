@@ -14,6 +14,19 @@ LEAST = 0.001  # of friction, below which a gap has no figure
 RARELY = 0.05  # probability that the gap is not above the floor, up to which data can tell
 
 
+PULLS = {
+    False: (
+        "other joints, which may have moved and are not in the log",
+        "log them, or hold them still and say so",
+    ),
+    True: (
+        "the other joints in the log, which no model of the machine tells",
+        "give one (rig.robot), or hold them still",
+    ),
+}
+"""Of joints that may have moved, by whether they are logged: what they are, and what helps."""
+
+
 @dataclass(frozen=True)
 class Statement:
     """What a sentence is made of.
@@ -40,8 +53,8 @@ class Statement:
         Effects that held-out data contradict.
     not_shown : str or None
         Why the data could not have shown a gap; None where they could.
-    elsewhere : bool
-        Whether what was considered may be the pull of joints that are not in the log.
+    elsewhere : str or None
+        What other joints did, whose pull what was considered may be; None where it is not.
     overruled_by : str or None
         By which rule held-out data contradict what was considered, with its figures.
     unlike_scatter : str or None
@@ -60,7 +73,7 @@ class Statement:
     present: Sequence[Cause] = ()
     considered: Sequence[Cause] = ()
     not_shown: str | None = None
-    elsewhere: bool = False
+    elsewhere: str | None = None
     overruled_by: str | None = None
     unlike_scatter: str | None = None
     recorded: str = ""
@@ -209,11 +222,11 @@ def _unknown(told: Statement) -> str:
     if told.considered:
         names = " and ".join(effect.effect for effect in told.considered)
         fit = "fits" if len(told.considered) == 1 else "fit"
-        if told.elsewhere:
+        if told.elsewhere is not None:
+            pull, remedy = PULLS[told.elsewhere == "logged"]
             return (
                 f"A gap of {told.size}{small}is there; {names} {fit} what was recorded, and so "
-                "would the pull of other joints, which may have moved and are not in the log "
-                f"{told.chance}: log them, or hold them still and say so.{told.place}"
+                f"would the pull of {pull} {told.chance}: {remedy}.{told.place}"
             )
         miss = "misses" if len(told.considered) == 1 else "miss"
         beside = "" if told.overruled_by is None else f": {told.overruled_by}"

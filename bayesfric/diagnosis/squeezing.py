@@ -10,6 +10,7 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.said import Said
+from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["squeezed"]
@@ -66,5 +67,5 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
 
 def _seen(information: Array) -> Array:
     """Return mixtures of numbers of unit prior of which the data tell something, (n, k)."""
-    values, vectors = np.linalg.eigh(0.5 * (information + information.T))
+    values, vectors = eigen_of(0.5 * (information + information.T))
     return np.asarray(vectors[:, values > SEEN])

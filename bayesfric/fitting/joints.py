@@ -9,9 +9,11 @@ import xarray as xr
 from bayesfric.fitting.result import Fit
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
-from bayesfric.schemas import JointFit, ParameterSummary
+from bayesfric.schemas import FitFile, JointFit, ParameterSummary
 
 __all__ = ["fitted_together"]
+
+OFFSET = "offset"
 
 
 def fitted_together(
@@ -48,7 +50,7 @@ def fitted_together(
             "joints": {
                 joint: JointFit(
                     converged=summary_of_joint.converged,
-                    parameters=_called(summary_of_joint.parameters, parted[joint]),
+                    parameters=_called(summary_of_joint, parted[joint]),
                     scatter=summary_of_joint.scatter,
                     noise=summary_of_joint.noise,
                 )
@@ -76,14 +78,16 @@ def fitted_together(
     )
 
 
-def _called(
-    numbers: Mapping[str, ParameterSummary], recording: Recording
-) -> dict[str, ParameterSummary]:
-    """Return the numbers of a joint with its mass called as in a diagnosis: armature or inertia."""
+def _called(of_joint: FitFile, recording: Recording) -> dict[str, ParameterSummary]:
+    """Return the numbers of a joint's law as a diagnosis has them: no joint has a mass.
+
+    An offset of the force is one of them, though the fit of one joint has it beside its noise.
+    """
     robot, joint = recording.rig.robot, None if recording.axis is None else recording.axis.joint
     has_model = robot is not None and joint is not None and joint in robot.joints
     called = {"mass": "armature" if has_model else "inertia"}
-    return {called.get(name, name): number for name, number in numbers.items()}
+    law = {called.get(name, name): number for name, number in of_joint.parameters.items()}
+    return law | {name: of_joint.noise[name] for name in (OFFSET,) if name in of_joint.noise}
 
 
 def _with_joints(first: xr.DataTree, trees: list[xr.DataTree]) -> xr.DataTree:

@@ -10,7 +10,10 @@ from bayesfric.effects import all_effects
 from bayesfric.rigs.model_amounts import ModelAmounts, model_errors
 
 EFFECTS = all_effects(None)
-PLACED = ("backlash", "spring", "cogging", "transmission-compliance", "hysteresis")
+PLACED = (
+    *("backlash", "spring", "cogging", "transmission-compliance", "hysteresis"),
+    *("load-friction", "load-stribeck", "load-quadratic"),
+)
 
 
 def gap(left):

@@ -156,12 +156,14 @@ def test_a_diagnosis_of_all_joints_says_what_to_enter_in_each(heavy):
 
 
 @pytest.mark.nightly
-def test_logged_joints_without_a_model_make_no_cause_at_the_base():
-    recording = parted_by_joint(arm.recording())["base"]
-    found = diagnose(recording, baseline="viscous").summary
+@pytest.mark.parametrize("joint", arm.JOINTS)
+def test_logged_joints_without_a_model_make_no_cause(joint):
+    found = diagnose(parted_by_joint(arm.recording())[joint]).summary
     assert not found.causes, found.sentence
     assert found.other_joints == "logged"
-    assert found.law["coulomb"].after.mean == pytest.approx(arm.FRICTIONLOSS[0], rel=0.03)
+    _, coulomb, viscous = TRUTH[joint]
+    assert found.law["coulomb"].after.mean == pytest.approx(coulomb, rel=0.01)
+    assert found.law["viscous"].after.mean == pytest.approx(viscous, rel=0.05)
 
 
 @pytest.mark.nightly

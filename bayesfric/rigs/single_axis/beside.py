@@ -10,7 +10,7 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["Mixing", "leading", "rough_amounts", "rough_shares"]
+__all__ = ["Amounts", "Mixing", "leading", "rough_amounts", "rough_shares"]
 
 LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
 MOST = 120  # directions
@@ -33,6 +33,61 @@ class Mixing:
 
     shares: Array = field(default_factory=lambda: np.zeros((0, 0)))
     left_out: float = 0.0
+
+
+@dataclass(frozen=True)
+class Amounts:
+    """Amounts of forces beside the law, integrated out of the density of all rows together.
+
+    Given the law's numbers x the density is normal in the amounts c, whose mode is T (1, −x) with
+    T = (B'WB + 1)⁻¹ B'W (y, L): y is the force, L are the law's columns and W is the inverse
+    covariance of the rows. With the mode in their place, and the determinant of what is left open,
+    they are integrated out. T is that of the most probable noise.
+
+    Parameters
+    ----------
+    modes : ndarray, shape (K, n)
+        T.
+    told : ndarray, shape (K,)
+        Eigenvalues of B'WB.
+    """
+
+    modes: Array
+    told: Array
+
+    @classmethod
+    def of(cls, form: Array, width: int = 6) -> "Amounts":
+        """Return the amounts of the last columns.
+
+        Parameters
+        ----------
+        form : ndarray, shape (n + K,) twice
+            Weighted products of columns: the force, the law's, and those of the amounts.
+        width : int
+            n, the force and the law's columns.
+        """
+        own = form[width:, width:]
+        modes = np.linalg.solve(own + np.eye(len(own)), form[width:, :width])
+        return cls(np.asarray(modes), np.maximum(np.linalg.eigvalsh(own), 0.0))
+
+    def taken_off(self, data: Array) -> Array:
+        """Return rows of the force and the law's columns less the amounts' modes, (W, n)."""
+        width = self.modes.shape[1]
+        return np.asarray(data[:, :width] - data[:, width:] @ self.modes)
+
+    def log_density(self, left: Array, scale: Array) -> Array:
+        """Return what the amounts add to the log density, (S,).
+
+        Parameters
+        ----------
+        left : ndarray, shape (S, n)
+            (1, −x).
+        scale : ndarray, shape (S,)
+            Of the rows' errors, over those of T.
+        """
+        modes = left @ self.modes.T
+        open_still = np.log1p(self.told / scale[:, None] ** 2).sum(axis=1)
+        return np.asarray(-0.5 * ((modes**2).sum(axis=1) + open_still))
 
 
 def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:

@@ -6,10 +6,11 @@ Given the numbers, row i of run r on assembly j is
 
 with F_o an offset of the force and s the way that the axis runs, η, ε the scatter of assemblies
 and runs, ζ friction's wander along the path and Δ the time by which the clocks of force and
-position are off. B_k are forces of other joints, or of errors of the machine's model, in amounts
-c_k whose priors are N(0, 1). Errors and wander have a covariance whose shape (the ratio of
-position to force error, the length of the wander, and how much friction differs from place to
-place in a run) is that of the most probable noise; how large errors and wander are remains open.
+position are off. B_k are forces of other joints, of payloads, or of errors of the machine's model,
+in amounts c_k whose priors are N(0, 1): integrated out (:class:`.beside.Amounts`). Errors and
+wander have a covariance whose shape (the ratio of position to force error, the length of the
+wander, and how much friction differs from place to place in a run) is that of the most probable
+noise; how large errors and wander are remains open.
 Each run is reduced once to quadratic forms, tabulated over the ratio of the two.
 """
 
@@ -28,6 +29,7 @@ from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.observation.exact import Shown
 from bayesfric.observation.scatter import ScatterLevels
+from bayesfric.rigs.single_axis.beside import Amounts
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
 from bayesfric.rigs.single_axis.measures import Measures
@@ -40,7 +42,7 @@ RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over
 DECAY = 2.0  # of the spectrum of a map of friction
 SCATTER = HalfNormal(scale=0.05)
 FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
-BESIDE = "beside"  # and a number: the amount of a force beside the law
+WIDTH = 6  # columns of the law and its clocks, the force among them
 
 
 class AxisModel:
@@ -67,8 +69,6 @@ class AxisModel:
         self.trials, size = table, SizeIndex.of(table["pulley_size"])
         self._rough, self._lacks = rows.law, rows.lacks
         self._theta = None if rows.simulated is None else rows.theta
-        count = rows.readings.beside.shape[1]
-        self._beside = tuple(f"{BESIDE}_{place}" for place in range(1, count + 1))
         self._speed = np.bincount(
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
@@ -98,7 +98,6 @@ class AxisModel:
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
             *([offset] if rows.offset_n else []),
-            *(Parameter(name, "1", Normal(mean=0.0, sd=1.0), "noise") for name in self._beside),
         )
 
     def _tabulate(self, rows: AxisRows) -> None:
@@ -122,7 +121,14 @@ class AxisModel:
         ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
         uneven = rows.law.coulomb * map_columns(rows.mean(readings.position))[:, 1:]
         variance = along**2 * map_spectrum(length / rows.stroke, DECAY)[0]
-        data = np.column_stack([uneven, data])
+        # Of the most probable noise.
+        ratio = float(np.log(self.noise[2] * self._rough.coulomb / self._typical))
+        solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
+        whole = np.column_stack([uneven, data])
+        weighted = solved.times(whole)
+        grams = np.stack([whole[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
+        self._amounts = Amounts.of(integrated(grams, variance)[0].sum(axis=0))
+        data = np.column_stack([uneven, self._amounts.taken_off(data)])
         table = []
         for ratio in RATIOS:
             # Wander of friction in newtons over the errors of rows, whose unit is theirs.
@@ -160,11 +166,10 @@ class AxisModel:
         wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
         found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
-        width = 6 + len(self._beside)
-        form = found[..., :-1].reshape(*found.shape[:2], width, width)
+        form = found[..., :-1].reshape(*found.shape[:2], WIDTH, WIDTH)
         determinant = found[..., -1]
         zero = np.zeros_like(theta["mass"])
-        names = ("mass", "coulomb", "viscous", "latency", "offset", *self._beside)
+        names = ("mass", "coulomb", "viscous", "latency", "offset")
         minus = [theta.get(name, zero) for name in names]
         left = np.stack([np.ones_like(zero), *(-one for one in minus)], axis=-1)
         residual = np.einsum("wi,wnij->wnj", left, form)
@@ -174,6 +179,7 @@ class AxisModel:
         beyond, variance = along / stiff, 1 / stiff
         whole = square - along**2 / stiff + determinant + 2 * self._count * np.log(scale)
         density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
+        density += self._amounts.log_density(left, scale[:, 0])[:, None] / len(self.trials)
         return beyond, variance, density
 
     def intercept(self, theta: Mapping[str, Array]) -> float:
@@ -210,7 +216,6 @@ class AxisModel:
         }
         reference = rough if self._theta is None else self._theta
         places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
-        found |= dict.fromkeys(self._beside, 0.0)
         return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 

@@ -12,6 +12,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
+from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run, noise_parameter
@@ -245,7 +246,7 @@ class AxisPart:
 
 def _root(covariance: Array) -> Array:
     """Return a matrix whose product with its transpose is a covariance."""
-    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    values, vectors = eigen_of(0.5 * (covariance + covariance.T))
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
