@@ -164,12 +164,12 @@ def power_of_measured(
         loosely = _power(off, {}, analysis, psi, pd.DataFrame()).coefficients
         if numbers_alone:
             model = LinearModel(data, laws, (), analysis, held, discrepancy=False)
-            told = _power(model, {}, analysis, psi, pd.DataFrame())
+            tellable = _power(model, {}, analysis, psi, pd.DataFrame())
         else:
             model, missing = _model(data, laws, analysis, held)
-            told = _power(model, missing, analysis, psi)
-        wider = told.coefficients.assign(sd_where_law_is_off=loosely["sd"])
-        return replace(told, coefficients=wider)
+            tellable = _power(model, missing, analysis, psi)
+        wider = tellable.coefficients.assign(sd_where_law_is_off=loosely["sd"])
+        return replace(tellable, coefficients=wider)
 
 
 def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from scipy.special import ndtr
 
 from bayesfric.analysis import Normal
-from bayesfric.inference.diagnostics import LIMITS, Convergence
+from bayesfric.inference.diagnostics import Convergence
 from bayesfric.inference.priors import Parameter
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.rigs import all_rigs
 from bayesfric.schemas import (
     Agreement,
@@ -165,10 +166,10 @@ def unsettled(
         if not figures.converged:
             yield (
                 f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
-                f"(limit {LIMITS['r_hat']}), "
-                f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
+                f"(limit {SAMPLING_RULES.r_hat}), "
+                f"by walker {figures.r_hat_walkers:.4f} (limit {SAMPLING_RULES.r_hat_walkers}), "
                 f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
-                f"(at least {LIMITS['ess']:.0f})"
+                f"(at least {SAMPLING_RULES.effective_draws:.0f})"
             )
     # `informed` is judged at the median: of draws that have not converged, anywhere.
     converged = all(figures.converged for figures in convergence.values())

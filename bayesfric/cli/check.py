@@ -33,11 +33,11 @@ def check(
     from bayesfric.recording import read_recording
 
     analysis = read_analysis(config)
-    found = read_recording(recording)
+    read = read_recording(recording)
     with stage("looking at what can be told", quiet=quiet):
-        readiness = readiness_of(found, analysis, baseline=baseline)
+        readiness = readiness_of(read, analysis, baseline=baseline)
     for line in readiness.lines():
         say(line)
-    for note in found.notes:
+    for note in read.notes:
         say(f"note: {note}", err=True)
     refuse_untold(readiness)

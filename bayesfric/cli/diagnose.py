@@ -138,16 +138,14 @@ def diagnosed(
     from bayesfric.recording import read_recording
 
     checkpoint = output / CHECKPOINT
-    found = read_recording(recording)
+    read = read_recording(recording)
     if asked.get("simulator") is None:
-        refuse_untold(readiness_of(found, analysis, baseline=baseline, numbers_alone=True))
+        refuse_untold(readiness_of(read, analysis, baseline=baseline, numbers_alone=True))
     if not replay:
-        return diagnose_recording(
-            found, analysis, baseline=baseline, checkpoint=checkpoint, **asked
-        )
-    from bayesfric.export.replaying import held_out_parts, with_replay
+        return diagnose_recording(read, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
+    from bayesfric.replaying import held_out_parts, with_replay
 
-    seen, held_out, what = held_out_parts(found)
+    seen, held_out, what = held_out_parts(read)
     done = diagnose_recording(seen, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
     return with_replay(done, held_out, what, analysis.seed)
 

@@ -156,7 +156,11 @@ def margins_into(
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
     from bayesfric.margins.matlab import write_mat
-    from bayesfric.margins.terms import certificate_told, in_degrees_or_decibels, tuning_told
+    from bayesfric.margins.terms import (
+        certificate_sentence,
+        in_degrees_or_decibels,
+        tuning_sentence,
+    )
 
     with stage("computing margins", quiet=quiet) as progress:
         found = compute_margins(
@@ -187,10 +191,10 @@ def margins_into(
             for one in (metric, in_degrees_or_decibels(metric)):
                 if one is not None:
                     _say(one)
-        if (certificate := certificate_told(loop)) is not None:
+        if (certificate := certificate_sentence(loop)) is not None:
             say(f"  {certificate}")
         if loop.tuning is not None:
-            _say_sentences(f"  {tuning_told(loop.tuning)}")
+            _say_sentences(f"  {tuning_sentence(loop.tuning)}")
         if loop.following is not None:
             _say_sentences(f"  {loop.following.answer}")
         if loop.verification is not None:
@@ -217,9 +221,9 @@ def _say_sentences(text: str) -> None:
 
 def _say(metric: "Metric") -> None:
     """Print a figure that is asked for."""
-    from bayesfric.margins.terms import chance_told
+    from bayesfric.margins.terms import chance_of_missing
 
-    chance = chance_told(metric)
+    chance = chance_of_missing(metric)
     if chance is None or metric.interval is None:
         return
     name = f"{metric.name} {metric.direction or ''}"

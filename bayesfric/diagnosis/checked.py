@@ -17,8 +17,9 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed, log_volume
-from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
+from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.proposals import StudentT
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 __all__ = ["Checked", "factor_error", "noise_checked"]
 
@@ -108,9 +109,9 @@ def factor_error(one: Checked, other: Checked) -> tuple[float | None, str | None
         Of both hypotheses; what their approximations have in common cancels.
     """
     worst = float(np.max([one.pareto_k, other.pareto_k]))
-    if not worst <= LARGEST_PARETO_K:  # not a number where one draw has all the weight
+    if not worst <= SAMPLING_RULES.pareto_k:  # not a number where one draw has all the weight
         return None, (
             f"the closed form is poor here: importance draws of the noise have a Pareto k of "
-            f"{worst:.2f}, above {LARGEST_PARETO_K}"
+            f"{worst:.2f}, above {SAMPLING_RULES.pareto_k}"
         )
     return float(np.linalg.norm([one.off - other.off, one.error, other.error])), None

@@ -12,6 +12,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.attention import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.acting import Acting, At
@@ -39,10 +40,16 @@ from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
-from bayesfric.diagnosis.showing import loosely_known, share_of_friction, why_not_shown
+from bayesfric.diagnosis.showing import (
+    loosely_known,
+    share_of_friction,
+    why_not_shown,
+    windows_told,
+)
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.strays import far_rows, without_strays
 from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.undeclared import undeclared
@@ -251,6 +258,13 @@ def _diagnose(
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
+
+    def with_weights(weights: Mapping[str, Array]) -> tuple[LinearModel, Search]:
+        around = first.full.around(first.laws, candidates, row_weights=weights)
+        around = squeezed(around, psi)
+        return around, _first_look(around, climbing(around, psi, Acting()), steps)
+
+    first, first_found = without_strays(first, first_found, with_weights)
     model, found = _finals(first, first_found, steps)
     fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
@@ -347,6 +361,7 @@ def _diagnose(
         elsewhere,
         why,
         unexplained_by_scatter if above < MOSTLY else None,
+        windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
     instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
@@ -361,6 +376,7 @@ def _diagnose(
         attention=(
             *_doubted(data.rigs, law_found),
             *undeclared(recording.rig, verdict, others, [*named, *rivals, *possible], examined),
+            *far_rows(first),
             *not_followed(analysis),
         ),
         practical_share=practical,

@@ -104,7 +104,7 @@ def _of_law(
     name: str, value: Interval, unit: str, has: Mapping[str, float], motion: _Motion
 ) -> Enter:
     """Return a number of the law; what is lost without is the rms force that it makes."""
-    called = next((one for one in NAMES.get(name, (name,)) if one in has), None)
+    called = next((own for own in NAMES.get(name, (name,)) if own in has), None)
     fields = _fields(name, motion.turns)
     everywhere = all(fields.values())
     return Enter(

@@ -87,7 +87,9 @@ class LinearModel:
         small: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
         by_trial: bool = False,
+        row_weights: Mapping[str, Array] | None = None,
     ) -> None:
+        self.row_weights = dict(row_weights or {})
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.fixed = analysis, fixed
         self.scattering, self.forms = tuple(scattering), list(forms)
@@ -127,6 +129,7 @@ class LinearModel:
             self.scattering,
             by_trial,
             analysis.priors,
+            self.row_weights,
         )
         self.rigs: tuple[LinearRig, ...] = tuple(
             one.laid_out(columns, place) for place, one in enumerate(rows)
@@ -152,6 +155,7 @@ class LinearModel:
         scattering: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
         by_trial: bool = False,
+        row_weights: Mapping[str, Array] | None = None,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
         return LinearModel(
@@ -165,6 +169,7 @@ class LinearModel:
             small=self.discrepancy.amounts,
             forms=forms,
             by_trial=by_trial,
+            row_weights=self.row_weights if row_weights is None else row_weights,
         )
 
     @property

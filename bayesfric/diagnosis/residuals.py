@@ -81,6 +81,8 @@ class Residuals:
         Whether the machine turns: radians and N·m for m and N.
     time_s : ndarray, shape (R,), or None
         Of each window within its run; nan where nobody recorded it, None where nowhere.
+    counts : ndarray, shape (R,), or None
+        How much each counts, 1 but for strays; None where there is none.
     """
 
     residual_n: Array
@@ -101,6 +103,7 @@ class Residuals:
     axes: tuple[str, ...] = tuple(AXES)
     turns: bool = False
     time_s: Array | None = None
+    counts: Array | None = None
 
     def unit(self, axis: str) -> str:
         """Of a covariate; nothing of a rig's own, whose name has it."""
@@ -130,7 +133,10 @@ class Residuals:
         windows = np.bincount(self.trial)[self.trial]
         pairs = np.unique(np.stack([self.condition, self.trial]), axis=1)
         trials = np.bincount(pairs[0])[self.condition]
-        return np.asarray(1 / (windows * trials * np.unique(self.condition).size))
+        alike = np.asarray(1 / (windows * trials * np.unique(self.condition).size))
+        if self.counts is None or np.all(self.counts == 1):
+            return alike
+        return np.asarray(alike * self.counts / (alike @ self.counts))
 
     @cached_property
     def friction_rms(self) -> float:
@@ -236,6 +242,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
         model.data.unit == rotary_unit("N"),
         joined("time_s"),
+        joined("counts"),
     )
 
 
@@ -267,6 +274,7 @@ def _of_rig(
         "pulley_size": rig.size[row].astype(np.float64),
         "rig": np.full(row.size, float(place)),
         "shown": shown[row],
+        "counts": np.ones(row.size) if windows.counts is None else windows.counts,
         "time_s": windows.covariates.get("time_s", nowhere),
     }
 

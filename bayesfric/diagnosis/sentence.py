@@ -46,6 +46,8 @@ class Statement:
         By which rule held-out data contradict what was considered, with its figures.
     unlike_scatter : str or None
         What is left that scatter does not explain; None where it explains all.
+    recorded : str
+        How many windows of how many trials say so.
     """
 
     verdict: Verdict
@@ -61,6 +63,7 @@ class Statement:
     elsewhere: bool = False
     overruled_by: str | None = None
     unlike_scatter: str | None = None
+    recorded: str = ""
 
     @property
     def size(self) -> str:
@@ -161,7 +164,8 @@ def _no_gap(told: Statement) -> str:
     if told.gap.no_share is not None:
         off = f"{told.size} {told.chance}; as a share of friction it cannot be told, "
         off += f"since {told.gap.no_share}"
-    return f"Once recalibrated, the simulation is systematically off by {off}.{absorbed}"
+    by = f", by {told.recorded}" if told.recorded else ""
+    return f"Once recalibrated, the simulation is systematically off by {off}{by}.{absorbed}"
 
 
 def _undecided(told: Statement) -> str:

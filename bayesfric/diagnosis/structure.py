@@ -79,6 +79,8 @@ def goes_together(
     """
     both = np.column_stack([left, redrawn(residuals, DRAWS, rng)])
     both = residuals.without_law(both) / residuals.friction_rms
+    if residuals.counts is not None:
+        both = np.sqrt(residuals.counts)[:, None] * both
     rows = [
         (axis, square)
         for axis, order in _orders(residuals)

@@ -19,9 +19,10 @@ from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_poo
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import interval_of, parameter_summary
-from bayesfric.inference.diagnostics import LARGEST_PARETO_K, diagnose_all
+from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.observation.coefficients import coefficient_name, sizes_of
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
@@ -235,7 +236,7 @@ def _summary(
     }
     chains, draws, _ = theta.shape
     least = min(figures.ess_bulk for figures in convergence.values())
-    reliable = drawn.pareto_k <= LARGEST_PARETO_K
+    reliable = drawn.pareto_k <= SAMPLING_RULES.pareto_k
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes.model_dump(),
@@ -245,7 +246,7 @@ def _summary(
         attention=of_pooled(
             {name: fit.summary for name, fit in fits.items()},
             drawn.pareto_k,
-            LARGEST_PARETO_K,
+            SAMPLING_RULES.pareto_k,
             list(unsettled(convergence, entries)),
         ),
         pulleys=_by_size(entries, *_stems_and_sizes(population)),

@@ -23,10 +23,9 @@ from scipy.special import logsumexp, ndtri
 from scipy.stats import rankdata
 
 from bayesfric.arrays import Array
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 __all__ = [
-    "LARGEST_PARETO_K",
-    "LIMITS",
     "Convergence",
     "batch_means_ess",
     "diagnose_all",
@@ -39,11 +38,6 @@ __all__ = [
     "walkers_r_hat",
 ]
 
-
-LARGEST_PARETO_K = 0.7
-"""Shape of the tail of importance weights above which they are not to be relied on."""
-LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
-"""R-hat below, effective draws above: what counts as converged."""
 
 BATCHES = 10  # of an ensemble
 LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
@@ -73,11 +67,11 @@ class Convergence:
 
     @property
     def converged(self) -> bool:
-        """Whether every figure is within :data:`LIMITS`."""
+        """Whether every figure is within :class:`SamplingRules`."""
         return (
-            self.r_hat < LIMITS["r_hat"]
-            and self.r_hat_walkers < LIMITS["r_hat_walkers"]
-            and min(self.ess_bulk, self.ess_tail) >= LIMITS["ess"]
+            self.r_hat < SAMPLING_RULES.r_hat
+            and self.r_hat_walkers < SAMPLING_RULES.r_hat_walkers
+            and min(self.ess_bulk, self.ess_tail) >= SAMPLING_RULES.effective_draws
         )
 
 
@@ -273,7 +267,7 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     log_weights : ndarray, shape (N,)
         Smoothed, on the scale of those given.
     pareto_k : float
-        Shape of the tail: above :data:`LARGEST_PARETO_K` the weights are not to be relied on.
+        Shape of the tail: above 0.7 (`SamplingRules.pareto_k`) the weights are not to be relied on.
         0 where the largest weights are all the same, inf where fewer than 25 are not zero or
         where a quarter of the tail is one and the same draw or nothing beside the largest.
 

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
+from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import Laplace, LogDensity
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 __all__ = [
     "LEAST_EFFECTIVE",
@@ -236,7 +237,7 @@ def importance_points(
         if not np.isfinite(log_weights).any():
             return None
         weights = np.exp(log_weights - logsumexp(log_weights))
-        good = k < LARGEST_PARETO_K and 1 / (weights**2).sum() > least_effective * POINTS
+        good = k < SAMPLING_RULES.pareto_k and 1 / (weights**2).sum() > least_effective * POINTS
         # Few points may hold most of the weight, and their covariance would be singular.
         weights = np.minimum(weights, 1 / np.sqrt(POINTS))
         if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:

@@ -30,10 +30,10 @@ def drawn_above(draws: Array, least: Array) -> Array:
     ndarray, shape (S, …)
         None below its bound.
     """
-    found = np.array(draws, dtype=np.float64)
-    bound: Array = np.broadcast_to(least, found.shape[1:])
-    for place in np.ndindex(found.shape[1:]):
-        column = found[(slice(None), *place)]
+    drawn = np.array(draws, dtype=np.float64)
+    bound: Array = np.broadcast_to(least, drawn.shape[1:])
+    for place in np.ndindex(drawn.shape[1:]):
+        column = drawn[(slice(None), *place)]
         below = column < bound[place]
         if not below.any() or len(column) < ENOUGH or column.std() == 0:
             continue
@@ -41,5 +41,5 @@ def drawn_above(draws: Array, least: Array) -> Array:
         start = min(float((bound[place] - mean) / sd), FARTHEST)
         share = (rankdata(column[below]) - 0.5) / below.sum()
         # Beyond `start`, by the upper tail: a density far below its bound has little above it.
-        found[(below, *place)] = mean + sd * norm.isf(share * norm.sf(start))
-    return np.maximum(found, bound)
+        drawn[(below, *place)] = mean + sd * norm.isf(share * norm.sf(start))
+    return np.maximum(drawn, bound)

@@ -9,10 +9,11 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
 from bayesfric.margins.spec import HUNTS
-from bayesfric.margins.terms import chance_told
+from bayesfric.margins.terms import chance_of_missing
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import bound_of, stated_of_draws
 from bayesfric.schemas import GammaProbability, Metric
@@ -29,13 +30,6 @@ __all__ = [
 
 
 STEP = 0.05
-DECIDES = 0.5
-"""Share of a variance above which one number of the file is worth measuring first."""
-TOLERANCE = 0.01
-"""A simulated threshold is at most this much too high by how finely it was looked for."""
-WITHIN = 0.05
-"""Share of a simulated threshold by which it may be too high all the same: coarse steps and where
-a swing begins, as seen beside a simulation from outside (reports/evidence/joints.json)."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +85,10 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         """Return the γ just below which `share` of the draws hunt."""
         place = int(np.floor(share * count + 1e-9))
         most = float(ordered[place]) if place < count else np.inf
-        below = min(most - TOLERANCE, most * (1 - WITHIN)) if simulated else most - 1e-9
+        below = most - 1e-9
+        if simulated:
+            tolerance, share = MARGIN_RULES.threshold_tolerance, MARGIN_RULES.threshold_share
+            below = min(most - tolerance, most * (1 - share))
         return min(below, GAMMA_MAX)
 
     first = hunting.condition[np.argsort(hunting.threshold, kind="stable")]
@@ -106,7 +103,7 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         return SafeGain(None, None, why, condition)
     error = standard_error(allowed, min(effective_draws, float(count)))
     low, high = at(max(allowed - error, 0.0)), at(min(allowed + error, 1.0))
-    coarse = TOLERANCE if simulated else 0.0
+    coarse = MARGIN_RULES.threshold_tolerance if simulated else 0.0
     return SafeGain(at(allowed), max((high - low) / 2, coarse), None, condition)
 
 
@@ -174,7 +171,7 @@ def against_the_spec(
         Of the file.
     """
     chances = {
-        " ".join(filter(None, (metric.name, metric.direction))): chance_told(metric)
+        " ".join(filter(None, (metric.name, metric.direction))): chance_of_missing(metric)
         for metric in metrics
         if metric.spec is not None
     }
@@ -204,7 +201,7 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     own = {key: share for key, share in of_friction.items() if "." in key}
     if own:
         key = max(own, key=lambda group: own[group])
-        if own[key] >= DECIDES:
+        if own[key] >= MARGIN_RULES.worth_measuring:
             yield (
                 f"{own[key]:.0%} of the variance of the friction is the assumed {key}: "
                 "measure that."

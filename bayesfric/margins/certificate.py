@@ -34,6 +34,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.margins.linear import is_stable
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.rows import ROUNDING, interval_of
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
@@ -48,9 +49,6 @@ MOST = 200
 POINTS = 1200
 SHARES = np.geomspace(1e-8, 0.9, 40)
 """q over b_eff/kp, above which no loop passes at low frequency."""
-KEPT_BACK = 0.1
-"""Share of the largest slope that is not used: near it swings die out, but so slowly that the
-simulator takes some of them for hunting."""
 COVERS = (
     "for rest and every constant speed of the reference, friction of any size at motor and joint, "
     "a constant load, and the continuous stand-in of the sampled loop; not covered are encoder "
@@ -119,7 +117,8 @@ def largest_slope(shaft: LoopAtShaft) -> Array:
 
 def certified_gain(shaft: LoopAtShaft, slope: Array) -> Array:
     """Return the largest certified γ of a compensator of the measured speed, shape (draws,)."""
-    return np.asarray((1 - KEPT_BACK) * slope * shaft.boundary / shaft.estimate)
+    used = (1 - MARGIN_RULES.certificate_kept_back) * slope
+    return np.asarray(used * shaft.boundary / shaft.estimate)
 
 
 def _largest(loop: OpenLoop, omega: Array, *, rigid: bool) -> Array:

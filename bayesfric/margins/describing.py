@@ -21,6 +21,7 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 
 __all__ = [
     "amplitude_margin",
@@ -32,19 +33,6 @@ __all__ = [
     "steady_error",
     "swing_amplitude",
 ]
-
-
-LEAST_COUNTS = 100.0
-"""Encoder counts in the stuck band F/kp below which γ* fails: quantisation damps."""
-MOST_DAMPING = 0.7
-"""ζ above which γ* is too high: it is the start of 1 + tanh(πζ/(2√(1 − ζ²)))."""
-MOST_LAG = 0.1
-"""ω_n τ above which the delay is more than negative damping."""
-MOST_STICTION = 1.02
-LEAST_RINGING = 10.0
-"""Ringing of the cable over ω_n below which γ* is too high: motor and joint are two."""
-LEAST_LOAD = 0.01
-"""Share of friction that a load may have."""
 
 
 def natural_frequency(shaft: LoopAtShaft) -> Array:
@@ -99,7 +87,11 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
     broken : tuple of str
         The conditions that some draw breaks, in words.
     """
-    compensation = shaft.loop.compensation
+    compensation, rules = shaft.loop.compensation, MARGIN_RULES
+    zeta, most_damping = _damping_ratio(shaft), rules.formula_most_damping
+    turns_in_lag, most_lag = natural_frequency(shaft) * shaft.lag, rules.formula_most_lag
+    least_counts, least_ringing = rules.formula_least_counts, rules.formula_least_ringing
+    light = np.abs(shaft.net_load) <= rules.formula_most_load * shaft.friction
     everywhere = np.ones(shaft.friction.shape, dtype=bool)
     counts = shaft.friction / shaft.kp * shaft.counts / (2 * np.pi)
     peak = shaft.kp * shaft.kick + shaft.estimate * formula_threshold(shaft)
@@ -110,20 +102,20 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
         "it has no boundary layer": shaft.boundary == 0,
         "there is no integral action": shaft.ki == 0,
         "breakaway is no more than moving friction": shaft.breakaway
-        <= MOST_STICTION * shaft.friction,
+        <= rules.formula_most_stiction * shaft.friction,
         "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
         "the position is not filtered": everywhere & (shaft.position_cutoff is None),
         "the encoder is at the motor": everywhere & (not shaft.sees_joint),
         "there is no play": shaft.backlash == 0,
-        "no load is left to the loop": np.abs(shaft.net_load) <= LEAST_LOAD * shaft.friction,
+        "no load is left to the loop": light,
         "the reference rests": shaft.reference_speed == 0,
         "the loop is damped without friction": effective_damping(shaft) > 0,
-        f"ζ is at most {MOST_DAMPING:g}": _damping_ratio(shaft) <= MOST_DAMPING,
-        f"ω_n τ is at most {MOST_LAG:g}": natural_frequency(shaft) * shaft.lag <= MOST_LAG,
-        f"F/kp is at least {LEAST_COUNTS:g} encoder counts": counts >= LEAST_COUNTS,
+        f"ζ is at most {most_damping:g}": zeta <= most_damping,
+        f"ω_n τ is at most {most_lag:g}": turns_in_lag <= most_lag,
+        f"F/kp is at least {least_counts:g} encoder counts": counts >= least_counts,
         "the kick is beyond F/kp": shaft.kick > shaft.friction / shaft.kp,
-        f"the cable rings at {LEAST_RINGING:g} ω_n or above": shaft.ringing
-        >= LEAST_RINGING * natural_frequency(shaft),
+        f"the cable rings at {least_ringing:g} ω_n or above": shaft.ringing
+        >= least_ringing * natural_frequency(shaft),
         "the torque is not clipped": peak <= shaft.clip,
     }
     broken = tuple(words for words, holds in conditions.items() if not holds.all())

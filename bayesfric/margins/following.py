@@ -15,6 +15,7 @@ from bayesfric.margins.bode import SHOWN_QUANTILES
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.observers import DisturbanceObserver, LuGreObserver, Observer
 from bayesfric.margins.quantities import central
 from bayesfric.margins.reference import Stroke
@@ -32,10 +33,6 @@ CUTOFF = 0.5
 """Of the disturbance observer's low-pass, over the loop's natural frequency √(kp/J)."""
 POINTS = 121
 """Of a band over time."""
-ALIKE = 0.02
-"""Share of an rms error by which two compensators may differ and count as equal."""
-CLOSE = 0.05
-"""Share of the draws by which a compensator may fall behind and be named with the best."""
 BAND = 2.0
 """Over F̂/kp: half width of the band of an error's sign where the file has none."""
 
@@ -169,12 +166,13 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
     least = np.min([rms for rms, _, _ in by_signal.values()], axis=0)
     trajectories = []
     for row, (name, (_, words)) in enumerate(paths.items()):
+        alike = 1 + MARGIN_RULES.compensators_alike
         compensators = tuple(
             FollowedWith(
                 compensator=signal,
                 rms_m=interval_of(rms[row]),
                 peak_m=interval_of(peak[row]),
-                least=float((rms[row] <= (1 + ALIKE) * least[row]).mean()),
+                least=float((rms[row] <= alike * least[row]).mean()),
                 **dict(zip(("q05_m", "q50_m", "q95_m"), bands[:, :, row].tolist(), strict=True)),
             )
             for signal, (rms, peak, bands) in by_signal.items()
@@ -183,7 +181,7 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         best = tuple(
             compensator.compensator
             for compensator in compensators
-            if compensator.least > highest - CLOSE
+            if compensator.least > highest - MARGIN_RULES.compensators_close
         )
         trajectories.append(
             Trajectory(name=name, sentence=words, best=best, compensators=compensators)

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import simulate
-from bayesfric.margins.swing import STEADY_SHARE
 
 __all__ = [
     "EVERY_TENTH",
@@ -52,7 +52,7 @@ LONGER = 3.0
 far while the joint stands."""
 LEAST_EXCESS = 0.02
 """Breakaway over moving friction, as a share of it, below which a slow cycle is not waited for."""
-LASTS = (0.6, STEADY_SHARE)
+LASTS = (0.6, MARGIN_RULES.swing_lasts)
 """Least and largest share of its amplitude that a swing keeps if it lasts."""
 WITHIN, FINEST = 0.05, 1e-3
 """Share of a threshold within which it is found, and the least width that is looked for."""

@@ -8,9 +8,10 @@ from bayesfric.arrays import Array
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.describing import effective_damping, steady_error
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import Key, Linear, spec_of
 from bayesfric.margins.rules import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
-from bayesfric.margins.thresholds import GAMMA_MAX, LEAST_CYCLES, Hunting
+from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Interval, Metric
 
 __all__ = ["LEVELS", "ROUNDING", "interval_of", "metric_rows", "standard_error"]
@@ -170,8 +171,10 @@ def _missing(name: str, value: Array | None, shaft: LoopAtShaft, hunting: Huntin
         return "drive.continuous_current_a is not given"
     if name in HUNTING:
         if name != "gamma_hunting" and hunting.now.any():
-            return (f"{hunting.now.mean():.1%} of the draws hunt, for fewer than {LEAST_CYCLES:g} "
-                    "cycles in the half of a run that is looked at")  # fmt: skip
+            return (
+                f"{hunting.now.mean():.1%} of the draws hunt, for fewer than "
+                f"{MARGIN_RULES.swing_least_cycles:g} cycles in the half of a run that is looked at"
+            )
         looked = f"{hunting.rows.size} draws hunts, at {len(hunting.speeds)} reference speeds"
         if shaft.loop.compensation.signal == "none":
             return f"there is no compensation, and none of {looked}"
@@ -228,7 +231,8 @@ def _note(
             elif rule.name != "gamma_hunting" and finite.size:
                 notes.append(
                     f"in the {finite.size / value.size:.1%} of the draws that hunt for "
-                    f"{LEAST_CYCLES:g} cycles at γ = {np.median(shaft.gamma):.3g}"
+                    f"{MARGIN_RULES.swing_least_cycles:g} cycles at "
+                    f"γ = {np.median(shaft.gamma):.3g}"
                 )
         case "amplitude_margin" if finite.size:
             share = float((effective_damping(shaft) < 0).mean())

@@ -18,12 +18,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.margins.elastic_cable import Ends
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import ConstantSpeed, Reference
 from bayesfric.margins.sampled_controller import Controller
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.shaft import Shaft, StiffShaft
-from bayesfric.margins.swing import STEADY_SHARE, Swing
+from bayesfric.margins.swing import Swing
 from bayesfric.margins.traces import Record, Traces
 
 __all__ = ["LoopMotion", "follow", "simulate"]
@@ -80,7 +81,7 @@ def simulate(
     duration: ArrayLike,
     reference_speed: ArrayLike = 0.0,
     settling: ArrayLike = np.inf,
-    lasts: ArrayLike = STEADY_SHARE,
+    lasts: ArrayLike = MARGIN_RULES.swing_lasts,
     substeps: int = 1,
     traces: bool = False,
 ) -> LoopMotion:

@@ -5,17 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.margins.margin_rules import MARGIN_RULES
 
-__all__ = ["LEAST_REVERSALS", "STEADY_SHARE", "Judged", "Swing"]
-
-
-STEADY_SHARE = 0.9
-"""A swing whose amplitude falls below this share from one quarter of a run to the next dies
-out, where nothing better is known. Below 1, since a limit cycle of a stepped encoder jitters and
-is approached from above."""
-
-LEAST_REVERSALS = 2
-"""Reversals in the last quarter of a run without which nothing swings."""
+__all__ = ["Judged", "Swing"]
 
 
 class Judged(NamedTuple):
@@ -177,7 +169,8 @@ class Swing:
         """Return the judgement of the recorded samples."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
         least_way = np.min([self._widest, self._rise, self._fall], axis=0)
-        swings = (self._reversals >= LEAST_REVERSALS) & (least_way / 2.0 > self._least)
+        reverses = self._reversals >= MARGIN_RULES.swing_least_reversals
+        swings = reverses & (least_way / 2.0 > self._least)
         hunts = swings & (after >= self._lasts * self._before)
         turns = self._reversals + self._early_reversals
         span = np.where(turns >= 3, self._last - self._first, 1.0)

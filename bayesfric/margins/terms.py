@@ -7,7 +7,7 @@ import numpy as np
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
 
-__all__ = ["certificate_told", "chance_told", "in_degrees_or_decibels", "tuning_told"]
+__all__ = ["certificate_sentence", "chance_of_missing", "in_degrees_or_decibels", "tuning_sentence"]
 
 HALF_A_DRAW = float(np.sqrt(0.5))
 """The Monte Carlo error of what none or all of n draws have is this over n."""
@@ -20,7 +20,7 @@ TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
 """Metric to unit and conversion."""
 
 
-def chance_told(metric: Metric) -> str | None:
+def chance_of_missing(metric: Metric) -> str | None:
     """Return how probably a loop misses the spec of a metric, in words; None without a spec."""
     p, error = metric.probability_of_violation, metric.monte_carlo_se
     if p is None or error is None:
@@ -59,7 +59,7 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
     )
 
 
-def certificate_told(loop: LoopMargins) -> str | None:
+def certificate_sentence(loop: LoopMargins) -> str | None:
     """Return what is certified of a loop, or why nothing is; None in files of earlier versions."""
     if loop.certificate is not None:
         return loop.certificate.sentence
@@ -67,7 +67,7 @@ def certificate_told(loop: LoopMargins) -> str | None:
     return why and f"Circle criterion: not applicable, since {why}."
 
 
-def tuning_told(tuning: Tuning) -> str:
+def tuning_sentence(tuning: Tuning) -> str:
     """Return a setting that meets all specs at once, or that there is none, in a sentence."""
     chance = f"{tuning.probability:.2g} (± {tuning.probability_se:.1g})"
     if tuning.kp_scale is None or tuning.kd_scale is None:

@@ -19,6 +19,7 @@ from bayesfric.margins.describing import (
 )
 from bayesfric.margins.hunting import LONGEST_S, Thresholds, hunting_threshold, run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.scanning import (
     GAMMAS,
     REST,
@@ -29,7 +30,7 @@ from bayesfric.margins.scanning import (
     speeds_of,
 )
 
-__all__ = ["GAMMA_MAX", "LEAST_CYCLES", "Hunting", "find_hunting"]
+__all__ = ["GAMMA_MAX", "Hunting", "find_hunting"]
 
 
 GAMMA_MAX = GAMMAS[-1]
@@ -40,8 +41,6 @@ OTHER_KICKS = (0.0, 2.0)
 """Kicks, over the file's, that must not hunt either at the gain that is called safe."""
 ROUNDS = 3
 TOGETHER = "motors of the coupled joints that move along or swing together; others hold still here"
-LEAST_CYCLES = 2.0
-"""In the last half of a run, below which a swing's amplitude and frequency are not told."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +63,8 @@ class Hunting:
     hunts : ndarray of bool, shape (speeds, m)
         Whether a draw hunts at the loop's own γ, by reference speed.
     amplitude, frequency : ndarray, shape (m,)
-        Of the widest such swing of :data:`LEAST_CYCLES` at least, at the motor [rad, Hz]; NaN
-        where there is none.
+        Of the widest such swing of enough cycles (`MarginRules.swing_least_cycles`), at the
+        motor [rad, Hz]; NaN where there is none.
     speeds : tuple of Condition
         The reference speeds.
     map : HuntingMap or None
@@ -122,7 +121,7 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     gammas = GAMMAS if shaft.loop.compensation.signal != "none" else GAMMAS[:1]
     chart, motion = look(some, speeds, few, gammas)
     hunts = motion.hunts
-    often = hunts & (motion.cycles >= LEAST_CYCLES)
+    often = hunts & (motion.cycles >= MARGIN_RULES.swing_least_cycles)
     wide = np.where(often, motion.amplitude, -1.0)
     widest = wide.argmax(axis=0), np.arange(rows.size)
     swings = often.any(axis=0)

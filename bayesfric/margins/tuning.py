@@ -14,6 +14,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.thresholds import Hunting, find_hunting
@@ -22,8 +23,6 @@ from bayesfric.schemas import Tuning
 __all__ = ["meets_all_now", "scaled", "tune"]
 
 
-WIDEST = 4.0
-"""How far up and down gains are looked for."""
 STEPS = 11
 FEW, MANY = 60, 2000
 """Draws of the grid of gains, and of the last steps to the largest kp."""
@@ -31,10 +30,6 @@ SIMULATED = 400
 TRIED = 3
 """Settings of which hunting is looked at: it may end where the loop is softer."""
 HALVINGS = 6
-LEFT_TO_GAIN = 0.1
-"""Share of what may be missed that closed forms leave to γ. A γ that is simulated keeps to the safe
-side of its threshold and so misses next to nothing. One by formula is at the 0.5 % quantile of
-thresholds, not at the 2.5 % that a half would leave: 12 % lower where friction scatters by 20 %."""
 
 
 def scaled(shaft: LoopAtShaft, kp: float, kd: float, gamma: float | None = None) -> LoopAtShaft:
@@ -75,7 +70,7 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
         Probability of missing any spec.
     """
     feeds = shaft.loop.compensation.signal in ("measured", "error")
-    share = allowed * (1 - LEFT_TO_GAIN) if feeds else allowed
+    share = allowed * (1 - MARGIN_RULES.gains_left_to_gamma) if feeds else allowed
     few, enough = _evenly(shaft, FEW), _evenly(shaft, MANY)
     grid = _Grid.of(few)
     tried = []
@@ -126,7 +121,7 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
         compensation_gain=gamma,
         probability=1 - together,
         probability_se=error,
-        stiffest_looked_at=kp >= 0.999 * WIDEST,
+        stiffest_looked_at=kp >= 0.999 * MARGIN_RULES.gains_widest,
     )
 
 
@@ -140,7 +135,8 @@ class _Grid:
 
     @classmethod
     def of(cls, shaft: LoopAtShaft) -> "_Grid":
-        scales = np.geomspace(1 / WIDEST, WIDEST, STEPS)
+        widest = MARGIN_RULES.gains_widest
+        scales = np.geomspace(1 / widest, widest, STEPS)
         missed_by_spec = [
             [_each_missed(scaled(shaft, float(kp), float(kd))) for kd in scales] for kp in scales
         ]
@@ -170,8 +166,9 @@ def _none(grid: _Grid, enough: LoopAtShaft) -> Tuning:
     kp, kd = grid.scales[list(best)]
     missed = float(_missed(scaled(enough, float(kp), float(kd))).mean())
     name = max(grid.missed_alone, key=lambda spec: grid.missed_alone[spec].min())
+    widest = MARGIN_RULES.gains_widest
     why = (
-        f"no kp and kd from 1/{WIDEST:g} to {WIDEST:g} times those of the file meet all specs; "
+        f"no kp and kd from 1/{widest:g} to {widest:g} times those of the file meet all specs; "
         f"{name.replace('_', ' ')} is missed with probability "
         f"{grid.missed_alone[name].min():.2g} at the best of them"
     )

@@ -15,20 +15,17 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.describing import formula_conditions, steady_error
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.simulating import LoopMotion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Held, Verification, VerifiedDraw
 
-__all__ = ["TOLERANCE", "jeffreys", "verify"]
+__all__ = ["jeffreys", "verify"]
 
 
-TOLERANCE = 0.10
-"""Relative difference up to which a figure and the simulation agree."""
-LONGEST_S = 20.0
-"""Of a run; what takes longer is not held against the simulation."""
-TOO_LONG = f"a run that shows it takes longer than {LONGEST_S:g} s"
+TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
 FINER = 4
 """Steps of the cable for one of the search for γ."""
 SHARES = (0.0, 0.5, 0.7, 0.9, 1.1, 1.3, 1.6)
@@ -60,7 +57,7 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
     inside, _ = formula_conditions(some)
     predicted = hunting.threshold[places]
     simulated, tried = _thresholds(some, hunting, places)
-    agrees = np.isclose(simulated, predicted, rtol=TOLERANCE, atol=1e-9)
+    agrees = np.isclose(simulated, predicted, rtol=MARGIN_RULES.verification_tolerance, atol=1e-9)
     within, rest = _at_rest(some)
     ratio = _ratio(simulated[tried], predicted[tried])
     held = (
@@ -70,7 +67,7 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
     )
     return Verification(
         draws=rows.size,
-        tolerance=TOLERANCE,
+        tolerance=MARGIN_RULES.verification_tolerance,
         inside_conditions=int(inside.sum()),
         agreement=held[0].share,
         agreement_why=held[0].share_why,
@@ -109,7 +106,7 @@ def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Arr
     predicted = hunting.threshold[places]
     top = np.where(np.isfinite(predicted), predicted, GAMMA_MAX / SHARES[-1])
     wanted = run_length(some.sampled(), speed).wanted
-    tried = wanted <= LONGEST_S
+    tried = wanted <= MARGIN_RULES.verification_longest
     if not tried.any():
         return np.full(own.size, np.inf), tried
     gamma = np.array(SHARES)[:, None] * top
@@ -127,7 +124,8 @@ def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
     """
     wanted = {condition: run_length(some.sampled(), condition.speed_of(some)).wanted.max()
               for condition in hunting.speeds}  # fmt: skip
-    short = tuple(condition for condition, length in wanted.items() if length <= LONGEST_S)
+    longest = MARGIN_RULES.verification_longest
+    short = tuple(condition for condition, length in wanted.items() if length <= longest)
     if not short:
         yield _held("hunting at the file's γ", np.zeros(0, dtype=bool), None, TOO_LONG)
         return
@@ -144,8 +142,8 @@ def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
     for what in ("amplitude", "frequency"):
         values, other = (getattr(motion, what).reshape(shape)[at][both] for motion in (quick, slow))
         ratio = other / values
-        yield _held(f"limit cycle, {what}", np.abs(ratio - 1) <= TOLERANCE, ratio,
-                    "no draw hunts in both")  # fmt: skip
+        agrees = np.abs(ratio - 1) <= MARGIN_RULES.verification_tolerance
+        yield _held(f"limit cycle, {what}", agrees, ratio, "no draw hunts in both")  # fmt: skip
 
 
 def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
@@ -159,7 +157,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
     alone = replace(some, ki=none[0])
     wanted = run_length(alone.sampled(none[0])).wanted
     motion = _run(alone, none, np.array(KICKS)[:, None] * some.kick, none,
-                 min(float(wanted.max()), LONGEST_S))  # fmt: skip
+                 min(float(wanted.max()), MARGIN_RULES.verification_longest))  # fmt: skip
     farthest = np.abs(motion.final_error).reshape(shape).max(axis=0)
     band = steady_error(some)
     within = farthest <= band + 2 * np.pi / some.counts
@@ -171,7 +169,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
         _held("steady error", within, farthest / band, ""),
         _held(
             "lost motion",
-            ratio <= 1 + TOLERANCE,
+            ratio <= 1 + MARGIN_RULES.verification_tolerance,
             ratio,
             "no friction is behind the cable, it counts as stiff, or there is play before it",
         ),

@@ -9,6 +9,7 @@ from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import Linear
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.paper import paper
@@ -16,10 +17,6 @@ from bayesfric.paper import paper
 __all__ = ["loop_warnings"]
 
 MEASURED_DIAMETER_MM = 0.61
-STIFF_RATIO = 6.0
-"""Cable's ringing over the loop's natural frequency, below which a stiff shaft is a poor stand-in:
-γ that hunts was 10 to 20 % lower in joints on such a cable."""
-FASTEST_SAMPLED = 0.5  # rad a sample at the gain crossing
 
 
 def loop_warnings(
@@ -96,7 +93,7 @@ def _beyond_the_models(
 ) -> Iterator[str]:
     """Yield the effects that closed forms or the simulator leave out of this loop."""
     ratio = float(np.median(shaft.ringing / natural_frequency(shaft)))
-    if ratio < STIFF_RATIO:
+    if ratio < MARGIN_RULES.stiff_cable:
         yield (
             f"The cable rings at {np.median(shaft.ringing) / 2 / np.pi:.1f} Hz, {ratio:.1f} times "
             "the loop's natural frequency. The amplitude margin takes it as stiff; hunting and the "
@@ -144,7 +141,7 @@ def _beyond_the_models(
         stable = linear_along.stable & np.isfinite(linear_along.crossover)
         if stable.any():
             angle = float(np.median((linear_along.crossover * shaft.sample_time)[stable]))
-            if angle > FASTEST_SAMPLED:
+            if angle > MARGIN_RULES.fastest_sampled:
                 yield (
                     f"The gain crosses 1 at {angle:.2f} rad a sample{where}: sampling is more than "
                     "the delay by which the linear margins stand for it."

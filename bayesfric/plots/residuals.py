@@ -14,7 +14,6 @@ from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure,
 
 __all__ = ["residuals_by_order"]
 
-"""Half the width of a standard normal's 90 % interval, the unit of the stored z."""
 
 NAMED = 6  # outliers that carry their id; more would hide the points
 LINE = 0.9

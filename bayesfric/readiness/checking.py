@@ -15,7 +15,7 @@ from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.opening import left_out, remarks_of
 
-__all__ = ["Readiness", "Told", "readiness_of", "refuse_untold"]
+__all__ = ["Part", "Readiness", "readiness_of", "refuse_untold"]
 
 OF_OTHERS = {"pulleys", "law-without-coulomb", "law-without-offset"}
 """Needs of effects of other rigs, and of numbers that the law has already."""
@@ -23,7 +23,7 @@ UNTOLD = "these data leave every number of the law to its prior"
 
 
 @dataclass(frozen=True)
-class Told:
+class Part:
     """What a part of a recording can tell: a joint, or all boards.
 
     Parameters
@@ -69,12 +69,12 @@ class Told:
     @property
     def advice(self) -> dict[str, list[str]]:
         """What to record next, to the effects that it would show."""
-        found: dict[str, list[str]] = {}
+        effects_by_wish: dict[str, list[str]] = {}
         for effect, needs in self.lacking.items():
             wanted = advice_for(needs)
             if wanted:
-                found.setdefault("; ".join(wanted), []).append(effect)
-        return found
+                effects_by_wish.setdefault("; ".join(wanted), []).append(effect)
+        return effects_by_wish
 
     def lines(self) -> Iterator[str]:
         """Yield it as lines of a terminal."""
@@ -85,11 +85,11 @@ class Told:
             return
         yield f"What can be told{of}"
         for name, row in self.power.coefficients.iterrows():
-            told = f"± {row['sd']:.2g}"
+            text = f"± {row['sd']:.2g}"
             if "sd_where_law_is_off" in row:
-                told += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
-            told += f" [{row['unit']}], of about {row['value']:.3g}"
-            yield f"  {name!s:<24} {told if row['informed'] else 'left to its prior'}"
+                text += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
+            text += f" [{row['unit']}], of about {row['value']:.3g}"
+            yield f"  {name!s:<24} {text if row['informed'] else 'left to its prior'}"
         can, cannot = self.effects
         if can:
             yield "Effects that would be found, from which size on"
@@ -131,31 +131,31 @@ class Readiness:
         A joint at a time; empty of boards.
     remarks : tuple of (str, str)
         What the rigs say of their sensors.
-    told : tuple of Told
+    parts : tuple of Part
         A part at a time.
     """
 
     recording: Recording
     telemetry: tuple[Telemetry, ...]
     remarks: tuple[tuple[str, str], ...]
-    told: tuple[Told, ...]
+    parts: tuple[Part, ...]
 
     @property
     def hopeless(self) -> bool:
         """Whether no part of it can tell anything."""
-        return all(part.why_not for part in self.told)
+        return all(part.why_not for part in self.parts)
 
     def lines(self) -> Iterator[str]:
         """Yield it as lines of a terminal."""
         turns = self.recording.rig.rotary
-        for one in self.telemetry:
-            if one.joint is not None:
-                yield f"Joint {one.joint}"
-            for label, text in one.lines(turns=turns):
+        for joint in self.telemetry:
+            if joint.joint is not None:
+                yield f"Joint {joint.joint}"
+            for label, text in joint.lines(turns=turns):
                 yield f"  {label:<14} {text}"
         for label, text in self.remarks:
             yield f"  {label:<14} {text}"
-        for part in self.told:
+        for part in self.parts:
             yield from part.lines()
 
 
@@ -190,24 +190,24 @@ def readiness_of(
         () if recording.axis is None else telemetry_of(recording.axis),
         tuple(remarks_of(recording)),
         tuple(
-            _told(name, part, analysis, baseline, numbers_alone) for name, part in parted.items()
+            _part(name, part, analysis, baseline, numbers_alone) for name, part in parted.items()
         ),
     )
 
 
-def _told(
+def _part(
     name: str,
     recording: Recording,
     analysis: Analysis | None,
     baseline: str,
     numbers_alone: bool,
-) -> Told:
+) -> Part:
     if numbers_alone and recording.axis is None:
-        return Told(name, None)  # boards that enter tell their coefficients
+        return Part(name, None)  # boards that enter tell their coefficients
     try:
         data, _ = data_of(recording, baseline, None)
         if data.rigs[0].has_pulleys:
-            return Told(name, power_of_conditions(recording, analysis))
+            return Part(name, power_of_conditions(recording, analysis))
         power = power_of_measured(
             recording, analysis, baseline=baseline, numbers_alone=numbers_alone
         )
@@ -215,12 +215,12 @@ def _told(
         reasons = left_out(recording)
         if not reasons:  # it is not the data that cannot be used
             raise
-        return Told(name, None, tuple(reasons))
+        return Part(name, None, tuple(reasons))
     if not power.coefficients["informed"].any():
-        return Told(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
+        return Part(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
     examined, lacking = examinable(data, {})
     in_law = {*map(str, power.coefficients.index)}
-    return Told(
+    return Part(
         name,
         power,
         (),
@@ -242,4 +242,4 @@ def refuse_untold(readiness: Readiness) -> None:
         No part of it can tell anything: why, and what it takes.
     """
     if readiness.hopeless:
-        raise InputError([fault for part in readiness.told for fault in part.why_not])
+        raise InputError([fault for part in readiness.parts for fault in part.why_not])

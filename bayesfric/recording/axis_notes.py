@@ -12,9 +12,7 @@ UNUSED_COLUMNS = (
 )
 """Columns of ``axis_samples.csv`` that no model takes yet."""
 UNUSED_KEYS = (
-    "known_force_sd",
     "command_gain",
-    "force_limit_n",
     "sample_hold_s",
     "latency_s",
 )

@@ -8,7 +8,7 @@ only: its columns are the *local* ones. All are in units of their scale.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -120,6 +120,9 @@ class ModelColumns:
         Whether trials can be left out.
     priors : Priors
         Of the noise.
+    row_weights : mapping of str to ndarray
+        By rig: by what the precision of each row's own error is multiplied; 1 of a rig that is
+        not in it.
     """
 
     layout: Layout
@@ -131,6 +134,7 @@ class ModelColumns:
     scattering: Sequence[tuple[Candidate, float]]
     by_trial: bool
     priors: Priors
+    row_weights: Mapping[str, Array] = field(default_factory=dict)
 
     def filled(
         self,

@@ -96,6 +96,9 @@ class PointPart:
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(model.priors)
+        self._weight = np.asarray(
+            model.row_weights.get(rows.name, np.ones(len(sizes))), dtype=np.float64
+        )
         self._own, *names = (parameter.name for parameter in self.noise)
         rank = len(shared_moves)
         self._by_loads, self._assembly = names[: 2 * rank : 2], names[1 : 2 * rank : 2]
@@ -122,7 +125,7 @@ class PointPart:
             slope[place] += own - taken[1]
         square = (rows.y**2 / rows.variance).sum()
         constant = -0.5 * (rows.y.size * LOG_2PI + np.log(rows.variance).sum() + square)
-        constant += rows.nested.constant
+        constant += rows.nested.constant + 0.5 * float(np.log(self._weight[rows.runs]).sum())
         mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
         still, at_rest = self._still, self.rows.still
         if at_rest.size:
@@ -141,11 +144,14 @@ class PointPart:
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns[runs]
         x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
-        y, moved = self.rows.reading[runs], self._moved[runs]
+        # A row whose own error has a weight is one of weight 1, times the weight's root.
+        root = np.sqrt(self._weight[runs])
+        x = root[:, None] * x
+        y, moved = root * self.rows.reading[runs], self._moved[runs]
         variance = self._error2(noise)[runs] + (noise[self._own] * moved) ** 2
         # Trials under one load share deviations, and those of one assembly others: what
         # both are known by are sums over trials, and over loads.
-        shared = self._shared[runs]
+        shared = root[:, None] * self._shared[runs]
         pulls = shared / variance[:, None]
         weighted = x / variance[:, None]
         nested = NestedDeviations.of(
@@ -217,7 +223,8 @@ class PointPart:
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
-        variance = self._error2(noise) + self.scatter(noise).sum(axis=1) * self._moved**2
+        variance = self._error2(noise) / self._weight
+        variance += self.scatter(noise).sum(axis=1) * self._moved**2
         outer = self.columns[:, :, None] * self.columns[:, None, :]
         return np.asarray(outer / variance[:, None, None])
 
@@ -228,7 +235,7 @@ class PointPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
-        apart = np.full(len(self.setup), noise[self._own] ** 2)
+        apart = noise[self._own] ** 2 / self._weight
         part = self._shared / self._moved[:, None]
         variance = [
             noise[by_load] ** 2 + noise[by_assembly] ** 2
@@ -245,11 +252,12 @@ class PointPart:
             row=np.arange(len(self.setup)),
             residual_n=newton * self.rows.reading,
             columns=newton[:, None] * self.columns,
-            covariance=tuple((newton**2 * variance)[:, None, None]),
+            covariance=tuple((newton**2 * variance / self._weight)[:, None, None]),
             wander=tuple(np.zeros((len(self.setup), 1, 1))),
             covariates=self.rows.covariates()
             | dict.fromkeys(axes, nowhere)
             | {"order": np.asarray(self.rows.state.order)},
+            counts=self._weight,
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:

@@ -28,6 +28,8 @@ class Windows:
         Of friction along the path of each trial, relative.
     covariates : mapping of str to ndarray, shape (R,)
         Where each window lies.
+    counts : ndarray, shape (R,), or None
+        How much each counts, 1 but for strays; None where there is none.
     """
 
     row: Whole
@@ -36,6 +38,7 @@ class Windows:
     covariance: tuple[Array, ...]
     wander: tuple[Array, ...]
     covariates: Mapping[str, Array]
+    counts: Array | None = None
 
     @property
     def variance(self) -> Array:

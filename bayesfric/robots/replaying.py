@@ -64,8 +64,8 @@ class Motion:
 def as_in_model(robot: Robot) -> tuple[SimulatedJoint, ...]:
     """Return the values that the user's model has for each logged joint."""
     return tuple(
-        SimulatedJoint(one.frictionloss, one.armature, (one.damping, 0.0, 0.0), one.stiffness)
-        for one in robot.settings
+        SimulatedJoint(own.frictionloss, own.armature, (own.damping, 0.0, 0.0), own.stiffness)
+        for own in robot.settings
     )
 
 
@@ -85,14 +85,14 @@ def inverse_torques(robot: Robot, joints: Sequence[SimulatedJoint], motion: Moti
 
     model, dofs, places = _set(robot, joints, motion)
     data = mujoco.MjData(model)
-    found = np.empty_like(motion.force)
-    for k in range(len(found)):
+    torques = np.empty_like(motion.force)
+    for k in range(len(torques)):
         data.qpos[places], data.qvel[dofs] = motion.position[k], motion.velocity[k]
         data.qacc[:] = 0.0
         data.qacc[dofs] = motion.acceleration[k]
         mujoco.mj_inverse(model, data)
-        found[k] = data.qfrc_inverse[dofs]
-    return found
+        torques[k] = data.qfrc_inverse[dofs]
+    return torques
 
 
 def replayed(
@@ -122,17 +122,17 @@ def replayed(
     model, dofs, places = _set(robot, joints, motion)
     data = mujoco.MjData(model)
     steps = int(np.ceil(motion.interval_s / STEP_S))
-    found = np.empty((len(starts), samples, len(dofs)))
+    paths = np.empty((len(starts), samples, len(dofs)))
     for window, start in enumerate(starts):
         mujoco.mj_resetData(model, data)
         data.qpos[places], data.qvel[dofs] = motion.position[start], motion.velocity[start]
         for sample in range(samples):
-            found[window, sample] = data.qpos[places]
-            here, after = motion.force[start + sample : start + sample + 2]
+            paths[window, sample] = data.qpos[places]
+            now, after = motion.force[start + sample : start + sample + 2]
             for step in range(steps):
-                data.qfrc_applied[dofs] = here + (after - here) * (step + 0.5) / steps
+                data.qfrc_applied[dofs] = now + (after - now) * (step + 0.5) / steps
                 mujoco.mj_step(model, data)
-    return found
+    return paths
 
 
 def _set(robot: Robot, joints: Sequence[SimulatedJoint], motion: Motion) -> tuple[Any, Any, Any]:

@@ -84,9 +84,11 @@ class ModelText:
         )
         moving = TURNS[self.kind]
         return {
-            one.attributes["name"]: one
-            for one in every
-            if one.tag == "joint" and "name" in one.attributes and self._type(one) in moving
+            element.attributes["name"]: element
+            for element in every
+            if element.tag == "joint"
+            and "name" in element.attributes
+            and self._type(element) in moving
         }
 
     def turns(self, joint: str) -> bool:
@@ -103,8 +105,8 @@ class ModelText:
         """
         joints = self.joints
         if name not in joints:
-            included = [one.attributes.get("file", "") for one in self.root.walk()
-                        if one.tag == "include"]  # fmt: skip
+            included = [element.attributes.get("file", "") for element in self.root.walk()
+                        if element.tag == "include"]  # fmt: skip
             where = f"; or give --into the file that has it: {', '.join(included)}"
             expected = f"{one_of(joints, name)}{where if included else ''}"
             raise InputError([Fault(self.name, expected, column="joint", value=name)])
@@ -112,9 +114,12 @@ class ModelText:
 
     def actuators(self, joint: str) -> list[Element]:
         """Return the actuators of MJCF that drive a joint."""
-        rooms = [one for one in self.root.children if one.tag == "actuator"]
+        rooms = [element for element in self.root.children if element.tag == "actuator"]
         return [
-            one for room in rooms for one in room.children if one.attributes.get("joint") == joint
+            element
+            for room in rooms
+            for element in room.children
+            if element.attributes.get("joint") == joint
         ]
 
     def with_values(self, values: Mapping[str, JointValues]) -> "ModelText":

@@ -165,6 +165,16 @@ def test_the_gap_shrinks_to_the_floor(named):
     assert 0.01 < gap.floor.q50 / gap.friction_rms < 0.03
 
 
+def test_held_out_data_are_predicted_better_with_the_cause(named):
+    """Assemblies of both boards in twenty blocks, each held out once."""
+    summary = named[0].summary
+    density = summary.gap.held_out_log_density
+    assert density.blocks == 20
+    assert density.difference > 3 * density.error
+    assert f"raises the log density of these data by {density.difference:.3g} ±" in summary.sentence
+    assert (summary.considered, summary.overruled_by) == ((), None)
+
+
 def test_probabilities_add_up_and_effects_are_all_told(named):
     summary = named[0].summary
     assert sum(summary.probabilities.values()) == pytest.approx(1.0)

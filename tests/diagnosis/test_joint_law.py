@@ -153,6 +153,24 @@ def test_load_friction_wants_lifting_and_lowering_at_one_pose(seen, offered):
     assert ("load-both-ways" in runs.offers) == offered
 
 
+@pytest.mark.parametrize("both_ways", [True, False])
+def test_one_load_one_way_says_that_it_cannot_tell(both_ways):
+    """A winch that only lifts: what it loses by the load may be Coulomb friction, or a gain."""
+    joint = LoadedJoint(**SMALL, load=0.15)
+    recording = joint.recording()
+    samples = recording.axis.samples
+    if not both_ways:
+        samples = samples[np.gradient(samples["position_m"]) > 0].copy()
+        turned = (samples["position_m"].diff().abs() > 0.1).cumsum()
+        samples["run"] = samples["run"] + turned.map("-{}".format)
+        long = samples.groupby("run")["run"].transform("size") > 60
+        samples = samples[long].reset_index(drop=True)
+    runs = pd.DataFrame({"run": samples["run"].unique()})
+    recording = recording_of(samples, runs, force_is="motor")
+    lines = AXIS.trials(recording).doubts({})
+    assert any("Lift and lower at one pose" in line for line in lines) != both_ways
+
+
 LADDER = {
     "M2": ({"stribeck": (0.4, 0.5)}, {"stribeck"}),
     "M4": ({"load_at_rest": (0.2, 0.5)}, {"load-stribeck"}),

@@ -5,10 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from report.diagnosis_sample import cause, diagnosis
+from rigs.friction_points import joint, recorded
 
+import bayesfric as bf
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis import diagnosing
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.overruling import contradicts, density_of, overruled, why_overruled
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -130,6 +134,30 @@ def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
     said = sentence_of(told)
     assert words in said
     assert "Something else acts (probability 0.970)" in said
+
+
+@pytest.mark.parametrize("gain", [1.0, 9.0])
+def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
+    tmp_path, monkeypatch, gain
+):
+    """Blocks that the cause makes more likely by one nat each, ± 3 or ± a third of one."""
+    each = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
+    found = BlockDensities(np.zeros(9), each)
+    monkeypatch.setattr(diagnosing, "block_densities", lambda *_: found)
+    summary = bf.diagnose(recorded(tmp_path / "bench", joint(2.0))).summary
+    density = summary.gap.held_out_log_density
+    assert (density.difference, density.blocks) == (pytest.approx(9.0), 9)
+    if gain > 1:
+        assert summary.verdict == "named"
+        return
+    assert summary.verdict == "unknown"
+    assert summary.probabilities["unknown"] > 0.9
+    assert summary.causes == ()
+    assert [one.effect for one in summary.considered] == ["viscous"]
+    assert "no better than by the law alone" in summary.overruled_by
+    assert f"misses what was held out: {summary.overruled_by}" in summary.sentence
+    assert any("Held-out data contradict viscous" in line for line in summary.attention)
+    assert all(check.holds for check in summary.checks)
 
 
 @pytest.mark.parametrize("shrink", [True, False])

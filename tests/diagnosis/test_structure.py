@@ -27,6 +27,7 @@ def windows(force, *, time_s=None, scatter=0.01, seed=0, told=None):
         covariates={"order": order, "velocity": speed, "setup": order},
         axes=("order", "velocity", "setup"),
         time_s=time_s,
+        counts=None,
         without_law=lambda values: values - values.mean(axis=0),
     )
     return residuals, told

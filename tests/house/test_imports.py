@@ -24,6 +24,7 @@ ROWS = (
         "resources",
         "checksum",
         "probabilities",
+        "rules",
         "source_date",
     ),
     ("recording",),
@@ -45,6 +46,7 @@ ROWS = (
     ("margins", "planning"),
     ("comparing", "readiness"),
     ("export", "blind/engines"),
+    ("replaying",),
     ("blind",),
     ("plots",),
     ("report",),
@@ -65,6 +67,7 @@ ONLY = {
     "resources": set(),
     "checksum": set(),
     "probabilities": set(),
+    "rules": set(),
     "source_date": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation

@@ -22,14 +22,11 @@ NOT_YET_NAMED = {
     "cli": 33,
     "diagnosis": 318,
     "export": 23,
-    "inference": 1,
     "logs": 9,
-    "planning": 2,
     "readiness": 7,
     "recording": 27,
     "report": 165,
     "rigs/single_axis": 141,
-    "robots": 4,
 }
 NOT_YET_SHORT = {
     "cli/blind.py blind",

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from bayesfric.inference.diagnostics import (
-    LIMITS,
     batch_means_ess,
     diagnose_draws,
     mean_ess,
@@ -16,6 +15,7 @@ from bayesfric.inference.diagnostics import (
     smooth_weights,
     walkers_r_hat,
 )
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 
 def autoregressive(rho, shape, seed, shared=0.0):
@@ -61,7 +61,7 @@ def test_ensembles_in_different_places_have_not_converged():
     draws = autoregressive(0.0, (4, 500, 20), 4)
     draws[0] += 0.5
     figures = diagnose_draws(draws)
-    assert figures.r_hat > LIMITS["r_hat"]
+    assert figures.r_hat > SAMPLING_RULES.r_hat
     assert not figures.converged
 
 
@@ -69,7 +69,7 @@ def test_a_stuck_walker_shows_walker_wise():
     draws = autoregressive(0.0, (4, 500, 20), 5)
     draws[2, :, 7] = 2.5 + 1e-3 * draws[2, :, 7]
     figures = diagnose_draws(draws)
-    assert figures.r_hat_walkers > LIMITS["r_hat_walkers"]
+    assert figures.r_hat_walkers > SAMPLING_RULES.r_hat_walkers
     assert not figures.converged
 
 
@@ -90,7 +90,7 @@ def test_walkers_r_hat_is_of_their_places_alone(rho):
 def test_walkers_of_different_widths_show():
     draws = autoregressive(0.0, (4, 200, 20), 30)
     draws[:, :, ::2] *= 2
-    assert walkers_r_hat(draws) > LIMITS["r_hat_walkers"]
+    assert walkers_r_hat(draws) > SAMPLING_RULES.r_hat_walkers
 
 
 def test_walkers_that_do_not_leave_their_places():
@@ -101,7 +101,7 @@ def test_walkers_that_do_not_leave_their_places():
 def test_a_drift_in_time_shows_in_the_pooled_split():
     draws = autoregressive(0.0, (4, 500, 20), 6)
     draws += np.linspace(-0.5, 0.5, 500)[None, :, None]
-    assert diagnose_draws(draws).r_hat > LIMITS["r_hat"]
+    assert diagnose_draws(draws).r_hat > SAMPLING_RULES.r_hat
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])

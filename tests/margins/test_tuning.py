@@ -9,11 +9,12 @@ from reasons import explained
 
 from bayesfric.margins import tuning
 from bayesfric.margins.assembly import draw_assembly
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST, run
-from bayesfric.margins.terms import tuning_told
+from bayesfric.margins.terms import tuning_sentence
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, scaled, tune
 from bayesfric.schemas import Tuning
@@ -106,7 +107,7 @@ def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     monkeypatch.setattr(tuning, "find_hunting", lambda *given: next(each))
     found = tune(shaft, 0.05)
     assert found.why is None
-    assert found.kp_scale < tuning.WIDEST
+    assert found.kp_scale < MARGIN_RULES.gains_widest
     # nothing is chosen where one of twenty hunts without any, and so no error excuses it
     one = replace(hunting, threshold=np.where(np.arange(20) < 2, 0.0, 2.0))
     monkeypatch.setattr(tuning, "find_hunting", lambda *given: one)
@@ -150,4 +151,4 @@ def test_a_setting_without_a_gain_is_told_as_earlier_versions_stored_it():
         probability=0.96,
         probability_se=0.01,
     )
-    assert "kd × 1, no γ, since the loop hunts at every γ: with" in tuning_told(stored)
+    assert "kd × 1, no γ, since the loop hunts at every γ: with" in tuning_sentence(stored)

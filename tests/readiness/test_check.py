@@ -24,7 +24,7 @@ def hinge():
 
 @pytest.fixture(scope="module")
 def told(hinge):
-    (part,) = readiness_of(hinge).told
+    (part,) = readiness_of(hinge).parts
     return part
 
 
@@ -71,7 +71,7 @@ def test_gravity_and_a_spring_on_a_short_stroke_are_one(tmp_path):
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, gravity=(4.0, 0.1), spring=0.0)
     runs, samples = simulate(machine, runs=2, seconds=6.0, seed=3)
     folder = write(tmp_path / "axis", machine, runs, samples, rotary=True)
-    (part,) = readiness_of(read_recording(folder)).told
+    (part,) = readiness_of(read_recording(folder)).parts
     pairs = {frozenset(pair) for pair in part.power.pairs[["effect", "other"]].to_numpy()}
     assert frozenset({"gravity-torque", "spring"}) in pairs
 
@@ -102,7 +102,7 @@ def test_a_slow_log_says_the_rate_that_it_would_need(tmp_path, hinge):
 
 def test_boards_are_checked_by_their_conditions(tmp_path):
     board = simulate_recording("quick", seed=4, rigs=["motor"])
-    (part,) = readiness_of(board).told
+    (part,) = readiness_of(board).parts
     assert np.isfinite(part.power.coefficients["sd"]).all()
     assert not part.lacking
     assert "What can be told" in "\n".join(part.lines())

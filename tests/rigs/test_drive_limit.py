@@ -1,8 +1,11 @@
 """A drive's limit is found beside viscous friction and a weight, and lies above friction."""
 
+from dataclasses import replace
+
 import pytest
 from rigs.looped_joint import LoopedJoint
 
+from bayesfric.effects import all_effects
 from bayesfric.rigs import all_rigs
 
 AXIS = all_rigs()["single-axis"]
@@ -34,3 +37,20 @@ def test_a_joint_that_turns_over_is_told_its_inertia():
     runs = AXIS.trials(LoopedJoint(closed=False, sampled_hz=200.0).recording())
     assert runs._rough.mass == pytest.approx(0.063, rel=0.02)
     assert runs._rough.coulomb == pytest.approx(0.18, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("force_is", "declared", "there"),
+    [("commanded", 1.0, True), ("commanded", 50.0, False), ("motor", 1.0, False)],
+)
+def test_a_limit_that_is_declared_is_not_looked_for(force_is, declared, there):
+    """It is there where more was commanded; a force that was measured has none."""
+    recording = LoopedJoint(limit=1.0).recording()
+    rig = replace(recording.rig, force_limit_n=declared, force_is=force_is)
+    runs = AXIS.trials(replace(recording, rig=rig))
+    assert ("limit" in runs.offers) == there
+    if there:
+        assert runs.measures.limit.force == declared
+        effect = runs.suited(all_effects(None)["torque-saturation"])
+        assert effect.searched == 1
+        assert effect.shape.prior.sd_log == pytest.approx(0.02)

@@ -205,3 +205,18 @@ def test_an_amount_is_one_force_whatever_run_it_is_of():
     size = np.sqrt(np.mean(np.concatenate([log.force for log in (first, second)]) ** 2))
     closest = min(np.abs(one - size * np.cos(alone)).max() for one in resting)
     assert closest < 0.02 * size
+
+
+def test_a_known_force_may_be_wrong_by_as_much_as_is_stated():
+    """Of one joint: by a share of itself, which then is no friction and no other pull."""
+    wrong = arm.recording(known=True, only="elbow", known_force_sd=0.3)
+    samples = wrong.axis.samples.copy()
+    samples["known_force_n"] *= 0.8
+    rough = {}
+    for stated in (True, False):
+        rig = wrong.rig if stated else replace(wrong.rig, known_force_sd=None)
+        recording = replace(wrong, rig=rig, axis=replace(wrong.axis, samples=samples))
+        rough[stated] = RIG.trials(recording)._rough
+    assert rough[True].mass == pytest.approx(arm.ARMATURE[2], rel=0.1)
+    assert rough[True].coulomb == pytest.approx(arm.FRICTIONLOSS[2], rel=0.02)
+    assert rough[False].mass > 1.15 * arm.ARMATURE[2]

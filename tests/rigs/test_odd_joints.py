@@ -164,7 +164,7 @@ def test_an_effect_in_one_of_two_orders_has_no_other_form_along_order():
 
 
 def test_a_small_swing_shows_a_part_of_a_weight_that_pulls_less_than_friction():
-    """In a tenth of a turn it pulls with 0.1 N·m of 0.7: a prior of friction's width is off."""
+    """On a tenth of a turn 0.1 N·m of 0.7: a prior as wide as friction excludes it."""
     swinging = Joint(gravity=0.7, strokes_rad=(0.17, 0.05))
     runs = runs_of(swinging.recording())
     assert runs.measures.pull < swinging.coulomb

@@ -31,16 +31,13 @@ from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import mean_ess, multivariate_r_hat
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.proposals import LogDensity, StudentT
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 __all__ = ["bridge_evidence", "bridge_ratio", "in_one_place"]
 
 
 DRAWS_A_HALF = 2000  # at which the density is evaluated, and as many proposals
 STEPS_A_HALF = (20, 10)  # the first that there are; multiples of the batches of an error
-LIMIT_ENSEMBLES, LIMIT_WALKERS = 1.1, 1.2
-"""Multivariate R-hat above which chains have not converged to one distribution; a walker has so few
-draws that its own R-hat is a tenth above 1 by chance."""
-LEAST_OVERLAP = 0.02  # of proposal and density, 1 where they are the same
 
 
 def bridge_evidence(
@@ -135,10 +132,10 @@ def _bridge(
         log_evidence, of_draws, of_proposed = _stand(at_draws, at_proposed, counted)
         counted = mean_ess(of_draws)
     overlap = of_draws.mean() * (1 + counted / DRAWS_A_HALF)
-    if overlap < LEAST_OVERLAP:
+    if overlap < SAMPLING_RULES.bridge_least_overlap:
         raise SeparatedModes(
             f"the draws and a Student-t fitted to them overlap by {overlap:.1%}, "
-            f"less than {LEAST_OVERLAP:.0%}: no single place holds them"
+            f"less than {SAMPLING_RULES.bridge_least_overlap:.0%}: no single place holds them"
         )
     variance = (
         of_draws.var() / of_draws.mean() ** 2 / counted
@@ -196,7 +193,10 @@ def in_one_place(draws: Array) -> bool:
         In the order in which they were drawn.
     """
     pooled, single = _spread_of_places(draws)
-    return pooled <= LIMIT_ENSEMBLES and single <= LIMIT_WALKERS
+    return (
+        pooled <= SAMPLING_RULES.bridge_r_hat_ensembles
+        and single <= SAMPLING_RULES.bridge_r_hat_walkers
+    )
 
 
 def _spread_of_places(draws: Array) -> tuple[float, float]:
@@ -209,9 +209,12 @@ def _spread_of_places(draws: Array) -> tuple[float, float]:
 
 def _refuse_separated(draws: Array) -> None:
     pooled, single = _spread_of_places(draws)
-    if pooled > LIMIT_ENSEMBLES or single > LIMIT_WALKERS:
+    if (
+        pooled > SAMPLING_RULES.bridge_r_hat_ensembles
+        or single > SAMPLING_RULES.bridge_r_hat_walkers
+    ):
         raise SeparatedModes(
             "the chains have not converged to one distribution: multivariate R-hat "
-            f"{pooled:.3g} between ensembles (at most {LIMIT_ENSEMBLES}), {single:.3g} between "
-            f"walkers (at most {LIMIT_WALKERS})"
+            f"{pooled:.3g} between ensembles (at most {SAMPLING_RULES.bridge_r_hat_ensembles}), "
+            f"{single:.3g} between walkers (at most {SAMPLING_RULES.bridge_r_hat_walkers})"
         )

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
+from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
@@ -34,6 +34,7 @@ from bayesfric.inference.proposals import (
     importance_points,
     resampled,
 )
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 __all__ = ["LEAST_FOR_A_MEAN", "importance_draws"]
 
@@ -91,7 +92,7 @@ def importance_draws(
         z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), size, rng)
         total = logsumexp(log_weights)
         weights = np.exp(log_weights - total)
-        if k <= LARGEST_PARETO_K:
+        if k <= SAMPLING_RULES.pareto_k:
             break
         points = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
     else:

@@ -32,14 +32,13 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import LARGEST_PARETO_K, smooth_weights
+from bayesfric.inference.diagnostics import smooth_weights
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 __all__ = ["ELPD", "Difference", "Without", "difference", "elpd", "loo_pit", "without_each"]
 
 
 LEAST_DRAWS = 100
-LEAST_GROUPS, LEAST_DIFFERENCE = 20, 4.0
-"""Below either, the standard error of a difference is too small (Sivula et al.)."""
 
 
 class Without(NamedTuple):
@@ -174,7 +173,7 @@ def elpd(
     log_weights, pareto_k = without or without_each(log_likelihood)
     draws, groups = log_likelihood.shape
     pointwise = logsumexp(log_weights + log_likelihood, axis=0)
-    limit_k = min(LARGEST_PARETO_K, 1 - 1 / np.log10(draws))
+    limit_k = min(SAMPLING_RULES.pareto_k, 1 - 1 / np.log10(draws))
     refitted = np.zeros(groups, dtype=bool)
     if refit is not None:
         # A k that is not a number is bad as well.
@@ -210,10 +209,10 @@ def difference(first: ELPD, second: ELPD) -> Difference:
     pairs = first.pointwise - second.pointwise
     total = float(pairs.sum())
     reasons = []
-    if pairs.size < LEAST_GROUPS:
-        reasons.append(f"{pairs.size} groups, fewer than {LEAST_GROUPS}")
-    if abs(total) < LEAST_DIFFERENCE:
-        reasons.append(f"a difference of less than {LEAST_DIFFERENCE:g}")
+    if pairs.size < SAMPLING_RULES.difference_least_groups:
+        reasons.append(f"{pairs.size} groups, fewer than {SAMPLING_RULES.difference_least_groups}")
+    if abs(total) < SAMPLING_RULES.difference_least:
+        reasons.append(f"a difference of less than {SAMPLING_RULES.difference_least:g}")
     if not (first.reliable and second.reliable):
         reasons.append("a Pareto k too large without a refit")
     return Difference(total, _standard_error(pairs), tuple(reasons))

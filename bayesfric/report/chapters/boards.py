@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bayesfric.inference.diagnostics import LIMITS
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
 from bayesfric.report.quantities import (
@@ -85,8 +85,9 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
             f"so that nothing normal is left: {format_share(sampler.acceptance)} of the proposals "
             f"were accepted, the Pareto k of their weights is "
             f"{format_number(pooled.pareto_k, 2)}, and of {format_count(sampler.draws)} draws at "
-            f"least {format_count(round(least))} are effective ({LIMITS['ess']:.0f} are needed). "
-            "The fit of each board, with its checks, is in ",
+            f"least {format_count(round(least))} are effective "
+            f"({SAMPLING_RULES.effective_draws:.0f} are needed). The fit of each board, with its "
+            "checks, is in ",
             *_folders(pooled),
             ".",
         ]

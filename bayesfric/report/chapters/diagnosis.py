@@ -19,6 +19,7 @@ from bayesfric.report.chapters.diagnosis_details import (
     remainder,
     share_words,
 )
+from bayesfric.report.chapters.entering import replays
 from bayesfric.report.chapters.joints import joints
 from bayesfric.report.content import (
     Block,
@@ -85,6 +86,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     if found.joints:
         yield from joints(found)
     yield _at_a_glance(found)
+    yield from replays(stored)
     yield Heading(2, "How large it is")
     yield gap_words(found)
     yield _how_far(stored)

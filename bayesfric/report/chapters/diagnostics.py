@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 
-from bayesfric.inference.diagnostics import LIMITS
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
@@ -25,8 +25,9 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         f"{format_count(sampler.draws)} draws in all. {format_share(sampler.acceptance)} of the "
         f"proposals were accepted, and an effective draw took at most "
         f"{format_number(sampler.autocorrelation_time, digits=2)} steps of a walker. Converged "
-        f"means: R-hat below {LIMITS['r_hat']}, walker by walker below {LIMITS['r_hat_walkers']}, "
-        f"and at least {LIMITS['ess']:.0f} effective draws, for every parameter. "
+        f"means: R-hat below {SAMPLING_RULES.r_hat}, walker by walker below "
+        f"{SAMPLING_RULES.r_hat_walkers}, and at least {SAMPLING_RULES.effective_draws:.0f} "
+        "effective draws, for every parameter. "
         f"{'All of that holds here.' if fit.converged else 'Some of that does not hold here.'} "
         f"{_worst(stored)}"
     )

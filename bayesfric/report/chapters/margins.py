@@ -4,10 +4,10 @@ import re
 from collections.abc import Iterator
 
 from bayesfric.margins.terms import (
-    certificate_told,
-    chance_told,
+    certificate_sentence,
+    chance_of_missing,
     in_degrees_or_decibels,
-    tuning_told,
+    tuning_sentence,
 )
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.style import svg_of
@@ -107,11 +107,11 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         note="A dash: the figure does not exist; the reason stands below the table.",
     ).filled()
     yield BulletList(list(_remarks(loop)))
-    if (certificate := certificate_told(loop)) is not None:
+    if (certificate := certificate_sentence(loop)) is not None:
         covers = loop.certificate and f" It holds {loop.certificate.covers}."
         yield Paragraph([certificate, covers or ""])
     if loop.tuning is not None:
-        yield Paragraph(tuning_told(loop.tuning))
+        yield Paragraph(tuning_sentence(loop.tuning))
     yield from over_speed(loop)
     yield from _following(loop)
     yield from _shares(loop)
@@ -190,7 +190,7 @@ def _row(metric: Metric) -> list[str]:
         chance = metric.probability_of_violation
         judged = [
             f"{'≥' if metric.sense == 'at least' else '≤'} {format_number(scale * metric.spec, 3)}",
-            chance_told(metric) or MISSING,
+            chance_of_missing(metric) or MISSING,
             MISSING if chance is None else format_number(metric.monte_carlo_se, 1),
         ]
     return [name, unit, metric.place, *_cells(metric.interval, scale), *judged]

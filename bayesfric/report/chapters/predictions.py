@@ -69,7 +69,6 @@ def _caption(text: str, paper: str) -> list[Inline]:
 def _trajectories(stored: StoredFit) -> Iterator[Block]:
     if not _holds(stored, "trajectories", "travel_m"):
         return
-    law = _holds(stored, "curves", "law_n")
     yield Paragraph(
         [
             "The prediction of ",
@@ -77,7 +76,7 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
             " starts with the speed that the trial had at its first event and runs free to the "
             "end of travel. Its band is that of a new trial on a new assembly, scatter included, "
             "so nine trials in ten should stay inside it.",
-            *([" ", Reference("tension"), " has the friction of each trial."] if law else []),
+            *_with_tension(stored),
         ]
     )
     yield Figure(
@@ -99,6 +98,13 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
         label="trajectories",
         floats=True,
     )
+
+
+def _with_tension(stored: StoredFit) -> list[Inline]:
+    """Return the sentence that leads to the figure over tension, where there is one."""
+    if not _holds(stored, "curves", "law_n"):
+        return []
+    return [" ", Reference("tension"), " has the friction of each trial."]
 
 
 def _tension(stored: StoredFit) -> Figure:

@@ -16,7 +16,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["Scales", "coupling", "scales_of"]
+__all__ = ["Scales", "coupling", "known_to", "scales_of"]
 
 AROUND = 2  # joints on either side whose sums of positions gravity is told by
 KNOWN_TO = 0.15  # of a known force: how far it may be wrong, as a model's masses are
@@ -29,11 +29,14 @@ class Scales(NamedTuple):
     ----------
     force : float
         What forces beside the law may be: the drive's, or the error of what is known of it.
+    known : float
+        What is known of the drive force; 0 where nothing is.
     speed, acceleration : float
         The largest of any joint.
     """
 
     force: float
+    known: float
     speed: float
     acceleration: float
 
@@ -59,12 +62,27 @@ def scales_of(
     speed = max((_rms([path.velocity]) for path in paths), default=0.0)
     rates = [np.gradient(path.velocity, path.interval_s) for path in paths]
     acceleration = max((_rms([rate]) for rate in rates), default=0.0)
-    return Scales(force, speed or 1.0, acceleration or 1.0)
+    return Scales(force, _rms(known) if known else 0.0, speed or 1.0, acceleration or 1.0)
 
 
 def _rms(values: Sequence[Array]) -> float:
     whole = np.concatenate(values) if values else np.zeros(1)
     return float(np.sqrt(np.mean(whole**2)))
+
+
+def known_to(known: WeakForce, scales: Scales) -> WeakForce:
+    """Return by how much a known force may be wrong, as a share of itself.
+
+    Parameters
+    ----------
+    known : WeakForce
+        Of a run.
+    scales : Scales
+        Of the recording, the error as it is stated.
+    """
+    share = scales.force / scales.known if scales.known else 0.0
+    momentum = None if known.momentum is None else share * known.momentum
+    return WeakForce(share * known.value, momentum=momentum)
 
 
 def coupling(

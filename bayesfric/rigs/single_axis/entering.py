@@ -100,14 +100,16 @@ def entering(
     on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
     logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
-    found = within_limit(logs, starts, resolution, clips=clips)
+    found = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
     dither = Dither()
     if found is not None:
         mass = rough_law_of(found[0], found[1].within(found[0])).mass
         calm, dither = steady(logs, mass, found[0].half_s, resolution)
         logs = list(calm)
         if dither.left_out:
-            found = within_limit(logs, starts, resolution, clips=clips)
+            found = within_limit(
+                logs, starts, resolution, clips=clips, declared=constants.force_limit_n
+            )
     too_few = too_few_windows(None if found is None else found[0])
     if found is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")

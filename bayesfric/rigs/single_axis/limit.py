@@ -22,6 +22,7 @@ __all__ = ["LIMITS", "Limit", "drive_limit", "within_limit"]
 LIMITS = 60
 """Limits that are tried, at as many quantiles of the command."""
 LOW, HIGH = 0.05, 0.998  # of these quantiles
+STATED = 0.02  # relative error of a limit that was declared
 MOST = 1.2  # of what is commanded beyond a limit may be lost
 TOLD = 0.5  # of what a line leaves that a kink explains at least; a lag explains a third
 ENOUGH = 10  # rows within the limit, which tell mass and friction roughly
@@ -39,10 +40,16 @@ class Limit(NamedTuple):
         Where it is [N]; beyond all commands where there is none.
     told : float
         Part of what a line without a kink leaves of the acceleration, squared, that it explains.
+    tried : int
+        Among how many limits it was looked for.
+    error : float
+        Relative standard error.
     """
 
     force: float
     told: float
+    tried: int = LIMITS
+    error: float = 0.1
 
     @property
     def there(self) -> bool:
@@ -64,16 +71,22 @@ def within_limit(
     resolution: float | None,
     *,
     clips: bool = True,
+    declared: float | None = None,
 ) -> tuple[Readings, Limit] | None:
     """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has.
 
     The limit comes with them: rows that were read within one hold part of what it explains, and
-    tell it less. A force that was measured, which no drive `clips`, has none.
+    tell it less. A force that was measured, which no drive `clips`, has none. One that is
+    `declared` is not looked for: it is there where something beyond it was commanded.
     """
     rows = readings_of(logs, starts, resolution)
     if rows is None:
         return None
-    limit = drive_limit(rows) if clips else Limit(float(np.abs(rows.drive).max()), 0.0)
+    most = float(np.abs(rows.drive).max())
+    if not clips or (declared is not None and declared >= most):
+        limit = Limit(most, 0.0)
+    else:
+        limit = drive_limit(rows) if declared is None else Limit(declared, 1.0, 1, STATED)
     if not limit.there:
         return rows, limit
     within = readings_of(logs, starts, resolution, limit=limit.force)

@@ -89,6 +89,8 @@ class AxisPart:
         self._deviating = deviating_columns(
             rows.mean(readings.position), moved, rows.friction_of_row
         )
+        weight = model.row_weights.get(rows.name, np.ones(readings.count))
+        self._root = np.sqrt(np.asarray(weight, dtype=np.float64))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
         # Parts of one run share its scatter, as runs of one assembly do.
         apart = min(rows.table[name].nunique() for name in ("run", "setup"))
@@ -108,7 +110,9 @@ class AxisPart:
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns
         x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
-        z = np.column_stack([self._deviating, x, self._response]) * kept[:, None]
+        # A row whose own error has a weight is one of weight 1, times the weight's root.
+        root = kept * self._root
+        z = np.column_stack([self._deviating, x, self._response]) * root[:, None]
         solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
         lent = solved.times(z)
         ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
@@ -123,6 +127,7 @@ class AxisPart:
         slope[place] = shared.rest[:k, k]
         constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept))
         constant += shared.constant - 0.5 * shared.rest[k, k]
+        constant += float(np.log(self._root[kept]).sum())
         information = Information(precision, slope, float(constant))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
@@ -164,7 +169,7 @@ class AxisPart:
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
-        z = np.column_stack([self._deviating, self.columns])
+        z = np.column_stack([self._deviating, self.columns]) * self._root[:, None]
         lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
         trial = self.rows.readings.trial
         levels = self._levels(noise)[0]
@@ -198,6 +203,8 @@ class AxisPart:
         row = readings.trial[first]
         error = self._pieces.averaged(mean, position, force, 0.0, length)
         moved = self._pieces.averaged(mean, 0.0, 0.0, wander, length)
+        root = mean @ self._root
+        error, moved = (part / np.outer(root, root) for part in (error, moved))
         share = mean @ friction
         levels = self._levels(noise)[0]
         deviating = (mean @ self._deviating)[:, 1:-1]
@@ -227,6 +234,7 @@ class AxisPart:
                 "travel_since_reversal": mean @ travel,
                 "time_s": mean @ readings.time_s,
             },
+            counts=root**2,
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:

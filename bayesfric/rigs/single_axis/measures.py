@@ -20,14 +20,13 @@ from bayesfric.rigs.single_axis.carried import Carried
 from bayesfric.rigs.single_axis.declared import mass_sd_kg
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
-from bayesfric.rigs.single_axis.limit import LIMITS, Limit
+from bayesfric.rigs.single_axis.limit import Limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 
 __all__ = ["LITTLE", "SPREAD", "Measures", "measures_of"]
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
-NEAR = 0.1  # relative error of a limit that was looked for
 SPREAD = 0.1  # of a load's length, by half a step between those that were tried
 PULLING = frozenset({"position", "angle"})  # needs of effects that pull towards a place
 LITTLE = 0.01  # of the drive force, that friction counts as at the least
@@ -138,8 +137,8 @@ class Measures:
             prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
             return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
         if shape is not None and "limit" in effect.needs:
-            prior = LogNormal(median=self.limit.force, sd_log=NEAR)
-            return replace(found, shape=replace(shape, prior=prior), searched=LIMITS)
+            prior = LogNormal(median=self.limit.force, sd_log=self.limit.error)
+            return replace(found, shape=replace(shape, prior=prior), searched=self.limit.tried)
         held = next((one for one in self.lengths if one in effect.needs), None)
         if shape is not None and held is not None:
             tried = self.lengths[held]

@@ -16,7 +16,7 @@ import pandas as pd
 from bayesfric.recording.joints import joints_of
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.single_axis.coupling import Scales, coupling, scales_of
+from bayesfric.rigs.single_axis.coupling import Scales, coupling, known_to, scales_of
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path, moves, path_of
 from bayesfric.rigs.single_axis.payloads import payload_forces, payload_shares
@@ -114,6 +114,8 @@ class Machine:
             nearest = [paths[name] for name in self.joints]
             own, rotary = self.joints.index(self.joint), self.constants.rotary
             log = replace(log, beside=tuple(coupling(nearest, own, log, self._scales, rotary)))
+        elif log.known_force is not None and self.constants.known_force_sd is not None:
+            log = replace(log, beside=(known_to(log.known_force, self._scales),))
         if log.forces:  # a simulator in the place of the law says the whole force
             return log
         shares = self._payloads.get(run, ())

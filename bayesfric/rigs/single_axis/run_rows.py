@@ -58,7 +58,7 @@ def rows_of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, log.time_s, values))
 
-    held, moved = _known_load(log)
+    known_held, known_moved = _known_load(log)
     return {
         "path": position,
         "centre": centres.astype(np.float64),
@@ -73,8 +73,8 @@ def rows_of_run(
         "since_rest": since[centres],
         "temperature": log.further.get("temperature", np.full(way.size, np.nan))[centres],
         "position": inside(position),
-        "known_held": inside(held),
-        "known_moved": inside(moved),
+        "known_held": inside(known_held),
+        "known_moved": inside(known_moved),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
         "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "instruments": sign[:, None] * instruments_of(log, test, centres),

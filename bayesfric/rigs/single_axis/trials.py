@@ -86,6 +86,11 @@ OFFERED = ALWAYS | {
     NO_COULOMB,
     NO_OFFSET,
 }  # what no column of the user's own stands for
+ONE_WAY = (
+    "The gear carries a load, and the joint moves it one way at each pose: friction by the load, "
+    "Coulomb friction and an error of the force's gain cannot be told apart. Lift and lower at one "
+    "pose, or take two loads (payload_kg in axis_runs.csv)"
+)
 PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
@@ -330,6 +335,8 @@ class AxisRuns(PlainTrials):
         See :mod:`.declared`, :mod:`.on_time` and :mod:`.dither`.
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
+        if self._carried is not None and "load-both-ways" not in self.offers:
+            lines.append(ONE_WAY)
         if self.late_s:
             acts = "later" if self.late_s > 0 else "earlier"
             lines.append(

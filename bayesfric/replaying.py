@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Flags, Whole
@@ -25,9 +27,10 @@ from bayesfric.robots.replaying import (
 )
 from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
 
-__all__ = ["held_out_parts", "replay", "with_replay"]
+__all__ = ["Replayed", "held_out_parts", "replay", "with_replay"]
 
 HELD_OUT = 1 / 3  # of each run, at its end, where no run has the role test
+SHOWN_S = 4.0  # of the traces that are kept
 WINDOW_S = 0.2  # of a replayed trajectory
 FEWEST = 8  # samples of it
 SMOOTHED_S, DEGREE = 0.04, 3  # on either side of a sample, and of the polynomial through them
@@ -39,7 +42,7 @@ RESAMPLED = 2000
 LEAST_GAIN = 0.05  # of the error as it is: what a proposal gains at the least, to be promoted
 FEWEST_BLOCKS = 5
 NO_MODEL = "a robot's model (rig.robot), to replay runs in"
-SPLIT = "the last third of each run, which the diagnosis has not seen"
+SPLIT = "the unseen last third of each run"
 BY_ROLE = "the runs of role test"
 
 
@@ -77,34 +80,51 @@ def held_out_parts(recording: Recording) -> tuple[Recording, Recording, str]:
     return early, _with(recording, axis.runs, axis.samples[late]), SPLIT
 
 
-def with_replay(found: Diagnosed, held_out: Recording, what: str, seed: int) -> Diagnosed:
+def with_replay(diagnosed: Diagnosed, held_out: Recording, what: str, seed: int) -> Diagnosed:
     """Return a diagnosis with what its numbers to enter do on runs that it has not seen.
 
     Parameters
     ----------
-    found : Diagnosed
+    diagnosed : Diagnosed
         Of joints.
     held_out, what, seed
         As of :func:`replay`.
     """
-    summary = found.summary
-    replays = replay(held_out, what, joints_to_enter(summary, found.curves), seed)
+    summary = diagnosed.summary
+    done = replay(held_out, what, joints_to_enter(summary, diagnosed.curves), seed)
 
     def block(own: DiagnosisFile) -> DiagnosisFile:
-        replayed_joint = replays.get(own.joint or "")
+        replayed_joint = done.joints.get(own.joint or "")
         if replayed_joint is None:
             return own
         return own.model_copy(update={"replay": replayed_joint, "replay_why": None})
 
     joints = tuple(block(own) for own in summary.joints)
     summary = block(summary).model_copy(update={"joints": joints})
-    return replace(found, summary=identified(summary))
+    curves = xr.DataTree(
+        children={**diagnosed.curves.children, "replay": xr.DataTree(dataset=done.traces)}
+    )
+    return replace(diagnosed, summary=identified(summary), curves=curves)
 
 
-def replay(
-    held_out: Recording, what: str, joints: Sequence[ExportedJoint], seed: int
-) -> dict[str, Replay]:
-    """Return what the proposed values do for each joint, by its name in the log.
+class Replayed(NamedTuple):
+    """What came of a replay.
+
+    Parameters
+    ----------
+    joints : dict of str to Replay
+        By name in the log.
+    traces : Dataset
+        A stretch of the drive forces, (joint, time): ``measured_n``, and what the model asks for
+        with the user's values, ``as_is_n``, and with the proposed ones, ``proposed_n``.
+    """
+
+    joints: dict[str, Replay]
+    traces: xr.Dataset
+
+
+def replay(held_out: Recording, what: str, joints: Sequence[ExportedJoint], seed: int) -> Replayed:
+    """Replay runs with the user's values and with those that are proposed.
 
     Parameters
     ----------
@@ -134,12 +154,12 @@ def replay(
     torque = _torque_errors(robot, before, after, pieces, late)
     path = _path_errors(robot, before, after, pieces, late)
     rng = np.random.default_rng(seed)
-    found = {}
+    judged = {}
     for place, name in enumerate(robot.joints):
         if name in given:
-            errors = [_error(one, place, rng) for one in (torque, path)]
-            found[given[name].name] = _judged(what, len(path.blocks), *errors)
-    return found
+            errors = [_error(of, place, rng) for of in (torque, path)]
+            judged[given[name].name] = _judged(what, len(path.blocks), *errors)
+    return Replayed(judged, _traces(robot, before, after, pieces[0].motion))
 
 
 @dataclass(frozen=True)
@@ -233,7 +253,7 @@ def _motion(logs: Sequence[pd.DataFrame], grid: Array, interval: float, half: in
         for order in (0, 1, 2)
     ]
     inside = slice(half, len(grid) - half)  # at the ends a polynomial is extrapolated
-    position, velocity, acceleration = (one[inside] for one in smooth)
+    position, velocity, acceleration = (values[inside] for values in smooth)
     return Motion(interval, position, velocity, acceleration, force[inside])
 
 
@@ -249,9 +269,29 @@ def _late(motion: Motion, delays: Sequence[float]) -> Motion:
     return replace(motion, force=np.stack(columns, axis=1))
 
 
+def _traces(
+    robot: Robot,
+    before: Sequence[SimulatedJoint],
+    after: Sequence[SimulatedJoint],
+    motion: Motion,
+) -> xr.Dataset:
+    count = min(len(motion.position), round(SHOWN_S / motion.interval_s))
+    parts = (motion.position, motion.velocity, motion.acceleration, motion.force)
+    shown = Motion(motion.interval_s, *(values[:count] for values in parts))
+    forces = {
+        "measured_n": shown.force,
+        "as_is_n": inverse_torques(robot, before, shown),
+        "proposed_n": inverse_torques(robot, after, shown),
+    }
+    return xr.Dataset(
+        {name: (("joint", "time_s"), values.T) for name, values in forces.items()},
+        {"joint": list(robot.joints), "time_s": motion.interval_s * np.arange(count)},
+    )
+
+
 def _thinned(motion: Motion, every: int) -> Motion:
     parts = (motion.position, motion.velocity, motion.acceleration, motion.force)
-    return Motion(motion.interval_s, *(one[::every] for one in parts))
+    return Motion(motion.interval_s, *(values[::every] for values in parts))
 
 
 def _torque_errors(
@@ -309,11 +349,12 @@ def _error(errors: _Errors, place: int, rng: np.random.Generator) -> ReplayedErr
     """Return both errors as shares, and their difference with its interval by blocks."""
     _, block = np.unique(errors.blocks, return_inverse=True)
     sums = [
-        np.bincount(block, one[:, place]) for one in (errors.before, errors.after, errors.whole)
+        np.bincount(block, values[:, place])
+        for values in (errors.before, errors.after, errors.whole)
     ]
     count = len(sums[0])
     drawn = rng.multinomial(count, np.full(count, 1 / count), RESAMPLED)
-    before, after, whole = (np.append(drawn, np.ones((1, count)), axis=0) @ one for one in sums)
+    before, after, whole = (np.append(drawn, np.ones((1, count)), axis=0) @ total for total in sums)
     whole = np.where(whole > 0, whole, 1.0)
     shares = np.sqrt(before / whole), np.sqrt(after / whole)
     difference = (shares[1] - shares[0])[:-1]

@@ -9,9 +9,9 @@ from typer.testing import CliRunner
 import bayesfric as bf
 from bayesfric.cli import app
 from bayesfric.export.joints import ExportedJoint
-from bayesfric.export.replaying import held_out_parts, replay, with_replay
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Robot
+from bayesfric.replaying import held_out_parts, replay, with_replay
 from bayesfric.results import read_json
 from bayesfric.robots import robot_of_bytes
 from bayesfric.robots.replaying import Motion, SimulatedJoint, inverse_torques, replayed
@@ -40,7 +40,7 @@ def proposing(hinge):
 def replayed_hinge(model, proposed):
     """Return the replay of 30 s of the true hinge beside a model, with proposed values."""
     log = recording(TRUTH, 5, own=model, seconds=30.0)
-    return replay(log, "all of it", [proposing(proposed)], 1)[""]
+    return replay(log, "all of it", [proposing(proposed)], 1).joints[""]
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +106,7 @@ def test_a_window_follows_the_closed_form():
 def test_the_last_third_is_held_out_where_no_run_is_a_test():
     log = recording(TRUTH, 5, own=WRONG)
     seen, late, what = held_out_parts(log)
-    assert what.startswith("the last third")
+    assert what.startswith("the unseen last third")
     assert seen.axis.samples["time_s"].max() == pytest.approx(8.0, abs=0.01)
     assert late.axis.samples["time_s"].min() > 8.0 - 0.01
     assert len(seen.axis.samples) + len(late.axis.samples) == len(log.axis.samples)
@@ -170,4 +170,11 @@ def test_a_robot_is_named_by_its_own_joint():
     """A recording of one joint without a name takes the model's."""
     log = recording(TRUTH, 5, own=WRONG, seconds=30.0)
     assert isinstance(log.rig.robot, Robot)
-    assert list(replay(log, "it", [proposing(TRUTH)], 1)) == [""]
+    done = replay(log, "it", [proposing(TRUTH)], 1)
+    assert list(done.joints) == [""]
+    assert list(done.traces["joint"].to_numpy()) == ["swing"]
+    off = {
+        name: float(np.abs(done.traces[name] - done.traces["measured_n"]).median())
+        for name in ("as_is_n", "proposed_n")
+    }
+    assert off["proposed_n"] < 0.1 * off["as_is_n"]

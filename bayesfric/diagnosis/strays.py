@@ -1,0 +1,165 @@
+"""Readings and rows far from all others: they count less, as in a Student-t distribution.
+
+A linear model is normal given the weight of each row. A row that lies far from what the likeliest
+hypothesis says by all others has the weight that a Student-t density has there; all others have 1.
+Hypotheses are compared with the same weights, which are looked at again where the likeliest has
+changed.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from bayesfric.arrays import Array, Flags
+from bayesfric.diagnosis.acting import At
+from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
+from bayesfric.diagnosis.verdict import HALF
+
+__all__ = ["far_rows", "few_strays", "without_strays"]
+
+FREEDOM = 4.0  # of the Student-t distribution
+FAR = 5.0  # robust standard deviations, from which on a row is a stray: one of a million is not
+FEW = 0.05  # of the rows, of which more are no strays but a force
+FEWEST_ROWS = 8
+TO_SD = 1.4826  # of the median of absolute values of normal numbers
+ROUNDS = 8
+SETTLED = 0.3  # of the logarithm of a weight
+MOST_LEVERAGE = 1 - 1e-6
+LITTLE = 0.5  # weight below which a row is told
+
+
+def few_strays(
+    off: Array, before: Array | None = None, surely: Array | None = None
+) -> Array | None:
+    """Return the weight of each row, or None where too many are far away.
+
+    Parameters
+    ----------
+    off : ndarray, shape (N,)
+        How far each is from what is expected, in standard deviations of any size.
+    before : ndarray, shape (N,), or None
+        Weights with which it was expected. Beside those that are strays by these, the farthest
+        alone is one: it may have pulled what was expected of others. None where one row pulls
+        nothing, and all strays are taken at once.
+    surely : ndarray, shape (N,), or None
+        The same as `off`, less where what is expected is uncertain: by this one is the farthest.
+
+    Returns
+    -------
+    ndarray, shape (N,), or None
+        1 but for strays.
+
+    References
+    ----------
+    K. L. Lange, R. J. A. Little, J. M. G. Taylor, "Robust statistical modeling using the t
+    distribution", JASA 84 (1989): the weights of a fit by expectation and maximisation.
+    """
+    weight = np.ones(off.size)
+    spread = TO_SD * float(np.median(np.abs(off))) if off.size else 0.0
+    if off.size < FEWEST_ROWS or spread == 0:
+        return weight
+    z = np.abs(off) / spread
+    stray = z > FAR
+    if before is not None and stray.any():
+        far = np.abs(off if surely is None else surely)
+        farthest = np.arange(off.size) == np.argmax(np.where(stray & (before == 1), far, -1.0))
+        stray &= farthest | (before < 1)
+    if stray.sum() > max(1.0, FEW * off.size):
+        return None
+    weight[stray] = (FREEDOM + 1) / (FREEDOM + z[stray] ** 2)
+    return weight
+
+
+def without_strays(
+    model: LinearModel,
+    search: Search,
+    anew: Callable[[Mapping[str, Array]], tuple[LinearModel, Search]],
+) -> tuple[LinearModel, Search]:
+    """Return a model in which strays count little, and the hypotheses in it.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which hypotheses were compared with equal weights.
+    search : Search
+        The hypotheses.
+    anew : callable
+        Of the weights of rows, by rig, to a model with them and its hypotheses.
+    """
+    equal = model, search
+    for _ in range(ROUNDS):
+        weights = _weights_by(model, search)
+        if weights is None:
+            return equal
+        if _alike(weights, model.full.row_weights):
+            break
+        model, search = anew(weights)
+    return model, search
+
+
+def far_rows(model: LinearModel) -> tuple[str, ...]:
+    """Return what counts little, a sentence a rig; none where nothing does."""
+    said = []
+    for rig in model.rigs:
+        weight = model.full.row_weights.get(rig.rows.name)
+        little = np.flatnonzero(weight < LITTLE) if weight is not None else np.array([])
+        if weight is None or not little.size:
+            continue
+        if weight.size == len(rig.rows.table):
+            names = ", ".join(str(rig.rows.table["trial"].iloc[row]) for row in little)
+            said.append(f"Counts little, since far from what all others say: {names}")
+        else:
+            said.append(
+                f"{little.size} of {weight.size} windows count little, since they are far from "
+                "what all others say"
+            )
+    return tuple(said)
+
+
+def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
+    """Return the weights of rows that are far from the likeliest hypothesis, by rig.
+
+    None where too many are.
+    """
+    best, own, force = search.best(), model, search.unknown
+    at, acting = best.at, best.acting
+    if force is not None and search.probabilities()[UNKNOWN] >= HALF:
+        own, at, acting = model.full, force.at, force.acting
+    # As rows are before any has another weight.
+    plain = own.full.around(own.full.laws, own.full.candidates, row_weights={})
+    windows = residuals_of(plain, at.psi)
+    mixing = own.mixing(acting)
+    off = windows.left(spread_numbers(own, at.mean, mixing)) / np.sqrt(windows.chance2)
+    found = {}
+    for place, rig in enumerate(plain.rigs):
+        mine = windows.rig == place
+        if not plain.data.rigs[place].rig.paper:
+            alone, before, surely = off[mine], None, None
+            if alone.size == len(rig.rows.table):
+                # A reading that no other confirms: what an effect follows it by is no agreement.
+                kept = 1 - _leverage(windows, mine, own, at, mixing)
+                surely, alone = alone / np.sqrt(kept), alone / kept
+                before = model.full.row_weights.get(rig.rows.name, np.ones(alone.size))
+            weight = few_strays(alone, before, surely)
+            if weight is None:
+                return None
+            if np.any(weight < 1):
+                found[rig.rows.name] = weight
+    return found
+
+
+def _leverage(windows: Residuals, rows: Flags, model: LinearModel, at: At, mixing: Array) -> Array:
+    """Return by how much of itself each reading moves what is expected of it, below 1."""
+    values, vectors = np.linalg.eigh(at.covariance)
+    roots = (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    local = spread_numbers(model, roots, mixing)[:, windows.size[rows]]
+    moved2 = (np.einsum("prq,rq->pr", local, windows.columns[rows]) ** 2).sum(axis=0)
+    return np.asarray(np.minimum(moved2 / windows.chance2[rows], MOST_LEVERAGE))
+
+
+def _alike(one: Mapping[str, Array], other: Mapping[str, Array]) -> bool:
+    if set(one) != set(other):
+        return False
+    return all(np.abs(np.log(one[name] / other[name])).max() < SETTLED for name in one)

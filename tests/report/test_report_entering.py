@@ -1,0 +1,70 @@
+"""What to enter and its replay, as the report shows it."""
+
+import numpy as np
+import xarray as xr
+from report.diagnosis_sample import PROVENANCE
+
+from bayesfric.plots.replay import replayed_forces
+from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.entering import numbers_to_enter, replays
+from bayesfric.report.content import Figure, Paragraph, inlines
+from bayesfric.report.stored import StoredDiagnosis
+from bayesfric.schemas import DiagnosisFile, Gap, Interval, Replay, ReplayedError
+
+LOWER = Interval(mean=-0.2, sd=0.01, q05=-0.22, q50=-0.2, q95=-0.18)
+ERROR = ReplayedError(as_is=0.214, proposed=0.009, difference=LOWER)
+REPLAY = Replay(
+    held_out="it",
+    windows=9,
+    torque=ERROR,
+    trajectory=ERROR,
+    promoted=True,
+    sentence="Promoted: so.",
+)
+
+
+def stored(replay=REPLAY, curves=None):
+    gap = Gap.model_construct(unit="N·m")
+    block = DiagnosisFile.model_construct(
+        **PROVENANCE, joint="elbow", joints=(), causes=(), enter=(), gap=gap, replay=replay
+    )
+    return StoredDiagnosis(block, curves or xr.DataTree(children={"replay": traces()}))
+
+
+def traces(joints=("shoulder", "elbow")):
+    time = np.linspace(0, 1, 50)
+    values = np.stack([np.sin(7 * time) * k for k in range(1, len(joints) + 1)])
+    arms = dict.fromkeys(("measured_n", "as_is_n", "proposed_n"), (("joint", "time_s"), values))
+    return xr.DataTree(dataset=xr.Dataset(arms, {"joint": list(joints), "time_s": time}))
+
+
+def test_a_replay_has_a_figure_and_a_sentence_for_who_does_not_see_it():
+    (figure,) = replays(stored())
+    assert isinstance(figure, Figure)
+    assert "Promoted: so." in figure.alt
+    assert figure.draw().startswith(b"<?xml")
+
+
+def test_without_a_replay_there_is_none():
+    assert not list(replays(stored(replay=None)))
+    assert not list(replays(stored(curves=xr.DataTree(children={"law": xr.DataTree()}))))
+
+
+def test_the_figure_has_a_panel_a_joint_and_four_at_the_most():
+    six = traces([f"j{k}" for k in range(6)]).to_dataset()
+    assert len(replayed_forces(six, "N·m").axes) == 4
+    figure = replayed_forces(traces().to_dataset(), "N·m")
+    assert [panel.get_ylabel() for panel in figure.axes] == ["shoulder [N·m]", "elbow [N·m]"]
+    assert len(figure.axes[0].lines) == 3
+    assert to_svg(figure) == to_svg(replayed_forces(traces().to_dataset(), "N·m"))
+
+
+def test_page_one_says_what_came_of_the_replay():
+    from export.test_entered import COULOMB
+
+    block = stored().found.model_copy(update={"enter": (COULOMB,)})
+    paragraph = list(numbers_to_enter(block))[-1]
+    assert isinstance(paragraph, Paragraph)
+    assert "Promoted: so." in "".join(
+        one for one in inlines(paragraph.text) if isinstance(one, str)
+    )
