@@ -167,6 +167,8 @@ def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
     friction = np.asarray(state.constant_friction_n) + total(of_kind(acting, "friction"), state)
     against = friction * (1 + deviation) + total(of_kind(acting, "drive"), state)
     force = law.mass * path.acceleration + np.sign(path.velocity) * against
+    # A command acts until the next: it is what the middle of its interval takes.
+    sent = 0.5 * (force + np.concatenate([force[:, 1:], force[:, -1:]], axis=1))
     step = constants.encoder_resolution or RESOLUTION_M
     read = path.position + truth.sigma_x / 15 * noise.standard_normal(path.position.shape)
     names = [f"r{run + 1:02d}" for run in range(RUNS)]
@@ -178,7 +180,7 @@ def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
             "run": np.repeat(names, path.time_s.size),
             "time_s": np.tile(path.time_s, RUNS).round(DECIMALS),
             "position_m": (step * np.round(read / step)).ravel().round(9),
-            "force_n": force.ravel().round(DECIMALS),
+            "force_n": sent.ravel().round(DECIMALS),
         }
     )
     return Simulated({"axis": Axis(runs, samples)}, RUNS)
