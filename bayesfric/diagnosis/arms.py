@@ -1,7 +1,7 @@
 """The law before and after the causes, refitted without the windows that are held out."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["Arms", "Fitted"]
+
+ALIKE = 0.05  # of the square of what a cause does, that clocks leave of it
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,7 @@ class Arms:
         if self.causes.laws:
             acting = Acting(self.causes.laws, self.causes.shapes)
             after = self._refitted(acting, residuals, out, used)
+            before = self._with_clocks_of(before, after, residuals)
         shipped = before
         if self.shipped is not None:
             local = numbers_of_laws(self.plain, self.shipped, before.local)
@@ -91,6 +94,39 @@ class Arms:
             spread = np.zeros_like(before.spread)
             shipped = Fitted(local, residuals.chance2, spread, None, nothing)
         return shipped, before, after
+
+    @property
+    def _clocks(self) -> list[int]:
+        """Places of the local numbers that are errors of clocks."""
+        start, places = self.plain.layout.local - sum(self.plain.layout.nuisances), []
+        for rig, own in zip(self.plain.rigs, self.plain.layout.nuisances, strict=True):
+            places += [start + place for place in rig.rows.clock_nuisances]
+            start += own
+        return places
+
+    def like_clocks(self, windows: Residuals) -> bool:
+        """Return whether clocks that differ do all that the causes do, in windows of `plain`."""
+        if not self._clocks or not self.causes.laws:
+            return False
+        root = np.sqrt(windows.weight)[:, None]
+        done = root * windows.without_law(self.of_causes(windows))
+        clocks = root * windows.without_law(windows.columns[:, self._clocks])
+        left = done - clocks @ np.linalg.lstsq(clocks, done, rcond=None)[0]
+        return bool(np.all((left**2).sum(axis=0) < ALIKE * (done**2).sum(axis=0)))
+
+    def _with_clocks_of(self, before: Fitted, after: Fitted, residuals: Residuals) -> Fitted:
+        """Return the law before, recalibrated with clocks as they are known beside the causes.
+
+        A late drive looks like clocks that differ: without the cause they would have its force,
+        which no simulator leaves out by being recalibrated.
+        """
+        places = self._clocks
+        if not places:
+            return before
+        assert before.refit is not None
+        local = before.local.copy()
+        local[:, places] = after.local[:, places]
+        return replace(before, local=recalibrated(before.refit, residuals, local))
 
     def _refitted(
         self,

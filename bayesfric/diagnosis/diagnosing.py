@@ -284,7 +284,7 @@ def _diagnose(
         BlockDensities | None,
         lambda: block_densities(model, found, named, block_rng),
     )
-    gap = gap.model_copy(update=density_of(densities, named))
+    gap = gap.model_copy(update=density_of(densities, named, like_clocks=arms.like_clocks(plain)))
     gap_share, asked = float(np.median(posterior.gap)) / friction, found
     remainder = remainder_of(model, asked, best, gap_share, left) if named else None
     others = data.rigs[0].other_joints

@@ -167,6 +167,10 @@ class LinearRows(Protocol):
     def scattering_axes(self) -> tuple[str, ...]:
         """Those along which friction's scatter may go as a small smooth force does."""
 
+    @property
+    def clock_nuisances(self) -> tuple[int, ...]:
+        """Places of nuisances that are errors of clocks: no law takes up a force by them."""
+
     def covariates(self) -> Mapping[str, Array]:
         """Return covariates by name, arrays that broadcast to (N,) or (N, P)."""
 

@@ -101,6 +101,11 @@ class PointRows:
         return ()
 
     @property
+    def clock_nuisances(self) -> tuple[int, ...]:
+        """None."""
+        return ()
+
+    @property
     def acceleration(self) -> Array:
         """None, shape (N,)."""
         return np.zeros(len(self.table))

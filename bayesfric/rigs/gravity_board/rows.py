@@ -79,6 +79,7 @@ class GravityRows(ReferenceMotion):
     name = "gravity"
     loads = ("mass_drive_kg", "mass_load_kg")
     scattering_axes: tuple[str, ...] = ()
+    clock_nuisances: tuple[int, ...] = ()
     trial_axes = ("displacement", "order", "acceleration", "drive_end", "trial_in_setup")
 
     def __init__(

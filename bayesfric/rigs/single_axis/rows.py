@@ -104,6 +104,11 @@ class AxisRows:
         return self.trial_axes
 
     @property
+    def clock_nuisances(self) -> tuple[int, ...]:
+        """The difference of the clocks, the first."""
+        return (0,)
+
+    @property
     def friction_n(self) -> Array:
         """By the reference law, the mean over each trial's rows, (N,) [N]."""
         rows = self.readings
