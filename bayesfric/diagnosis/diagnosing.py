@@ -414,7 +414,7 @@ def _diagnose(
             first_found,
             [*examined, *lacking],
             lacking,
-            no_effects(data, [one.name for one in effects]),
+            no_effects(data, [effect.name for effect in effects]),
         ),
         next_experiment=proposals,
         next_experiment_why=no_proposal,

@@ -45,7 +45,7 @@ def examinable(
 
 def no_effects(data: Data, own: Collection[str]) -> dict[str, str]:
     """Return what is no effect of its own on these rigs, by name, with the reason."""
-    joints = any(one.other_joints is not None for one in data.rigs)
+    joints = any(rig.other_joints is not None for rig in data.rigs)
     return {name: why for name, why in IN_THE_MODEL.items() if joints and name not in own}
 
 

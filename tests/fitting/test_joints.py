@@ -1,5 +1,7 @@
 """A fit of several joints has the numbers of each by the names that a diagnosis has."""
 
+from types import SimpleNamespace
+
 import pytest
 
 pytest.importorskip("mujoco")
@@ -7,8 +9,19 @@ from rigs import arm
 
 from bayesfric.analysis import Analysis
 from bayesfric.fitting import fit
+from bayesfric.fitting.joints import _called
+from bayesfric.recording.joints import parted_by_joint
 
 TRUTH = dict(zip(arm.JOINTS, zip(arm.FRICTIONLOSS, arm.DAMPING, strict=True), strict=True))
+
+
+@pytest.mark.parametrize(("given", "mass"), [(arm.robot(), "armature"), (None, "inertia")])
+def test_numbers_are_called_as_a_diagnosis_calls_them(given, mass):
+    recording = parted_by_joint(arm.recording(model_of=given))["elbow"]
+    of_joint = SimpleNamespace(
+        parameters={"mass": 1, "coulomb": 2}, noise={"offset": 3, "latency": 4}
+    )
+    assert _called(of_joint, recording) == {mass: 1, "coulomb": 2, "offset": 3}
 
 
 @pytest.mark.nightly
