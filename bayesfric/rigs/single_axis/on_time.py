@@ -91,7 +91,8 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     late_s = float(nearest.x)
     if -margin_s <= late_s <= LATEST_S:
         return OnTime(tuple(logs))
-    near = np.linspace(-margin_s, LATEST_S, STEPS)
+    reach_s = squares.reach_s  # beyond it a window of the force leaves its run
+    near = np.linspace(max(-margin_s, -reach_s), min(LATEST_S, reach_s), STEPS)
     lags = np.geomspace(0.1 * LATEST_S, squares.reach_s, LAGS)
     otherwise = min(*map(squares.delayed, near), *map(squares.lagging, lags))
     if not float(nearest.fun) < CLEARLY * otherwise:
