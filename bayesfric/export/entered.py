@@ -111,4 +111,4 @@ def _field(number: Enter, simulator: str) -> str:
 
 def _force_unit(enter: Sequence[Enter]) -> str:
     """Return N·m where any number is of something that turns."""
-    return "N·m" if any("rad" in one.unit or "N·m" in one.unit for one in enter) else "N"
+    return "N·m" if any("rad" in number.unit or "N·m" in number.unit for number in enter) else "N"

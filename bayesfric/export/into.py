@@ -109,8 +109,8 @@ def _places(
         if model.turns(place) != joint.turns:
             ways = {True: "turns, in N·m and rad", False: "slides, in N and m"}
             expected = f"a joint that {ways[joint.turns]}, as the recording's does"
-            found = f"one that {ways[model.turns(place)]}"
-            raise InputError([Fault(model.name, expected, column=place, value=found)])
+            instead = f"one that {ways[model.turns(place)]}"
+            raise InputError([Fault(model.name, expected, column=place, value=instead)])
         places[joint.name] = place
     if len(set(places.values())) < len(places):
         expected = "each joint of the model once: give --joint LOG=MODEL"

@@ -12,7 +12,7 @@ from bayesfric.results import json_bytes
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-LONG = ("climb", "weigh", "unknown_force", "measure_gap", "where_it_lies")
+LONG = ("climb", "weigh", "unknown_force", "measure_gap", "block_densities", "where_it_lies")
 """What takes long, and what comes after it."""
 
 

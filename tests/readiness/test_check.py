@@ -56,8 +56,10 @@ def test_what_is_told_what_is_not_and_what_to_record(told):
     assert "viscous" not in cannot  # the law has it
     assert told.advice["a temperature column, from cold to warm"] == ["thermal"]
     text = "\n".join(told.lines())
+    assert "What to record next" in text
     assert "rests of different lengths" in text
-    assert "its error is then" in text
+    # What a further run would take depends on the links that the model knows.
+    assert "its error is then" not in text
 
 
 def test_needs_that_nothing_meets_get_no_advice():

@@ -65,7 +65,7 @@ def test_a_cause_has_its_numbers():
     text = paragraphs(stored)
     for part in (
         "have probability 0.987",
-        "against the same without it: > 6",
+        "against the same without it: >\u00a06",
         "7.9\u202f% of that of friction (rms). Plausible.",
         "Harris and Kotzalas (2006)",
     ):
@@ -198,8 +198,8 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
         stored
     )
     assert rows(stored, "effects") == {
-        "viscous": ["> 6"],
-        "air-drag": ["> 6"],
+        "viscous": [">\u00a06"],
+        "air-drag": [">\u00a06"],
         "torque-constant": ["—"],
     }
     note = words(tables(stored)["effects"].note)
