@@ -83,6 +83,8 @@ class Residuals:
         Of each window within its run; nan where nobody recorded it, None where nowhere.
     counts : ndarray, shape (R,), or None
         How much each counts, 1 but for strays; None where there is none.
+    shared : tuple of int
+        Columns of the law's numbers that all sizes share, such as an offset.
     """
 
     residual_n: Array
@@ -104,6 +106,7 @@ class Residuals:
     turns: bool = False
     time_s: Array | None = None
     counts: Array | None = None
+    shared: tuple[int, ...] = ()
 
     def unit(self, axis: str) -> str:
         """Of a covariate; nothing of a rig's own, whose name has it."""
@@ -178,7 +181,8 @@ class Residuals:
         """Return what a recalibrated law takes of forces, (R, S), in its numbers, (S, sizes, 3)."""
         left, singular, right = self._law
         numbers = (right.T / singular) @ (left.T @ (np.sqrt(self.weight)[:, None] * values))
-        return np.asarray(numbers.T.reshape(values.shape[1], -1, COEFFICIENTS))
+        own = numbers[: len(numbers) - len(self.shared)]
+        return np.asarray(own.T.reshape(values.shape[1], -1, COEFFICIENTS))
 
     @cached_property
     def _law(self) -> tuple[Array, Array, Array]:
@@ -186,7 +190,8 @@ class Residuals:
         root = np.sqrt(self.weight)
         design = np.zeros((root.size, int(self.size.max()) + 1, COEFFICIENTS))
         design[np.arange(root.size), self.size] = self.columns[:, :COEFFICIENTS]
-        weighted = root[:, None] * design.reshape(root.size, -1)
+        shared = self.columns[:, list(self.shared)]
+        weighted = root[:, None] * np.column_stack([design.reshape(root.size, -1), shared])
         left, singular, right = np.linalg.svd(weighted, full_matrices=False)
         seen = singular > 1e-9 * singular[0]
         return left[:, seen], singular[seen], right[seen]
@@ -243,7 +248,18 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         model.data.unit == rotary_unit("N"),
         joined("time_s"),
         joined("counts"),
+        shared_columns(model),
     )
+
+
+def shared_columns(model: LinearModel) -> tuple[int, ...]:
+    """Return the local columns of the law's numbers that all sizes share, such as an offset."""
+    start = model.layout.local - sum(model.layout.nuisances)
+    columns: list[int] = []
+    for rig, count in zip(model.data.rigs, model.layout.nuisances, strict=True):
+        columns += [start + place for place, _ in rig.shared_numbers.values()]
+        start += count
+    return tuple(columns)
 
 
 def _of_rig(
