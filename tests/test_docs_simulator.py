@@ -21,6 +21,7 @@ def joint(tmp_path_factory):
     return bf.read_recording(write(tmp_path_factory.mktemp("page") / "joint", made, *tables))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("file", "name", "friction"), [("arm", "Arm", "coulomb"), ("slide", "Slide", "friction")]
 )

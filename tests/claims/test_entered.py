@@ -39,6 +39,7 @@ def test_a_rig_that_was_not_asked_for_is_said_to_be_left_out(both):
     assert checked.summary.rigs == ("gravity",)
 
 
+@pytest.mark.nightly
 def test_a_rival_that_a_rig_cannot_show_makes_the_claim_not_testable_with_the_reason(
     both, monkeypatch
 ):

@@ -14,6 +14,7 @@ from bayesfric.simulate import simulate_recording
 FEW = Protocol({(9, 85.0): 1, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 16.0, 28.0), (6.0, 28.0), 2)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("effect", "fallen"),
     [

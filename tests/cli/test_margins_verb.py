@@ -131,6 +131,7 @@ def test_a_named_cause_beside_the_draws_is_never_passed_over_in_silence(folder, 
     assert CliRunner().invoke(app, [*command, "--law", "other"]).exit_code == 2
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("metres", "status"), [(1e-6, 1), (1.0, 0)], ids=["missed", "met"])
 def test_fail_on_spec(folder, tmp_path, metres, status):
     loop = with_bound(folder, "judged.toml", metres)
@@ -143,6 +144,7 @@ def test_fail_on_spec(folder, tmp_path, metres, status):
     assert CliRunner().invoke(app, list(map(str, arguments))).exit_code == 0
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("metres", "status"), [(1e-6, 1), (1.0, 0)], ids=["missed", "met"])
 def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
     """The verbs before the margins stand still: they have tests of their own."""

@@ -57,6 +57,7 @@ def run(arguments):
     assert done.exit_code == 0, done.stderr
 
 
+@pytest.mark.nightly
 def test_what_was_finished_is_kept_and_leads_to_the_same_bytes(board, monkeypatch):
     """An interrupt, which exits with 3, then SIGKILL, then the rest."""
     checkpoint = board / "stopped" / ".checkpoint"

@@ -145,6 +145,7 @@ def test_report_needs_the_folder_alone(board, ran, tmp_path):
     assert (tmp_path / "report.pdf").read_bytes() == (board / "first" / "report.pdf").read_bytes()
 
 
+@pytest.mark.nightly
 def test_fit_leaves_other_files_alone(board, ran):
     (board / "kept").mkdir()
     (board / "kept" / "mine.txt").write_text("mine")
@@ -257,6 +258,7 @@ def test_validate_tells_by_how_much_the_clocks_of_two_sensors_differ(small_recor
         assert "no cable explains more than 4.9 ms" in done.stderr
 
 
+@pytest.mark.nightly
 def test_simulate_is_reproducible_and_dated_only_when_told(board):
     """In two processes."""
     arguments = ["simulate", "--protocol", "quick", "--seed", "3"]

@@ -54,6 +54,7 @@ def named():
     return diagnose(recording, target=ASKED), truth["parameters"]["slope"]
 
 
+@pytest.mark.nightly
 def test_a_setting_that_is_not_followed_is_told(nothing, empty):
     """Student-t scatter changes no number of a diagnosis, which says so."""
     found = diagnose(nothing, Analysis(scatter=Scatter(assembly="student-t"))).summary
@@ -215,6 +216,7 @@ def test_bands_of_an_empty_board_hold_zero(empty):
     assert {"drive_end", "trial_in_setup", "setup"} <= {axis.axis for axis in empty.where}
 
 
+@pytest.mark.nightly
 def test_what_was_shipped_wrong_is_tuning_and_no_gap():
     """Every coefficient a fifth above Table I: recalibration takes it all."""
     laws = {
@@ -229,6 +231,7 @@ def test_what_was_shipped_wrong_is_tuning_and_no_gap():
     assert found.gap.before.q50 < 0.2 * found.gap.as_shipped.q50
 
 
+@pytest.mark.nightly
 def test_one_rig_and_one_angle_leave_their_effects_and_axes_out():
     design = Protocol({(5, 85.0): 1, (9, 85.0): 2, (15, 85.0): 2}, (6.0, 30.0), (), 2)
     recording = simulate_recording(design, seed=6, rigs=("gravity",))
@@ -244,6 +247,7 @@ def test_one_rig_and_one_angle_leave_their_effects_and_axes_out():
     assert not axes["n_pulleys"].blind
 
 
+@pytest.mark.nightly
 def test_a_coefficient_can_be_held(nothing):
     """c3 held at Table I: its axis cannot be refitted, and is not."""
     found = diagnose(nothing, fixed=["c3"]).summary
@@ -257,6 +261,7 @@ def test_an_unknown_coefficient_is_refused(nothing, name):
         diagnose(nothing, fixed=[name])
 
 
+@pytest.mark.nightly
 def test_a_wider_prior_is_the_users(nothing, empty):
     """A width a hundred times as large costs an effect that is not there two decades."""
     rules = Analysis().diagnosis.model_copy(update={"widths": {"wear-drift": 100.0}})

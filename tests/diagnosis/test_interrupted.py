@@ -95,6 +95,7 @@ def other_law(recording):
     return {"recording": recording, "fixed": ["c3"]}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("change", [other_settings, other_data, other_gravity, other_law])
 def test_pieces_of_other_inputs_are_dropped(recording, counted, tmp_path, change):
     start(recording, tmp_path / "c", counted, ("climb", 2))

@@ -55,6 +55,7 @@ WAVE = {"in_time": lambda now: SHARE * np.sqrt(2) * np.sin(2 * np.pi * now / 3.1
 COLD = {"in_time": lambda now: 0.14 * np.exp(-now / 1.0)}  # 3 % rms in eight seconds
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("outsider", [WAVE, COLD], ids=["wave-in-time", "cold-grease"])
 def test_an_axis_with_an_outsider_is_unknown_or_undecided(tmp_path, outsider):
     machine = Machine(**outsider)

@@ -106,6 +106,7 @@ def test_readings_with_weights_have_the_density_of_a_normal_with_their_variance(
     assert value == pytest.approx(expected, abs=1e-6)
 
 
+@pytest.mark.nightly
 def test_rows_of_an_axis_with_weights_have_so_much_less_error(tmp_path):
     """All rows with a weight of a quarter are rows whose own errors are twice as large."""
     model, psi = model_of_axis(tmp_path, lambda effect: [])

@@ -83,6 +83,7 @@ def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_anoth
     assert both.at.value == pytest.approx(at_own_form.value, rel=1e-12)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("law", [np.sqrt, np.square], ids=["settles", "speeds-up"])
 def test_a_drift_of_another_form_is_no_unknown_force_along_order(law):
     """Friction that runs in by a root of the trials, or wears ever faster, by a third in all."""

@@ -102,6 +102,7 @@ def acted(name, law):
     return recording, applied.values[all_effects()[name].amplitude.name]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("rig", "name", "law"), PAIRS)
 def test_an_effect_moves_the_likelihood_or_the_rig_says_why_not(plain, without, rig, name, law):
     """Of every rig and every law: the log likelihood climbs towards an effect that acts."""
@@ -216,6 +217,7 @@ def test_viscous_trial_against_a_dense_normal():
     assert found == pytest.approx(dense + log_jacobian + log_flat, abs=0.1)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "law"), FOUND)
 def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
     """Within four posterior standard deviations, on both boards together."""

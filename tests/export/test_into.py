@@ -9,6 +9,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 from export.hinge import Hinge, drawn_hinge, recording
+from scipy.stats import spearmanr
 from typer.testing import CliRunner
 
 import bayesfric as bf
@@ -99,9 +100,11 @@ def test_draws_keep_their_correlation(hinge):
     assert len(rows) == 200
     drawn = {name: np.array([float(row[name]) for row in rows]) for name in NUMBERS}
     (read,) = joints_of(hinge.summary, bf.results.read_tree(hinge.folder / "out/diagnosis.nc"))
-    own = np.corrcoef(read.draws["coulomb"], read.draws["viscous"])[0, 1]
+    # By ranks: the few draws of rare hypotheses lie far off, and 200 rows may miss them.
+    own = spearmanr(read.draws["coulomb"], read.draws["viscous"]).statistic
     assert own < -0.5
-    assert np.corrcoef(drawn["coulomb"], drawn["viscous"])[0, 1] == pytest.approx(own, abs=0.1)
+    of_rows = spearmanr(drawn["coulomb"], drawn["viscous"]).statistic
+    assert of_rows == pytest.approx(own, abs=0.1)
     assert {row["joint"] for row in rows} == {"hinge"}
     assert np.mean(drawn["armature"]) == pytest.approx(hinge.truth.armature, abs=0.01)
 

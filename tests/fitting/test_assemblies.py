@@ -108,6 +108,7 @@ def test_scores_stand_beside_those_of_their_rank():
     assert low == pytest.approx(-high)
 
 
+@pytest.mark.nightly
 def test_the_fit_names_it():
     recording, setup = one_far(3, by=0.2)
     sampler = Sampler(burn=10, steps=80, thin=2, extensions=0)

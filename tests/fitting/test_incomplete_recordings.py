@@ -184,6 +184,7 @@ def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, fit_of,
     assert (tmp_path / "out" / "fit.json").is_file()
 
 
+@pytest.mark.nightly
 def test_columns_that_are_left_out_say_what_is_lost(fit_of):
     """Without setups each (size, n, angle) is one assembly; the order is not used."""
     _, unordered = fit_of("no order column")

@@ -9,6 +9,7 @@ ONE_CELL = Protocol({(9, 85.0): 1}, (6.0, 28.0), (6.0,), 2)
 SHORT = Sampler(burn=30, steps=80, thin=2, extensions=0)
 
 
+@pytest.mark.nightly
 def test_the_gravity_board_does_not_see_the_motor():
     """Its fit is the same to the last bit, whatever the torque constant is."""
     recordings = [

@@ -69,6 +69,7 @@ def test_trials_that_disagree_lower_the_friction_of_their_size(found, spoilt, od
     assert all(abs(shift) < share.min() / 4 for shift in moved.values())
 
 
+@pytest.mark.nightly
 def test_a_gross_fault_is_noise_that_no_prior_expected(medium):
     """Event errors of centimetres, hundreds of prior scales, can still be computed."""
     trial = medium.gravity.trials["trial"][2]

@@ -69,6 +69,7 @@ def swings(time):
     return 2 * np.sin(2 * np.pi * 0.7 * time) + np.sin(2 * np.pi * 2.3 * time + 1)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("late", [0.0073, 0.0, -0.004])
 def test_a_delay_is_found_with_an_error_that_holds(late):
     """Sixty noises: the standard error is that of the estimates, and they lie around the truth."""

@@ -229,6 +229,7 @@ def test_the_joint_rests_within_the_steady_error_of_its_own_encoder():
     assert rests.max() > 0.6 * band
 
 
+@pytest.mark.nightly
 def test_play_that_no_one_asked_for_is_not_examined():
     speeds = {**SOFT, "kick.reference_range_rad_s": [0.5, 0.5]}
     assert "backlash" in find_hunting(shaft(speeds), 1, 0.05).not_examined

@@ -223,6 +223,7 @@ def test_conditions_one_after_another_find_what_they_find_together():
     assert np.isinf(second.gamma).tolist() == [True, False, True]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("expected", [1, 2, 30])
 def test_where_hunting_is_expected_changes_what_is_tried_and_not_what_is_found(expected):
     loop = arm_loop(np.array([0.1, 0.42, 0.9]), np.full(3, 130))

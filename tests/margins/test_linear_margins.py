@@ -55,6 +55,7 @@ def loops():
     return random_loops(1)
 
 
+@pytest.mark.nightly
 def test_margins_of_random_loops_are_those_of_python_control(loops):
     num, den = loops
     omega = np.tile(np.geomspace(1e-4, 1e5, 3000), (LOOPS, 1))

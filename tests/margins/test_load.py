@@ -71,6 +71,7 @@ def rows_of(draws, changes):
     return {one.name: one for one in found.metrics}, found
 
 
+@pytest.mark.nightly
 def test_a_pair_that_goes_slack_has_no_metric_that_takes_it_as_taut(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=400)
     load = {"family": "normal", "mean": 2.0, "sd": 0.5}  # slack above 2·20 N, 4 N·m·…

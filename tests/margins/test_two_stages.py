@@ -247,6 +247,7 @@ def test_a_load_that_is_fed_forward_hangs_in_both_cables_and_nothing_moves(where
     assert moved.rms_error == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.nightly
 def test_gamma_that_hunts_is_that_of_three_inertias():
     one = shaft({**SOFT, "controller.kp_n_m_per_rad": 0.003, "controller.kd_n_m_s_per_rad": 1e-4})
     kick = float(one.kick[0])
@@ -284,6 +285,7 @@ def test_what_is_not_for_two_cables_says_so():
     assert "2e-07 kg" in told
 
 
+@pytest.mark.nightly
 def test_verification_and_search_agree_on_two_cables():
     file = loop({**SOFT, "kick.reference_range_rad_s": [2.0, 2.0], "joint.load_n_m": 0.1})
     given = draw_assembly(file, posterior(4, sd=0.05, omega=0.05), RigDiscrepancy(0.05, ""), seed=2)

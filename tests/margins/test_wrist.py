@@ -233,6 +233,7 @@ def test_a_matrix_of_one_motor_s_own_size_only():
         loop(wrist(1, TWO, PLAIN) | {"coupling.axis": 3})
 
 
+@pytest.mark.nightly
 def test_what_was_not_examined_is_said(tmp_path):
     reference = {"kick__reference_range_rad_s": [2.0, 2.0]}
     file = loop(wrist(1, TWO, PLAIN, compensation__boundary_rad_s=2.0, **reference))

@@ -157,6 +157,7 @@ def test_a_machine_whose_friction_nobody_knows_takes_its_size_from_its_forces(tm
     assert plans[0].left_out["tension-curvature/quadratic"].endswith("to its prior")
 
 
+@pytest.mark.nightly
 def test_an_axis_that_runs_twice_as_often_knows_its_mass_better_by_the_root_of_two(tmp_path):
     def again(table):
         more = {"run": "again-" + table["run"]}

@@ -68,6 +68,7 @@ def test_needs_that_nothing_meets_get_no_advice():
     assert advice_for(["test", "dwell"]) == (ADVICE["test"], ADVICE["dwell"])
 
 
+@pytest.mark.nightly
 def test_gravity_and_a_spring_on_a_short_stroke_are_one(tmp_path):
     """A sine over a twentieth of a turn is a line."""
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, gravity=(4.0, 0.1), spring=0.0)

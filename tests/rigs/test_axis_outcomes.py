@@ -14,6 +14,7 @@ def diagnosed(folder, *, runs=6, alter=lambda table: table, **machine):
     return bf.diagnose(bf.read_recording(written)).summary
 
 
+@pytest.mark.nightly
 def test_friction_that_falls_more_slowly_with_speed_is_stribeck_friction(tmp_path):
     """Scatter of 20 % in all runs alike, in the place of the law, would take the curve."""
     found = diagnosed(tmp_path, stribeck=(0.6, 0.04), slowly=True)
@@ -22,6 +23,7 @@ def test_friction_that_falls_more_slowly_with_speed_is_stribeck_friction(tmp_pat
     assert abs(found.law["inertia"].after.mean / 2.0 - 1) < 0.02
 
 
+@pytest.mark.nightly
 def test_a_worn_spot_is_a_gap_along_the_path_and_no_scatter(tmp_path):
     """Half as much friction again over a tenth of the path: rms 0.11 once recalibrated."""
     found = diagnosed(tmp_path, worn=(0.5, 0.02, 0.015))
@@ -30,6 +32,7 @@ def test_a_worn_spot_is_a_gap_along_the_path_and_no_scatter(tmp_path):
     assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.16
 
 
+@pytest.mark.nightly
 def test_friction_that_follows_a_column_of_the_users_own_is_found_along_it(tmp_path):
     """It changes by 30 % from first to last: rms 0.09 about its mean."""
 

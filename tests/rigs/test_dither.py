@@ -24,6 +24,7 @@ def test_friction_of_a_joint_that_dithers_is_told_where_it_does_not(count):
     )
 
 
+@pytest.mark.nightly
 def test_a_joint_that_is_fast_or_that_a_sensor_shakes_does_not_dither():
     fast = LoopedJoint(count=1e-3, damping=6.0, stiffness=60.0)
     noisy = LoopedJoint(noise=0.3, closed=False)

@@ -27,6 +27,7 @@ def test_a_limit_is_found_beside_what_grows_with_speed_and_place(joint):
     assert runs._rough.coulomb == pytest.approx(joint.coulomb, rel=0.03)
 
 
+@pytest.mark.nightly
 def test_a_drive_that_does_not_clip_has_no_limit():
     for joint in (LoopedJoint(), LoopedJoint(viscous=0.2, gravity=0.0)):
         assert "limit" not in AXIS.trials(joint.recording()).offers
@@ -39,6 +40,7 @@ def test_a_joint_that_turns_over_is_told_its_inertia():
     assert runs._rough.coulomb == pytest.approx(0.18, rel=0.02)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("force_is", "declared", "there"),
     [("commanded", 1.0, True), ("commanded", 50.0, False), ("motor", 1.0, False)],

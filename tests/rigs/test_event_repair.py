@@ -235,6 +235,7 @@ def board_with(extra_friction, seed, sigma_x):
     return counted(pd.concat(tables))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("sigma_x", [30e-6, 100e-6])
 @pytest.mark.parametrize(
     "extra",

@@ -122,6 +122,7 @@ def test_a_measurement_made_again_is_the_conditional_normal(rank, shared):
         assert stats.kstest(again[:, one], expected.cdf).pvalue > 1e-3
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("rank", [1, 2])
 def test_a_student_measurement_made_again_against_quadrature(rank):
     again = many_of(student(rank, 4.0), 5_000).draw_again(np.random.default_rng(3))[:, 2]

@@ -96,6 +96,7 @@ def accelerations():
     return savgol_filter(place, 21, 3, deriv=2, delta=1 / arm.RATE_HZ, axis=0)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("given", [{"model_of": arm.robot()}, {"known": True}, {}])
 @pytest.mark.parametrize("joint", ["shoulder", "elbow"])
 def test_a_gear_carries_what_is_known_beside_what_the_rows_tell(given, joint):

@@ -128,6 +128,7 @@ def test_a_path_at_another_speed_takes_the_force_of_its_closed_form(tmp_path):
         assert one["duration_s"] == pytest.approx(SECONDS / max(faster, 1.0), rel=0.01)
 
 
+@pytest.mark.nightly
 def test_runs_stay_within_limits_or_else_within_what_was_recorded(tmp_path):
     runs = slow_runs(3)
     trials, free = laid(recorded(tmp_path / "free", runs))

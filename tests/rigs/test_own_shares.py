@@ -15,6 +15,7 @@ MASS_BEHIND = SprungJoint(
 )
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("joint", [FRICTION_BEHIND, MASS_BEHIND], ids=["friction", "mass"])
 def test_shares_of_mass_and_friction_are_each_the_loads_own(joint):
     measures = AXIS.trials(joint.recording()).measures

@@ -21,6 +21,7 @@ def recorded(folder, name, **given):
     return bf.read_recording(write(folder / "axis", machine, *simulate(machine, **given)))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", MACHINES)
 def test_each_leaves_less_than_the_other(tmp_path, name):
     """Beside mass and friction one column of the effect that acts explains most of what is left."""

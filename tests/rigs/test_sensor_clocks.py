@@ -145,6 +145,7 @@ def test_an_allowed_offset_leaves_out_no_trial_and_is_said(board):
     assert "(load late)" in text
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("late_s", "sd_s"), [(3e-3, None), (0.05, 0.05), (-0.2, 0.1)])
 def test_friction_is_what_it_is_on_one_clock(board, late_s, sd_s):
     """Without the nuisance, 50 ms make c1 six per cent too high."""

@@ -90,6 +90,7 @@ def test_calls_are_counted_before_they_are_made_and_none_is_made_twice(tmp_path,
     assert beside.simulated.calls == calls.made == 19
 
 
+@pytest.mark.nightly
 def test_a_simulator_without_viscous_friction_lacks_it(tmp_path, viscous):
     found = bf.diagnose(recorded(tmp_path, viscous), simulator=Mass()).summary
     assert explained(found).simulator is not None
@@ -123,6 +124,7 @@ class Many(Mass):
     parameters = tuple((f"p{place}", "N", bf.HalfNormal(1.0)) for place in range(4))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("simulator", "told"),
     [
@@ -180,6 +182,7 @@ def inverse(mass, coulomb):
     return force
 
 
+@pytest.mark.nightly
 def test_a_recorded_force_is_a_baseline_of_which_nothing_is_fitted(tmp_path, viscous):
     """The simulator's mass and friction are right: what it lacks is viscous friction alone."""
     change = with_column("sim_force_n", inverse(2.0, 1.5))

@@ -198,6 +198,7 @@ def test_friction_after_a_reversal_may_be_missing_twice(tmp_path):
     assert effect.amplitude.prior.scale == 1.0
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("machine", [{"compliance": (3000.0, 0.05, 0.3)}, {"lag_s": 0.01}])
 def test_a_drive_that_does_not_clip_has_no_limit(tmp_path, machine):
     trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seconds=3.0, **machine))
@@ -280,6 +281,7 @@ def test_viscous_friction_is_named_with_its_size(tmp_path):
     assert max(alone, key=alone.__getitem__) == "viscous"
 
 
+@pytest.mark.nightly
 def test_friction_that_is_missing_after_a_reversal_leaves_the_mass_alone(tmp_path):
     # Half of it builds up again over a twentieth of the stroke, from rest at the start too.
     found = bf.diagnose(recorded(tmp_path, seed=8, presliding=(0.5, 0.01))).summary
@@ -287,6 +289,7 @@ def test_friction_that_is_missing_after_a_reversal_leaves_the_mass_alone(tmp_pat
     assert found.law["inertia"].after.q50 == pytest.approx(2.0, rel=0.02)
 
 
+@pytest.mark.nightly
 def test_a_machine_that_is_as_simulated_is_not_blamed(tmp_path):
     found = bf.diagnose(recorded(tmp_path, seed=7)).summary
     assert found.causes == ()

@@ -103,6 +103,7 @@ def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
     assert again.priors.pulleys == stored.pulleys
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [2, 3, 4])
 def test_a_stribeck_curve_beside_viscous_friction_is_these_two_and_no_drag_of_air(tmp_path, seed):
     """Each alone says little, and a drag of air beside the first more than the second."""

@@ -60,6 +60,7 @@ def axis(tmp_path_factory):
     return diagnosed
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("force", "length"),
     [(1e-9, 1.0), (1e3, 1.0), (1.0, 1e3), (1e-9, 1e3)],
@@ -100,6 +101,7 @@ def points(tmp_path_factory):
     return diagnosed
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("force", "speed"), [(1e-9, 1.0), (1e3, 1e-3), (3.7e-5, 7.0)])
 @pytest.mark.parametrize("name", POINTS)
 def test_points_in_other_units_are_diagnosed_alike(points, name, force, speed):

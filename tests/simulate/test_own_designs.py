@@ -53,6 +53,7 @@ def read(name, rows):
     return rows.readings.force if name == "axis" else rows.reading
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "effect", "law"), PAIRS)
 def test_what_an_effect_adds_is_its_column_or_the_rig_says_why_not(name, effect, law):
     design, truth = DESIGNS[name].own_design, quiet(name)
@@ -106,6 +107,7 @@ def test_rigs_of_a_design_are_not_chosen():
         simulate_recording("axis", rigs=["gravity"])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_fit_takes_clocks_that_differ_either_way(seed):
     """At these seeds the clocks' difference is found below and above 0: neither is a noise of 0."""

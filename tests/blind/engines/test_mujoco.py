@@ -61,6 +61,7 @@ def short(monkeypatch):
     monkeypatch.setattr(engine, "trials_of", few)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", [*engine.effect_names(), *engine.outsider_names()])
 def test_what_is_withheld_changes_friction_by_its_strength(short, name):
     """Seen from outside: the trial's mean force against eq. (4), over its own friction."""
