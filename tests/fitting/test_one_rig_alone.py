@@ -1,5 +1,7 @@
 """A fit of one rig rests on that rig's data alone."""
 
+import pytest
+
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.posterior import fit
 from bayesfric.rigs.protocols import Protocol

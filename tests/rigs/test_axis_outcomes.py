@@ -1,6 +1,7 @@
 """Diagnoses of axes whose effect has another form than the package's, or is none of its."""
 
 import numpy as np
+import pytest
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
