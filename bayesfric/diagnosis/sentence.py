@@ -141,8 +141,10 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     if density is not None:
         better = f"{it} {raises} the log density of these data by {_nat(density)}"
     if causes and gap.shrink is not None:
-        taken = f"Of data held out, adding {them} takes {_share(gap.shrink)} of the squared gap"
-        return f"{taken}; {better}." if better else f"{taken}."
+        removed = (
+            f"Of data held out, adding {them} removes {_share(gap.shrink)} of the gap (mean square)"
+        )
+        return f"{removed}; {better}." if better else f"{removed}."
     if causes:
         open_still = f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}"
         return f"{open_still}; {better}." if better else f"{open_still}."
@@ -254,10 +256,8 @@ def _named(told: Statement) -> str:
     if told.rivals:
         beside = f" One of {told.rivals} acts beside {them}; these data cannot tell which."
     if told.gap.shrink_of_model is not None:
-        taken = _share(told.gap.shrink_of_model)
-        shrunk = (
-            f" The systematic gap is {told.size}; adding {them} takes {taken} of its square away."
-        )
+        removed = _share(told.gap.shrink_of_model)
+        shrunk = f" The systematic gap is {told.size}; adding {them} removes {removed} of it (mean square)."
     return f"{told.acting} {told.chance}.{shrunk}{told.place}{beside}"
 
 

@@ -172,7 +172,7 @@ def test_no_share_is_told_of_friction_that_may_be_nothing():
 
 def test_the_sentence_says_what_data_held_out_say():
     gap, viscous = diagnosis().gap, [cause("viscous")]
-    assert "takes 98.1% [97.4%, 98.8%] of the squared gap" in held_out_words(gap, viscous)
+    assert "removes 98.1% [97.4%, 98.8%] of the gap (mean square)" in held_out_words(gap, viscous)
     nothing = gap.held_out[0].model_copy(update={"below_floor": 0.4})
     why = {"shrink": None, "shrink_why": "the gap is as likely below"}
     open_still = gap.model_copy(update=why | {"held_out": (nothing,)})
@@ -216,7 +216,10 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
 
 @pytest.mark.parametrize(
     ("low", "words"),
-    [(0.9995, "takes more than 99.9% of its square away"), (0.95, "takes 99.0% [95.0%, 99.5%]")],
+    [
+        (0.9995, "removes more than 99.9% of it (mean square)"),
+        (0.95, "removes 99.0% [95.0%, 99.5%]"),
+    ],
 )
 def test_a_shrink_is_never_told_as_all_of_the_gap(low, words):
     shrink = Interval(mean=0.99, sd=0.01, q05=low, q50=max(low, 0.99), q95=max(low, 0.995))
