@@ -257,7 +257,8 @@ def _named(told: Statement) -> str:
         beside = f" One of {told.rivals} acts beside {them}; these data cannot tell which."
     if told.gap.shrink_of_model is not None:
         removed = _share(told.gap.shrink_of_model)
-        shrunk = f" The systematic gap is {told.size}; adding {them} removes {removed} of it (mean square)."
+        gone = f"adding {them} removes {removed} of it (mean square)"
+        shrunk = f" The systematic gap is {told.size}; {gone}."
     return f"{told.acting} {told.chance}.{shrunk}{told.place}{beside}"
 
 
