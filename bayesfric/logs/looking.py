@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.errors import Fault
 from bayesfric.logs.clock import CLOCK, ISO
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.readers.csv import lines_of, split
@@ -171,9 +172,9 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
 
 
 def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
-    faults: list[object] = []
+    faults: list[Fault] = []
     part = Log(log.name, {column: cells}, log.first_row)
-    numbers = numbers_of(part, column, faults)  # type: ignore[arg-type]
+    numbers = numbers_of(part, column, faults)
     numbers = numbers[np.isfinite(numbers)]
     return None if faults or not numbers.size else numbers
 

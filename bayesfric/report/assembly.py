@@ -1,6 +1,6 @@
 """The chapters in order, as far as there are results for them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 
 from bayesfric.report.chapters.blind import blind_chapter, scored_from
@@ -54,13 +54,14 @@ def build_document(stored: StoredResults) -> Document:
         stored.fitted is not None and bool(stored.fitted.fit.pulleys)
     )
     law = "" if pulleys else own_law(_rigs(stored))
+    details = tuple(_details(stored))
     return Document(
         title=f"Friction measured on a {rig_words(_rigs(stored)[0]).rig}"
         if law
         else "Cable-pulley friction",
         subtitle=subtitle,
-        blocks=tuple(_blocks(stored)),
-        details=tuple(_details(stored)),
+        blocks=(*_blocks(stored), *_mentioned(details)),
+        details=details,
         date=None if created is None else datetime.fromisoformat(created),
     )
 
@@ -112,9 +113,13 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
             yield scored_from(stored.scorecard)
         elif not stored.records and stored.calibration is not None:
             yield calibrated_from(stored.calibration)
-    details = [block.text for block in _details(stored) if isinstance(block, Heading)]
-    if details:
-        yield Paragraph(["More stands in ", Code("report.html"), f": {'; '.join(details[1:])}."])
+
+
+def _mentioned(details: Sequence[Block]) -> Iterator[Paragraph]:
+    """Yield what else the HTML page has, by its headings."""
+    headings = [block.text for block in details if isinstance(block, Heading) and block.level > 1]
+    if headings:
+        yield Paragraph(["The details of ", Code("report.html"), f" add: {'; '.join(headings)}."])
 
 
 def _details(stored: StoredResults) -> Iterator[Block]:

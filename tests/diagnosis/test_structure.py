@@ -74,7 +74,10 @@ def test_a_wave_a_start_and_a_resonance_of_three_per_cent_do(found, force, axis,
 
 def test_what_goes_together_and_does_not_matter_is_left_alone(found):
     """Half a per cent of friction in scatter of a tenth of a per cent."""
-    wave = lambda order, speed: 0.005 * np.sin(2 * np.pi * order / 9)  # noqa: E731
+
+    def wave(order, speed):
+        return 0.005 * np.sin(2 * np.pi * order / 9)
+
     assert found(wave, scatter=0.001) is None
 
 

@@ -23,10 +23,12 @@ from bayesfric.report.content import (
     Heading,
     PageBreak,
     Paragraph,
+    Reference,
     Strong,
     Table,
 )
 from bayesfric.report.formulas import FORMULAS, LAW
+from bayesfric.report.html import render_html
 from bayesfric.report.typst import render_pdf
 
 FONTS = ("LibertinusSerif-", "NewCM", "DejaVuSansMono")
@@ -334,3 +336,22 @@ def test_figures_that_float_stay_in_their_chapter() -> None:
     at = {name: next(k for k, page in enumerate(pages) if name in page.extract_text())
           for name in ("Picture 3", "2 Second")}  # fmt: skip
     assert at["2 Second"] >= at["Picture 3"]
+
+
+def test_details_stand_on_the_html_page_alone_under_numbers_that_go_on() -> None:
+    table = Table("On paper.", ["Name", "Q"], [["a", "1"]], label="paper")
+    detail = Table("In the details.", ["Name", "Q"], [["b", "2"]])
+    both = Document("t", "", [Heading(1, "First"), table], details=[Heading(1, "More"), detail])
+    pdf = PdfReader(io.BytesIO(render_pdf(both))).pages[0].extract_text()
+    html = render_html(both)
+    assert "Table 1. On paper." in pdf
+    assert "In the details." not in pdf
+    assert "Table 2" in html
+    assert "In the details." in html
+    with pytest.raises(ValueError, match="reference to 'there'"):
+        Document(
+            "t",
+            "",
+            [Paragraph(Reference("there"))],
+            details=[Table("c", ["Q"], [["1"]], label="there")],
+        )

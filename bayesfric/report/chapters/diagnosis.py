@@ -1,7 +1,8 @@
 """Where the simulation misses the board, which effect causes it, and how far that shrinks.
 
 The chapter begins with the verdict and a table that is read in ten seconds; the figures
-that these rest on follow, each under its question. The long tables are in the appendix.
+that these rest on follow, each under its question. The long tables are in the details
+of the HTML page.
 """
 
 from collections.abc import Iterator

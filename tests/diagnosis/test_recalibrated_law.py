@@ -1,0 +1,33 @@
+"""What a recalibrated law takes up of a force, on a driven axis: its own numbers, and no more."""
+
+import numpy as np
+import pytest
+from diagnosis.driven_axis import model_of_axis
+
+from bayesfric.diagnosis.residuals import residuals_of
+
+
+@pytest.fixture(scope="module")
+def residuals(tmp_path_factory):
+    model, psi = model_of_axis(tmp_path_factory.mktemp("law"), lambda effect: [])
+    return residuals_of(model, psi)
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        lambda windows: np.ones(windows.size.size),  # Coulomb friction
+        lambda windows: windows.covariates["velocity"],
+        lambda windows: windows.covariates["direction"],  # an offset, in the sense of the way
+    ],
+    ids=["coulomb", "viscous", "offset"],
+)
+def test_nothing_is_left_of_a_force_that_the_law_has(residuals, force):
+    left = residuals.without_law(0.3 * force(residuals))
+    np.testing.assert_allclose(left, 0.0, atol=1e-3)
+
+
+def test_a_force_along_the_path_is_left(residuals):
+    path = residuals.covariates["displacement"]
+    left = residuals.without_law(path - path.mean())
+    assert np.std(left) > 0.5 * np.std(path)
