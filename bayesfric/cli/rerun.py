@@ -161,7 +161,7 @@ def _repeat(
             baseline=diagnosis.baseline if own is None else "paper",
             simulator=own.name if own is not None and own.calls else None,
             fixed=diagnosis.fixed,
-            replay=any(one.replay is not None for one in (diagnosis, *diagnosis.joints)),
+            replay=any(joint.replay is not None for joint in (diagnosis, *diagnosis.joints)),
             shipped=diagnosis.shipped,
             target=None if diagnosis.target is None else conditions_of(diagnosis.target),
             executor=executor,

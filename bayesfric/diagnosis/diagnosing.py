@@ -288,7 +288,7 @@ def _diagnose(
     gap_share, asked = float(np.median(posterior.gap)) / friction, found
     remainder = remainder_of(model, asked, best, gap_share, left) if named else None
     others = data.rigs[0].other_joints
-    rivals = [name for one in sets_of_one(chances, known, named) for name in one]
+    rivals = [name for effects in sets_of_one(chances, known, named) for name in effects]
     amounts = amounts_of(model, best)
     elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
     why = None

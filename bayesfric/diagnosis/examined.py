@@ -28,7 +28,7 @@ def examinable(
     share is in those that it was described in.
     """
     offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
-    taken = frozenset().union(*(one.taken_up for one in data.rigs)) - frozenset(own)
+    taken = frozenset().union(*(trials.taken_up for trials in data.rigs)) - frozenset(own)
     examined: dict[str, Effect] = {}
     lacking: dict[str, tuple[str, ...]] = {}
     for name, effect in sorted({**all_effects(None), **own}.items()):

@@ -92,14 +92,14 @@ def block_densities(
         None where no hypothesis has the causes, or where there are fewer than
         :data:`FEWEST_BLOCKS` blocks.
     """
-    within = [one for one in search.weighed.values() if set(causes) <= set(one.names)]
+    within = [weighed for weighed in search.weighed.values() if set(causes) <= set(weighed.names)]
     if not causes or not within:
         return None
     best = max(within, key=search.worth)
     alone, beside = _one_by_one(model, best)
     without = _without(beside, causes)
     block = blocks_of(alone, rng)
-    if max(int(one.max()) for one in block) + 1 < FEWEST_BLOCKS:
+    if max(int(numbers.max()) for numbers in block) + 1 < FEWEST_BLOCKS:
         return None
     noise = best.at.psi[: len(model.noise)]
     start = np.concatenate([noise, best.at.psi[len(model.noise) :]])
@@ -143,7 +143,7 @@ def _without(acting: Acting, causes: Collection[str]) -> Acting:
 def _rests(model: LinearModel, block: Sequence[Whole]) -> list[Mapping[str, Flags]]:
     """Return, for each block, which trials of each rig are not in it."""
     names = [rig.rows.name for rig in model.rigs]
-    last = max(int(one.max()) for one in block)
+    last = max(int(numbers.max()) for numbers in block)
     return [
         {name: own != number for name, own in zip(names, block, strict=True)}
         for number in range(last + 1)

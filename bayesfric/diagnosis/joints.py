@@ -56,7 +56,7 @@ def diagnosed_together(
     if not each:
         raise InputError(faults)
     decides = min(each, key=lambda joint: ORDER.index(each[joint].summary.verdict))
-    amounts = [one.amounts for one in each.values() if one.amounts is not None]
+    amounts = [result.amounts for result in each.values() if result.amounts is not None]
     errors = model_errors(amounts)
     words = "; ".join(f"{joint}: {one.summary.verdict}" for joint, one in each.items())
     first = each[decides]

@@ -66,9 +66,11 @@ def overruled(
     for effects in together:
         search = search.overruled(frozenset(effects))
     acting = inclusion(search)
-    known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
+    known = [replace(effect, probability=acting.get(effect.effect, 0.0)) for effect in known]
     gone = {name for effects in together for name in effects}
-    _, present, possible = sort_effects([one for one in known if one.effect not in gone], above)
+    _, present, possible = sort_effects(
+        [effect for effect in known if effect.effect not in gone], above
+    )
     return Overruled(search, list(known), present, possible)
 
 

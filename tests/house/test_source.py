@@ -19,8 +19,8 @@ from house.source import (
 # How many variables of a room are still named by a word that says nothing; how many functions
 # are too long; and which files import each other in a circle.
 NOT_YET_NAMED = {
-    "cli": 32,
-    "diagnosis": 320,
+    "cli": 31,
+    "diagnosis": 312,
     "export": 22,
     "logs": 9,
     "recording": 28,
