@@ -25,8 +25,6 @@ from numpy.typing import NDArray
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["NOTHING_KEPT", "Checkpoint", "code_sha256"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 Arrays = dict[str, NDArray[Any]]

@@ -12,8 +12,6 @@ from bayesfric.families import (
     Section,
 )
 
-__all__ = ["PriorOverrides", "Priors"]
-
 
 class PriorOverrides(Section):
     """Priors of one pulley size that differ from the rest."""

@@ -27,8 +27,6 @@ from bayesfric.robots.replaying import (
 )
 from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
 
-__all__ = ["Replayed", "held_out_parts", "replay", "with_replay"]
-
 HELD_OUT = 1 / 3  # of each run, at its end, where no run has the role test
 SHOWN_S = 4.0  # of the traces that are kept
 WINDOW_S = 0.2  # of a replayed trajectory

@@ -31,23 +31,6 @@ from bayesfric.schemas import FitFile, Provenance, RecordingId
 from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
 
-__all__ = [
-    "created_date",
-    "draws_tree",
-    "fitted_coefficients",
-    "fitted_numbers",
-    "identified",
-    "json_bytes",
-    "package_versions",
-    "provenance",
-    "read_beside",
-    "read_json",
-    "read_tree",
-    "refuse_mixed",
-    "replace_outputs",
-    "write_netcdf",
-]
-
 Record = TypeVar("Record", bound=BaseModel)
 Value = TypeVar("Value")
 File = TypeVar("File", bound=Provenance)

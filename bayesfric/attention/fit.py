@@ -20,8 +20,6 @@ from bayesfric.schemas import (
     Uniformity,
 )
 
-__all__ = ["Coverage", "contradicted", "of_fit", "of_pooled", "unsettled"]
-
 CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
 SURELY_OFF = 4.0  # sd of a posterior, from which on a number is surely not the declared one
 MISSED = 2.0  # sd of a prior: if also surely off, a declared number is missed

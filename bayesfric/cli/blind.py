@@ -11,8 +11,6 @@ from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Workers, fails
 from bayesfric.cli.printing import say
 
-__all__ = ["blind"]
-
 
 @exit_status
 def blind(

@@ -8,8 +8,6 @@ from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Seed, Workers, fails
 from bayesfric.cli.printing import say, say_attention
 
-__all__ = ["calibrate"]
-
 
 @exit_status
 def calibrate(

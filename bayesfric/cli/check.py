@@ -10,8 +10,6 @@ from bayesfric.cli.options import Baseline, Config, Quiet
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
-__all__ = ["check"]
-
 
 @exit_status
 def check(

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     from bayesfric.analysis import Analysis
 
-__all__ = ["claims", "claims_into"]
-
 
 @exit_status
 def claims(

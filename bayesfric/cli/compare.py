@@ -9,8 +9,6 @@ from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.options import fails
 from bayesfric.cli.printing import say
 
-__all__ = ["compare"]
-
 
 @exit_status
 def compare(

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
     from bayesfric.diagnosis.diagnosing import Diagnosed
 
-__all__ = ["diagnose", "diagnose_into", "diagnosed"]
-
 CHECKPOINT = ".checkpoint-diagnosis"
 
 

@@ -10,8 +10,6 @@ from bayesfric.cli.exits import exit_status
 from bayesfric.cli.new_file import write_new
 from bayesfric.cli.printing import say
 
-__all__ = ["effects"]
-
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 

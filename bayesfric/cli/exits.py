@@ -21,16 +21,6 @@ from bayesfric.cli.printing import say
 from bayesfric.cli.surroundings import prepare
 from bayesfric.errors import Fault, InputError, one_of
 
-__all__ = [
-    "CAN_HAPPEN",
-    "FAILURES",
-    "check_fail_on",
-    "exit_status",
-    "fail_on",
-    "failures_of",
-    "unprinted",
-]
-
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
 FAILURES = (

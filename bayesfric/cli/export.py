@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from bayesfric.export.joints import ExportedJoint
 
-__all__ = ["export"]
-
 KINDS = ("json", "python", "mjcf", "urdf", "sdf", "isaaclab")
 OF_MODELS = ("mjcf", "urdf", "sdf")
 DRAWS = "joint-draws.csv"

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from bayesfric.recording.tables import Recording
     from bayesfric.schemas import FitFile
 
-__all__ = ["fit", "fit_into"]
-
 
 @dataclass(frozen=True)
 class _Asked:

@@ -9,8 +9,6 @@ from bayesfric.cli.exits import exit_status
 from bayesfric.cli.options import Quiet
 from bayesfric.cli.printing import say
 
-__all__ = ["import_log"]
-
 
 @exit_status
 def import_log(

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from bayesfric.margins.law_used import LawAsked
     from bayesfric.schemas import Metric, Verification
 
-__all__ = ["margins", "margins_into"]
-
 
 class LawName(StrEnum):
     """Laws that margins can be of."""

@@ -8,22 +8,6 @@ import typer
 from bayesfric.cli.exits import CAN_HAPPEN
 from bayesfric.errors import Fault, InputError, one_of
 
-__all__ = [
-    "Baseline",
-    "Cases",
-    "Config",
-    "Folder",
-    "Junit",
-    "Quiet",
-    "Rigs",
-    "Scheduler",
-    "Seed",
-    "Workers",
-    "fails",
-    "named_rigs",
-    "no_folder",
-]
-
 Folder = Annotated[
     Path, typer.Option("-o", "--output", metavar="PATH", help="Folder for the results.")
 ]

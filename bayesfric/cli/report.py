@@ -11,8 +11,6 @@ from bayesfric.cli.options import Quiet
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
-__all__ = ["report"]
-
 
 @exit_status
 def report(

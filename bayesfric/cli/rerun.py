@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     Read = TypeVar("Read", bound=BaseModel)
 
-__all__ = ["rerun"]
-
 
 @exit_status
 def rerun(

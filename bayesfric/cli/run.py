@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from bayesfric.cli.stages import Stages
     from bayesfric.diagnosis.diagnosing import Diagnosed
 
-__all__ = ["run"]
-
 REPORT = ("report.pdf", "report.html", "summary.md")
 TIMINGS = "timings.json"
 

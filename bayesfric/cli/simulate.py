@@ -12,8 +12,6 @@ from bayesfric.cli.options import Config, Quiet, Seed, fails
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
-__all__ = ["simulate"]
-
 
 class ProtocolName(StrEnum):
     """Designs that the command offers."""

@@ -15,8 +15,6 @@ from pydantic import BaseModel, ValidationError
 from bayesfric.cli.printing import say
 from bayesfric.results import json_bytes
 
-__all__ = ["Stages", "digest", "digest_of_results"]
-
 LIST = ".stages.json"
 
 

@@ -12,8 +12,6 @@ from pathlib import Path
 
 from bayesfric.source_date import SOURCE_DATE_EPOCH, source_date
 
-__all__ = ["prepare"]
-
 
 def prepare() -> None:
     """Set variables of the environment aside that no result depends on, before any import.

@@ -9,8 +9,6 @@ from bayesfric.cli.exits import exit_status
 from bayesfric.cli.options import Config
 from bayesfric.cli.printing import say
 
-__all__ = ["validate"]
-
 
 @exit_status
 def validate(

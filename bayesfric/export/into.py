@@ -13,8 +13,6 @@ from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
 from bayesfric.schemas import Enter
 
-__all__ = ["FilledModel", "filled_model"]
-
 LARGEST_FILE = 16_777_216  # bytes of a model
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
 WRITTEN = {

@@ -12,8 +12,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile, Enter
 
-__all__ = ["INERTIAS", "ExportedJoint", "joints_of", "read_joints"]
-
 INERTIAS = ("inertia", "armature", "mass")
 """Names that the law may have for what is accelerated."""
 OF_LAW = (*INERTIAS, "coulomb", "viscous")

@@ -14,8 +14,6 @@ from bayesfric.results import read_tree
 from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
 from bayesfric.stored_names import name_of
 
-__all__ = ["Number", "drawn_numbers", "law_said", "numbers_of"]
-
 MOST_DRAWS = 200
 OF_FIT = {"inertia": "mass", "armature": "mass"}  # by its name in a diagnosis
 OF_AXIS = ("mass", "coulomb", "viscous")  # in the places of c1, c2 and c3

@@ -9,8 +9,6 @@ from bayesfric.export.stored_law import StoredLaw
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.laws import BASELINES
 
-__all__ = ["Correction", "correction", "python_text"]
-
 BINS = 48  # of the factor; fewer values are taken one by one
 AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 TEXT = '''"""Friction of {name}, calibrated and diagnosed by bayesfric.

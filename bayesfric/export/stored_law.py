@@ -16,8 +16,6 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.results import read_beside, read_json, refuse_mixed
 from bayesfric.schemas import Cause, DiagnosisFile, FitFile
 
-__all__ = ["StoredLaw", "read_law"]
-
 ABSENT = {
     "velocity": 0.0,
     "tension": 0.0,

@@ -27,8 +27,6 @@ from bayesfric.observation.coefficients import sizes_of
 from bayesfric.results import draws_tree
 from bayesfric.stored_names import name_of
 
-__all__ = ["Stored", "draws_of_fit", "flat_attributes", "write_csv"]
-
 MOST_DRAWS = 4000
 MOST_NUMBERS = 2_400_000  # draws times trials: a file of 15 to 20 MB
 STEP = 2.0**-14  # of a trial's log density [nat]; what is left of its digits compresses

@@ -24,13 +24,6 @@ from bayesfric.schemas import (
     WithoutExclusions,
 )
 
-__all__ = [
-    "interval_of",
-    "parameter_summary",
-    "summarise",
-    "summarise_without_exclusions",
-]
-
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"
 Summary = TypeVar("Summary", bound=Interval)

@@ -17,8 +17,6 @@ from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.units import SECONDS
 
-__all__ = ["DECIMALS", "Stamps", "seconds_since", "stamps_of"]
-
 DECIMALS = 9  # of a time in seconds that are kept
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 OF_DAY = r"(\d{1,2}):(\d\d):(\d\d(?:[.,]\d{1,12})?)"

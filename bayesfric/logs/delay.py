@@ -9,8 +9,6 @@ from scipy.optimize import minimize_scalar
 from bayesfric.arrays import Array
 from bayesfric.logs.ordering import Series
 
-__all__ = ["Delay", "delay_between"]
-
 LATEST_S = 0.1  # looked at, either way
 COARSE = 401
 

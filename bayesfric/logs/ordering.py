@@ -12,8 +12,6 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["Ordered", "Series", "gaps_of", "in_order", "unwrapped"]
-
 GAP = 3.0  # intervals without a sample that are said
 BEHIND = 50  # rows, and intervals, by which a row may be out of order
 ACROSS = 0.001  # of a period, in which no sample came while a counter began again, at the most

@@ -11,8 +11,6 @@ from bayesfric.logs.readers.csv import decoded
 from bayesfric.logs.relating import related
 from bayesfric.logs.units import needs_factor
 
-__all__ = ["SAY", "Proposal", "propose_mapping"]
-
 SAY = "SAY"
 """What stands where a user has to say something; it is refused until it is replaced."""
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}

@@ -21,8 +21,6 @@ from bayesfric.physics.friction import (
     recursive_friction,
 )
 
-__all__ = ["Direction", "RunFriction", "losses", "run_friction"]
-
 Direction = Literal["driving", "overhauling"]
 DIRECTIONS: tuple[Direction, ...] = ("driving", "overhauling")
 

@@ -17,8 +17,6 @@ from bayesfric.schemas import FitFile, Interval, ScorecardFile
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ClaimsResult", "DiagnosisResult", "FitResult", "MarginsResult", "Results"]
-
 LINES_SHOWN = 9  # lines below the first
 
 

@@ -13,17 +13,6 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 
-__all__ = [
-    "NO_PULLEY",
-    "SizeIndex",
-    "coefficient_name",
-    "coefficient_parameters",
-    "coefficient_units",
-    "intercept_of",
-    "law_of",
-    "sizes_of",
-]
-
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
 FORCE = "c2"  # is one
 PAPER_SIZES = ("small", "medium", "large")

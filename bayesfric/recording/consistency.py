@@ -14,8 +14,6 @@ from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import MANY, pushing
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["MINIMUM_EVENTS", "check_across"]
-
 MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
 LARGEST_WRAP_DEG = 180.0
 

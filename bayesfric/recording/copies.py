@@ -17,8 +17,6 @@ from bayesfric.arrays import Array
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import Axis, Gravity, Recording
 
-__all__ = ["without_copies"]
-
 SPREAD = 1e-3  # of a reading, by which honest repeats differ at the least
 SURE = 4.0  # digits by which readings agree: chance does so once in ten thousand
 LEAST_SAMPLES = 5  # of a trial and sensor or a run, that are never alike by chance

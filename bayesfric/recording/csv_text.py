@@ -17,8 +17,6 @@ import pandas as pd
 from bayesfric.arrays import Flags
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_more", "with_rest"]
-
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.object_]
 """A column as text."""
 Ragged: TypeAlias = dict[int, list[str]]

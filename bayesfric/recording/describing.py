@@ -6,8 +6,6 @@ import pandas as pd
 from bayesfric.recording.frames import did_not_move
 from bayesfric.recording.tables import Gravity, Motor, Recording
 
-__all__ = ["describe_recording"]
-
 
 def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
     """Summarise a recording.

@@ -12,8 +12,6 @@ from bayesfric.recording.schemas import Table
 from bayesfric.recording.steady_signs import MANY
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["drops_the_weight", "gains_energy", "motor_pull", "pushes_a_cable", "tears_a_cable"]
-
 FRICTIONLESS = 1.25  # times its acceleration: more is no error of a sensor or a clock
 PUSHED = -0.1  # of the weight: a light cable may be slack, and a current has its noise
 HELD = 0.5  # of a weight that is raised: less is no error of a torque constant

@@ -8,15 +8,6 @@ from bayesfric.recording.columns import GRAVITY_EVENTS, TableFormat
 from bayesfric.recording.numbers import to_numbers_apart
 from bayesfric.recording.spacing import spacing_counts
 
-__all__ = [
-    "did_not_move",
-    "individual_angles",
-    "no_events",
-    "sorted_events",
-    "typed",
-    "with_setup",
-]
-
 SENSOR_ORDER = {"drive": 0, "load": 1}
 
 

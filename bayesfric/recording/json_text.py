@@ -10,8 +10,6 @@ from typing import Any
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.csv_text import decode_utf8
 
-__all__ = ["dotted", "parse_json_object", "shown"]
-
 CAPITALS = "; true, false and null are written in small letters"
 MEANT = re.compile(r"(true|false|null|none)\b", re.IGNORECASE)
 EMPTY_KEY = '""'  # so that its place can be told

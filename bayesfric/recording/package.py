@@ -16,8 +16,6 @@ from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
 from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, Robot
 
-__all__ = ["PACKAGE_FILE", "ForceIs", "Package", "Resource", "parse_package"]
-
 PACKAGE_FILE = "datapackage.json"
 ForceIs = Literal["commanded", "motor", "link", "measured", "unknown"]
 

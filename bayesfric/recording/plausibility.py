@@ -20,8 +20,6 @@ from bayesfric.recording.energy import (
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["implausible"]
-
 CABLE_BEARS_N = 311.0  # the paper's 0.61 mm 7×19 stainless cable
 MOST_PULLEYS, LEAST_WRAP_DEG = 19, 45.0  # of the paper; nobody has one for the other in all rows
 RADIANS_BELOW = 3.2  # wrap angles are tens of degrees, and never above π

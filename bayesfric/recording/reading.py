@@ -23,8 +23,6 @@ from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
 from bayesfric.recording.tested_range import notes_on_range
 
-__all__ = ["read_recording"]
-
 Load = Callable[[str], bytes]  # a file of the recording, by its path in the folder
 
 LARGEST_FILE = 512 * 1024**2  # bytes; ten times a table of a million rows

@@ -26,8 +26,6 @@ from bayesfric.recording.columns import (
 from bayesfric.recording.csv_text import LISTED, TextTable, with_more, with_rest
 from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
-__all__ = ["Table", "check_cells"]
-
 NOTED = 10  # columns that are named where more are kept out
 
 TYPOGRAPHIC = re.compile("[“”„‘’‚«»].*[“”„‘’‚«»]")

@@ -10,8 +10,6 @@ import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["MANY", "against_motion", "notes_on_signs", "pushing"]
-
 NOISE = 3.0  # standard errors, within which a point does not say that it pushes
 MANY = 0.25  # of the points push by any convention: then there is none
 

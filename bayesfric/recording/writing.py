@@ -22,8 +22,6 @@ from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
 from bayesfric.recording.tables import Recording, RigConstants
 
-__all__ = ["check_free", "write_recording"]
-
 # Of kinds 3 and 4 on a rotary rig.
 ROTARY_UNITS = {"m": "rad", "N": "N·m", "kg": "kg·m²", "m/s": "rad/s"}
 ROTARY_TABLES = ("steady_friction.csv", "axis_samples.csv")

@@ -26,8 +26,6 @@ from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
 
-__all__ = ["build_document"]
-
 SUBTITLES = {
     "fit.json": "Bayesian analysis of",
     "diagnosis.json": "Sim-to-real diagnosis of",

@@ -7,8 +7,6 @@ from importlib import resources
 
 from bayesfric.characters import code_of, legible
 
-__all__ = ["printable"]
-
 
 def printable(text: str, lines: bool = False) -> str:
     """Replace what cannot be seen, and what the fonts of the PDF do not have, by its code.

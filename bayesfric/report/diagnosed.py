@@ -5,8 +5,6 @@ from typing import Literal, TypeAlias
 from bayesfric.report.quantities import format_probability
 from bayesfric.schemas import Cause, DiagnosisFile
 
-__all__ = ["VERDICTS", "box", "has_gap", "listed"]
-
 VERDICTS = {
     "no-gap": "No gap",
     "named": "Named",

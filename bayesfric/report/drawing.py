@@ -8,8 +8,6 @@ from functools import partial
 
 from bayesfric.report.content import Block, Document, Figure
 
-__all__ = ["draw_figures", "get_ready"]
-
 
 def get_ready(executor: Executor) -> None:
     """Have a helper load what it draws with, while this process reads and writes text."""

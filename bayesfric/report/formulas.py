@@ -6,8 +6,6 @@ are written here, so that no formula is ever parsed and none comes from a user.
 
 from dataclasses import dataclass
 
-__all__ = ["CURRENT", "FORMULAS", "LAW", "RECURSIVE", "SCATTER", "Formula"]
-
 
 @dataclass(frozen=True)
 class Formula:

@@ -20,8 +20,6 @@ from bayesfric.report import content
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_html"]
-
 
 def render_html(document: content.Document) -> str:
     """Write a document as a self-contained, accessible HTML page.

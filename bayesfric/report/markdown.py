@@ -25,8 +25,6 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_summary"]
-
 _RULES = {"left": "---", "center": ":-:", "right": "--:", "decimal": "--:"}
 
 

@@ -11,23 +11,6 @@ from decimal import Decimal
 
 from bayesfric.probabilities import stated
 
-__all__ = [
-    "MISSING",
-    "error_cells",
-    "factor_cells",
-    "format_count",
-    "format_factor",
-    "format_fixed",
-    "format_interval",
-    "format_number",
-    "format_probability",
-    "format_share",
-    "format_shift",
-    "format_unit",
-    "interval_cells",
-    "three_digits",
-]
-
 MISSING = "—"
 THIN = "\u202f"
 MOST_DIGITS = 6  # significant ones of a number whose error is smaller than what anyone needs

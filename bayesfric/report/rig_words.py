@@ -7,8 +7,6 @@ from bayesfric.report.quantities import format_count
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Words
 
-__all__ = ["counted", "group_words", "law_words", "rig_words"]
-
 DEFAULT = "paper"  # the law where none is asked for
 
 

@@ -18,8 +18,6 @@ from bayesfric.schemas import (
     ScorecardFile,
 )
 
-__all__ = ["StoredClaims", "StoredDiagnosis", "StoredFit", "StoredResults", "read_stored"]
-
 
 @dataclass(frozen=True)
 class StoredFit:

@@ -19,8 +19,6 @@ from bayesfric.report.characters import printable
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_pdf"]
-
 # PDF/A demands a date; this one stands for "none" where a result has none.
 _NO_DATE = datetime(1970, 1, 1, tzinfo=UTC)
 

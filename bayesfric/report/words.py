@@ -7,22 +7,6 @@ from typing import TypeAlias
 
 from bayesfric.report.formulas import FORMULAS
 
-__all__ = [
-    "Code",
-    "Emphasis",
-    "Inline",
-    "Link",
-    "Math",
-    "Reference",
-    "Strong",
-    "Text",
-    "inlines",
-    "require",
-    "require_formula",
-    "require_text",
-    "sentences",
-]
-
 SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z0-9])")
 
 

@@ -19,8 +19,6 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import NoiseParameter, rms_of
 
-__all__ = ["PointRows"]
-
 NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
 NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")
 AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a steady run")

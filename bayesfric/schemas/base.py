@@ -5,17 +5,6 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-__all__ = [
-    "Because",
-    "Check",
-    "Interval",
-    "Number",
-    "Provenance",
-    "Record",
-    "RecordingId",
-    "Why",
-]
-
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
 """Of a key ``x_why``: the reason where ``x`` is null or empty, null where there is an ``x``."""

@@ -10,8 +10,6 @@ from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 
-__all__ = ["coefficients", "densities", "ranks"]
-
 RANK_BINS = 20
 DENSITY_BINS = 40
 LEFT_OUT = 5e-4  # share of the draws at either end that the histogram leaves out

@@ -26,8 +26,6 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import MISSING, format_fixed, format_share
 from bayesfric.schemas import Estimate, Rate, ScorecardFile, Target
 
-__all__ = ["blind_chapter", "scorecard_line", "scored_from"]
-
 SOURCES = {
     "design": "Kinds and strengths are laid out in fixed proportions.",
     "prior": "What is withheld is drawn from the prior that a diagnosis reports.",

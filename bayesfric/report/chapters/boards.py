@@ -14,8 +14,6 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import FitFile, Interval, Pooled
 
-__all__ = ["boards", "population"]
-
 NUMBERS = tuple(Column(name, align="decimal") for name in ("mean", "sd", "5 %", "95 %"))
 
 

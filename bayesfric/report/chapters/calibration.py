@@ -25,8 +25,6 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import CalibrationFile
 
-__all__ = ["calibrated_from", "calibration", "calibration_line"]
-
 
 def calibration_line(found: CalibrationFile) -> Notice:
     """Return the outcome for a report's first page."""

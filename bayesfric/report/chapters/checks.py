@@ -20,8 +20,6 @@ from bayesfric.report.quantities import format_count, format_number, format_shar
 from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["checks"]
-
 CONDITION = (
     ("pulley_size", Column("pulley"), str),
     ("n_pulleys", Column("n", align="right"), lambda value: format_count(int(value))),

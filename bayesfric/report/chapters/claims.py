@@ -25,8 +25,6 @@ from bayesfric.report.quantities import error_cells, factor_cells, format_factor
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
-__all__ = ["claims", "fallen", "further_claims"]
-
 Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}
 FAMILIES = {

@@ -16,8 +16,6 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import MISSING, format_count, format_interval, format_shift
 from bayesfric.schemas import ComparisonFile, Shift
 
-__all__ = ["comparison", "comparison_line"]
-
 SHOWN = 12  # numbers, those that moved furthest
 
 

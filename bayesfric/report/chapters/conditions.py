@@ -15,8 +15,6 @@ from bayesfric.report.quantities import (
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import DiagnosisFile, FrictionAsked
 
-__all__ = ["asked", "condition_words", "next_experiment"]
-
 
 def asked(found: FrictionAsked | None) -> Iterator[Block]:
     """Yield friction at conditions of the reader's own; nothing where none were asked about."""

@@ -25,8 +25,6 @@ from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
 
-__all__ = ["data_quality"]
-
 SHOWN = 30  # rows of a table; a recording that is worse is read in fit.json
 
 

@@ -47,8 +47,6 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
-__all__ = ["diagnosis", "verdict_line"]
-
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 FURTHER = 2  # axes after the first that the caption names
 

@@ -34,17 +34,6 @@ from bayesfric.report.rig_words import group_words, law_words, rig_words
 from bayesfric.rigs.base import Words
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
-__all__ = [
-    "appendix",
-    "causes",
-    "codes",
-    "gap_table",
-    "gap_words",
-    "not_told_apart",
-    "remainder",
-    "share_words",
-]
-
 NUMBER = re.compile(r"\d+\.\d+")
 ROWS = 20  # hypotheses listed; diagnosis.json has all
 REASONS = {

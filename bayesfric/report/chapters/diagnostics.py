@@ -12,8 +12,6 @@ from bayesfric.report.quantities import format_count, format_number, format_shar
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
 
-__all__ = ["diagnostics", "further_diagnostics"]
-
 
 def diagnostics(stored: StoredFit) -> Iterator[Block]:
     """Yield the table of diagnostics and the rank histograms."""

@@ -9,8 +9,6 @@ from bayesfric.report.content import Block, BulletList, Figure, Paragraph, Table
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["numbers_to_enter", "replays"]
-
 
 def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield the numbers of each joint; nothing where there are none, as of pulleys."""

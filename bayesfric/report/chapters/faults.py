@@ -6,8 +6,6 @@ from bayesfric.invariants import RULES, broken, check_record
 from bayesfric.report.content import Notice
 from bayesfric.report.stored import StoredResults
 
-__all__ = ["faults"]
-
 
 def faults(stored: StoredResults) -> Iterator[Notice]:
     """Yield a notice for each invariant that a stored result breaks."""

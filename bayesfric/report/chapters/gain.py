@@ -15,8 +15,6 @@ from bayesfric.report.content import Block, Code, Figure, Notice, Reference
 from bayesfric.report.quantities import format_interval, format_number, format_share
 from bayesfric.schemas import LoopMargins, MarginsFile
 
-__all__ = ["SHOWN_UNITS", "WORDS", "gain_figures", "gain_lines"]
-
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
     "s": ("ms", 1e3),

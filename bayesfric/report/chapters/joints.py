@@ -7,8 +7,6 @@ from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import format_number
 from bayesfric.schemas import DiagnosisFile, Interval
 
-__all__ = ["joints"]
-
 
 def joints(found: DiagnosisFile) -> Iterator[Block]:
     """Yield a table of all joints, and one of the numbers of the model that are told."""

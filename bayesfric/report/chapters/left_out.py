@@ -27,8 +27,6 @@ from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import AssemblyCheck, Prediction, Uniformity
 
-__all__ = ["further_left_out", "left_out"]
-
 
 def left_out(stored: StoredFit) -> Iterator[Block]:
     """Yield leave-one-trial-out probabilities and leave-one-out predictive densities."""

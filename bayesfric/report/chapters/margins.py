@@ -37,8 +37,6 @@ from bayesfric.report.quantities import (
 from bayesfric.report.words import sentences
 from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
-__all__ = ["margins"]
-
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column

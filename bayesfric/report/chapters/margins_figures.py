@@ -9,8 +9,6 @@ from bayesfric.report.content import Block, Code, Figure, Paragraph
 from bayesfric.report.quantities import format_count
 from bayesfric.schemas import LoopMargins
 
-__all__ = ["over_frequency", "over_speed"]
-
 
 def over_speed(loop: LoopMargins) -> Iterator[Block]:
     """Yield the map of hunting over reference speed and gain."""

@@ -9,8 +9,6 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import DiagnosisFile, FitFile
 
-__all__ = ["methods"]
-
 
 def methods(stored: StoredResults) -> Iterator[Block]:
     """Yield how the fit and the diagnosis are made, as far as they were."""

@@ -40,8 +40,6 @@ from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.schemas import FitFile, RecordingId
 
-__all__ = ["coefficients_figure", "convergence", "page_one", "recorded", "worries"]
-
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 FEW = 3  # remarks that stand as boxes; more of them are a list
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words

@@ -7,8 +7,6 @@ from bayesfric.report.quantities import error_cells, format_number, interval_cel
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import FitFile, ParameterSummary
 
-__all__ = ["force_unit", "in_a_sentence", "own_law", "plain_coefficients", "plain_table"]
-
 
 def plain_coefficients(fit: FitFile) -> dict[str, ParameterSummary]:
     """Return the coefficients of a law without pulleys; none where it has pulleys.

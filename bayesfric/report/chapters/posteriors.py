@@ -12,8 +12,6 @@ from bayesfric.report.chapters.prior_friction import prior_friction
 from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["further_posteriors", "posteriors"]
-
 
 def posteriors(stored: StoredFit) -> Iterator[Block]:
     """Yield the friction that priors expect, and the joint posterior of the first size."""

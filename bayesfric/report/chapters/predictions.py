@@ -24,8 +24,6 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import format_number, format_probability
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["further_predictions", "predictions"]
-
 REFERENCE_ANGLE_DEG = 85.0
 FROM_PREDICTIVE: tuple[Inline, ...] = (" From ", Code("predictive.nc"), ".")
 AGAIN = (

@@ -22,8 +22,6 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import format_number, format_share
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["prior_friction"]
-
 
 def prior_friction(stored: StoredFit) -> Iterator[Block]:
     """Yield friction by prior and posterior, as a table and a figure."""

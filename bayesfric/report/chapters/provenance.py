@@ -9,8 +9,6 @@ from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import CalibrationFile, Provenance, ScorecardFile
 
-__all__ = ["made_again", "made_from", "provenance"]
-
 
 def provenance(stored: StoredFit) -> Iterator[Block]:
     """Yield what entered, versions, hashes and the command."""

@@ -18,8 +18,6 @@ from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile, ParameterSummary
 
-__all__ = ["summary"]
-
 
 def summary(stored: StoredFit) -> Iterator[Block]:
     """Yield the coefficients and the scatter."""

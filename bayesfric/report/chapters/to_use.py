@@ -6,8 +6,6 @@ from bayesfric.report.content import Block, Code, Inline, Notice, Strong, Table
 from bayesfric.report.quantities import MISSING, error_cells
 from bayesfric.schemas import Cause, DiagnosisFile, Interval
 
-__all__ = ["biased", "numbers_to_use"]
-
 
 def _acting_causes(found: DiagnosisFile) -> Sequence[Cause]:
     """Return the named causes that make a gap; none under another verdict."""

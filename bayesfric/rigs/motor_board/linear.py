@@ -20,8 +20,6 @@ from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii,
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
 from bayesfric.rigs.points import LinearReadings
 
-__all__ = ["motor_rows"]
-
 SCATTER, ERROR = (1e-4, 1.0), (1e-5, 1.0)  # looked at
 
 

@@ -34,8 +34,6 @@ from bayesfric.rigs.steady_points.places import (
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.simulator import DESIGN
 
-__all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
-
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
