@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
-from bayesfric.margins.loop_file import CableRun
+from bayesfric.margins.loop_cables import CableRun
 from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,

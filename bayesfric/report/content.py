@@ -16,44 +16,16 @@ from functools import cached_property
 from typing import Literal, TypeAlias
 
 from bayesfric.report.quantities import MISSING
-from bayesfric.report.words import (
-    Code,
-    Emphasis,
-    Inline,
-    Link,
-    Math,
-    Reference,
-    Strong,
-    Text,
-    inlines,
-    require,
-    require_formula,
-    require_text,
-)
-
-__all__ = [
-    "Block",
-    "BulletList",
-    "Code",
-    "Column",
-    "Document",
-    "Emphasis",
-    "Equation",
-    "Figure",
-    "Heading",
-    "Inline",
-    "Link",
-    "Listing",
-    "Math",
-    "Notice",
-    "PageBreak",
-    "Paragraph",
-    "Reference",
-    "Strong",
-    "Table",
-    "Text",
-    "inlines",
-]
+from bayesfric.report.words import Code as Code
+from bayesfric.report.words import Emphasis as Emphasis
+from bayesfric.report.words import Inline as Inline
+from bayesfric.report.words import Link as Link
+from bayesfric.report.words import Math as Math
+from bayesfric.report.words import Reference as Reference
+from bayesfric.report.words import Strong as Strong
+from bayesfric.report.words import Text as Text
+from bayesfric.report.words import inlines as inlines
+from bayesfric.report.words import require, require_formula, require_text
 
 LISTED = 2  # levels of the table of contents
 SHORT = 12  # headings of a document that a reader leafs through
