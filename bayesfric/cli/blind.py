@@ -79,9 +79,9 @@ def blind(
         expected = "--from RECORDING and --answer FILE together"
         raise InputError([Fault("command line", expected, column=missing)])
     if recording is not None and answer is not None:
-        found, analysis = read_recording(recording), read_analysis(config, seed=seed)
+        read, analysis = read_recording(recording), read_analysis(config, seed=seed)
         with hold(output, "blind"):
-            scorecard = score_recording(output, found, answer, analysis)
+            scorecard = score_recording(output, read, answer, analysis)
         (case,) = scorecard.cases
         right = "correct" if case.correct else "not correct"
         said = ", ".join(case.causes) or "no cause"

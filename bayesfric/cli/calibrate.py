@@ -36,7 +36,7 @@ def calibrate(
         hold(output, "calibrate"),
         stage("calibrating", quiet=quiet) as progress,
     ):
-        found = run(
+        calibrated = run(
             output,
             number=number,
             workers=workers,
@@ -44,7 +44,7 @@ def calibrate(
             analysis=read_analysis(config, seed=seed),
             progress=progress,
         )
-    inside = sum(one.inside for one in found.quantities)
-    say(f"{inside} of {len(found.quantities)} quantities have uniform ranks")
-    happened = say_attention(found.attention, quiet=quiet)
-    fail_on(fail_on_list, happened if found.calibrated else happened | {"uncalibrated"})
+    inside = sum(quantity.inside for quantity in calibrated.quantities)
+    say(f"{inside} of {len(calibrated.quantities)} quantities have uniform ranks")
+    happened = say_attention(calibrated.attention, quiet=quiet)
+    fail_on(fail_on_list, happened if calibrated.calibrated else happened | {"uncalibrated"})

@@ -103,14 +103,14 @@ def claims_into(
     from bayesfric.claims.stored_fit import current_posterior
     from bayesfric.recording import read_recording
 
-    found = read_recording(recording)
+    read = read_recording(recording)
     title = "comparing the claims with their rivals"
     checkpoint = output / ".checkpoint-claims"
     with stage(title, quiet=quiet, longest_first=True) as progress:
         checked = check_claims(
-            found,
+            read,
             analysis,
-            posterior=current_posterior(output, found, analysis, baseline),
+            posterior=current_posterior(output, read, analysis, baseline),
             executor=executor,
             rigs=rigs,
             baseline=baseline,
@@ -119,7 +119,7 @@ def claims_into(
         )
         checked.write(output, junit=junit)
     shutil.rmtree(checkpoint)
-    for one in checked.summary.claims:
-        say(f"{one.id:<24} {one.verdict:<13} {one.reason}")
+    for claim in checked.summary.claims:
+        say(f"{claim.id:<24} {claim.verdict:<13} {claim.reason}")
     happened = say_attention(checked.summary.attention, quiet=quiet)
     return happened | {"refuted"} if checked.refuted else happened

@@ -28,9 +28,9 @@ def compare(
     from bayesfric.comparing import comparison_text, write_comparison
 
     check_fail_on(fail_on_list, "compare")
-    found = compare_folders(first, second)
+    comparison = compare_folders(first, second)
     if output is not None:
-        write_comparison(found, output)
-    for line in comparison_text(found):
+        write_comparison(comparison, output)
+    for line in comparison_text(comparison):
         say(line)
-    fail_on(fail_on_list, set() if found.same else {"changed"})
+    fail_on(fail_on_list, set() if comparison.same else {"changed"})

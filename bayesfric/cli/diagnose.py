@@ -155,10 +155,10 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
     from bayesfric.probabilities import stated
 
     with stage("weighing the effects that the baseline leaves out", quiet=quiet):
-        found = compute()
-        found.write(output)
+        result = compute()
+        result.write(output)
     shutil.rmtree(output / CHECKPOINT, ignore_errors=True)  # of a simulator nothing is kept
-    summary = found.summary
+    summary = result.summary
     say(f"{summary.verdict}: {summary.sentence}")
     for block in summary.joints or (summary,):
         if summary.joints:

@@ -44,9 +44,10 @@ def _list() -> None:
     for effect in all_effects(None).values():
         needs = f", needs {', '.join(sorted(effect.needs))}" if effect.needs else ""
         say(f"{effect.name}  (on {effect.acts_on}{needs}): {effect.sentence}")
-        for one in effect.parameters:
-            unit = "" if one.unit == "1" else f" {one.unit}"
-            say(f"    {one.name}{unit}: {one.meaning}; prior {describe(one.prior)}")
+        for parameter in effect.parameters:
+            unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+            prior = describe(parameter.prior)
+            say(f"    {parameter.name}{unit}: {parameter.meaning}; prior {prior}")
 
 
 def _write(name: str) -> None:

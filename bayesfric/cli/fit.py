@@ -178,14 +178,14 @@ def _print_population(summary: "FitFile") -> None:
     say(f"{'':<12}{'population':<21}between boards        {boards}".rstrip())
     for size, coefficients in summary.pulleys.items():
         for name, entry in coefficients.items():
-            found = pooled.pulleys[size][name]
-            between = found.between
-            each = "".join(
-                f"  {f'{one.pooled.mean:.4g} ± {one.pooled.sd:.2g}':<19}"
-                for one in found.boards.values()
+            coefficient = pooled.pulleys[size][name]
+            between = coefficient.between
+            estimates = "".join(
+                f"  {f'{board.pooled.mean:.4g} ± {board.pooled.sd:.2g}':<19}"
+                for board in coefficient.boards.values()
             )
             say(
                 f"{size:<8} {name}  {f'{entry.mean:.4g} ± {entry.sd:.2g}':<19}  "
                 f"{f'{100 * between.q50:.2g} % (to {100 * between.q95:.2g} %)':<22}"
-                f"{each}".rstrip()
+                f"{estimates}".rstrip()
             )

@@ -161,7 +161,7 @@ def margins_into(
     )
 
     with stage("computing margins", quiet=quiet) as progress:
-        found = compute_margins(
+        computed = compute_margins(
             loops,
             draws,
             analysis,
@@ -172,13 +172,13 @@ def margins_into(
             ensembles=ensembles,
             progress=progress,
         )
-    found.write(output)
+    computed.write(output)
     if mat is not None:
-        write_mat(mat, found.ensembles)
-    if found.summary.law is not None:
-        _say_sentences(found.summary.law.sentence)
-    happened = say_attention(found.summary.attention, quiet=quiet)
-    for loop in found.summary.loops:
+        write_mat(mat, computed.ensembles)
+    if computed.summary.law is not None:
+        _say_sentences(computed.summary.law.sentence)
+    happened = say_attention(computed.summary.attention, quiet=quiet)
+    for loop in computed.summary.loops:
         _say_sentences(f"{loop.name}: {loop.answer}")
         if loop.plant is not None:
             _say_sentences(f"  {loop.plant.sentence}")
@@ -186,9 +186,9 @@ def margins_into(
             effects = ", ".join(loop.with_effects.effects) or "the law refitted"
             _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
         for metric in loop.metrics:
-            for one in (metric, in_degrees_or_decibels(metric)):
-                if one is not None:
-                    _say(one)
+            for shown in (metric, in_degrees_or_decibels(metric)):
+                if shown is not None:
+                    _say(shown)
         if (certificate := certificate_sentence(loop)) is not None:
             say(f"  {certificate}")
         if loop.tuning is not None:
@@ -232,14 +232,15 @@ def _say(metric: "Metric") -> None:
     )
 
 
-def _say_verified(found: "Verification") -> None:
+def _say_verified(verification: "Verification") -> None:
     """Print in how many draws each figure holds against the simulated elastic cable."""
-    say(f"  on an elastic cable, within {found.tolerance:.0%}:")
-    for one in found.held:
-        if one.share is None:
-            say(f"    {one.what}: not held against it, {one.share_why}")
+    say(f"  on an elastic cable, within {verification.tolerance:.0%}:")
+    for figure in verification.held:
+        if figure.share is None:
+            say(f"    {figure.what}: not held against it, {figure.share_why}")
         else:
-            say(f"    {one.what}: holds in {one.share * one.draws:.0f} of {one.draws} draws")
+            held = f"{figure.share * figure.draws:.0f} of {figure.draws} draws"
+            say(f"    {figure.what}: holds in {held}")
 
 
 def _to_begin_with(template: Path | None, list_loops: bool, loops: list[Path] | None) -> None:

@@ -96,11 +96,11 @@ def named_rigs(text: str | None) -> list[str] | None:
         return None
     from bayesfric.rigs import all_rigs
 
-    known, names = all_rigs(), [name.strip() for name in text.split(",")]
+    rigs_by_name, names = all_rigs(), [name.strip() for name in text.split(",")]
     faults = [
-        Fault("command line", one_of(known, name), column="--rigs", value=name)
+        Fault("command line", one_of(rigs_by_name, name), column="--rigs", value=name)
         for name in names
-        if name not in known
+        if name not in rigs_by_name
     ]
     if len(set(names)) < len(names):
         faults.append(Fault("command line", "each rig once", column="--rigs", value=text))

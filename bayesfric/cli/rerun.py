@@ -69,13 +69,13 @@ def rerun(
         again = Path(scratch) if output is None else output
         with hold(again, "rerun"), processes(workers) as executor:
             _repeat(folder, stored, again, recording, executor, quiet)
-        found = compare(folder, again)
-        for line in comparison_text(found):
+        comparison = compare(folder, again)
+        for line in comparison_text(comparison):
             say(line)
         for path in sorted(again.glob("*.nc")):
             same = path.read_bytes() == (folder / path.name).read_bytes()
             say(f"{path.name}: {'the same bytes' if same else 'other bytes'}")
-    fail_on(fail_on_list, set() if found.same else {"changed"})
+    fail_on(fail_on_list, set() if comparison.same else {"changed"})
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,9 @@ class _Stored:
     @property
     def records(self) -> "list[Provenance]":
         """All of it that is there."""
-        return [one for one in (self.fitted, self.claims, self.diagnosis) if one is not None]
+        return [
+            record for record in (self.fitted, self.claims, self.diagnosis) if record is not None
+        ]
 
 
 def _stored(folder: Path) -> _Stored:
@@ -180,27 +182,27 @@ def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -
 
     stored = read_json(MarginsFile, folder / "margins.json")
     there = [*bundled_loops().values(), *(path for path in loops if path.is_file())]
-    known = {loop_sha256(read_loop(path)): path for path in there}
-    if unknown := [one.name for one in stored.loops if one.loop_sha256 not in known]:
+    path_of_loop = {loop_sha256(read_loop(path)): path for path in there}
+    if unknown := [loop.name for loop in stored.loops if loop.loop_sha256 not in path_of_loop]:
         names = ", ".join(unknown)
         say(f"margins.json is not repeated: the loop files of {names} are not known", err=True)
         return
     used = "fitted" if stored.law is None else stored.law.used
-    beside = any(one.with_effects is not None for one in stored.loops)
+    beside = any(loop.with_effects is not None for loop in stored.loops)
     diagnosed = beside or used == "refitted"
     if diagnosed and not _has(again, "diagnosis"):
         say("margins.json is not repeated: its diagnosis is not in the folder", err=True)
         return
     margins_into(
-        [known[one.loop_sha256] for one in stored.loops],
+        [path_of_loop[loop.loop_sha256] for loop in stored.loops],
         again / "draws.nc",
         again,
         _settings(stored, "margins.json"),
         diagnosis=again / "diagnosis.json" if diagnosed else None,
         law=used,
-        verify=max(one.verification.draws if one.verification else 0 for one in stored.loops),
-        tune=any(one.tuning is not None for one in stored.loops),
-        ensembles=any(one.following is not None for one in stored.loops),
+        verify=max(loop.verification.draws if loop.verification else 0 for loop in stored.loops),
+        tune=any(loop.tuning is not None for loop in stored.loops),
+        ensembles=any(loop.following is not None for loop in stored.loops),
         quiet=quiet,
     )
 
@@ -230,14 +232,14 @@ def _boards(
 
     if fitted is None or fitted.pooled is None:
         return []
-    found = [folder / path for path in inputs.get("recording", ())]
-    if given is not None or not found or not all(path.is_dir() for path in found):
+    folders = [folder / path for path in inputs.get("recording", ())]
+    if given is not None or not folders or not all(path.is_dir() for path in folders):
         expected = (
             f"the {len(fitted.pooled.boards)} recordings of this fit where it had them; "
             "else `bayesfric fit` with all of them"
         )
         raise InputError([Fault("command line", expected, column="--recording")])
-    return found
+    return folders
 
 
 def _recording(

@@ -136,9 +136,9 @@ def run_into(
     elsewhere: dict[str, float] = {}
 
     def diagnosis() -> "Diagnosed":
-        found = (begun or begin()).result()
-        elsewhere["diagnosis"] = found.seconds
-        return found
+        result = (begun or begin()).result()
+        elsewhere["diagnosis"] = result.seconds
+        return result
 
     happened |= stages.after(
         "diagnosis",

@@ -144,7 +144,7 @@ def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
             continue
         amplitude = law["amplitude"].to_numpy()[:, places[cause.effect]]
         drawn[f"{cause.effect}.{next(iter(cause.parameters))}"] = amplitude
-        damping = next((one for one in block.enter if one.parameter == "viscous"), None)
+        damping = next((number for number in block.enter if number.parameter == "viscous"), None)
         acts = amplitude != 0
         if cause.effect == "viscous" and damping is not None and acts.any():
             # The amplitude is a share of a Coulomb friction that all draws have in common.

@@ -75,11 +75,11 @@ def unwrapped(
         # Rows that are out of order about such a place go there and back.
         turns = np.cumsum(begins_again.astype(int) - (np.abs(steps - period) <= across))
         turns = np.maximum(turns, 0)
-        found = time_s.copy()
-        found[there[1:]] += turns * period
+        unwrapped_s = time_s.copy()
+        unwrapped_s[there[1:]] += turns * period
         times, row = int(turns.max(initial=0)), int(there[1:][np.argmax(begins_again)]) + first_row
         often = "once" if times == 1 else f"{times} times"
-        return found, (
+        return unwrapped_s, (
             f"its clock begins again after {period:.10g} s, {often} (first at row {row}): "
             "it is unwrapped",
         )

@@ -275,8 +275,8 @@ class Results:
         fitted, claims, diagnosis = stored.fitted, stored.claims, stored.diagnosis
         return cls(
             FitResult(fitted.fit, fitted.draws, fitted.predictive, {}) if fitted else None,
-            ClaimsResult(claims.found, claims.curves, 0.0) if claims else None,
-            DiagnosisResult(diagnosis.found, diagnosis.curves, 0.0) if diagnosis else None,
+            ClaimsResult(claims.record, claims.curves, 0.0) if claims else None,
+            DiagnosisResult(diagnosis.record, diagnosis.curves, 0.0) if diagnosis else None,
             MarginsResult(stored.margins) if stored.margins else None,
             stored.scorecard,
             stored.pooled,

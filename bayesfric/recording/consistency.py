@@ -11,7 +11,7 @@ from bayesfric.recording.frames import did_not_move, individual_angles
 from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
-from bayesfric.recording.steady_signs import MANY, pushing
+from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
 from bayesfric.recording.tables import RigConstants
 
 MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
@@ -200,7 +200,7 @@ def _conventions(points: Table) -> list[Fault]:
     if not points.has("friction_n") or complete.empty:
         return []
     push = pushing(complete)
-    if push.mean() <= MANY:
+    if push.mean() <= SYSTEMATIC_SHARE:
         return []
     expected = (
         "friction as its size, with the sign of velocity_m_s, or against it, in all rows alike: "
@@ -235,7 +235,7 @@ def _displacements(
     back = ~off & (counts <= previous)
     expected = f"a multiple of rig.hall_spacing_m, {spacing:g} m"
     most = LISTED
-    if off.sum() > FEW and off.sum() > MANY * (values != 0).sum():
+    if off.sum() > FEW and off.sum() > SYSTEMATIC_SHARE * (values != 0).sum():
         expected, most = f"{expected} (is that the spacing of these events?)", 1
     return (
         events.faults_where(not_zero, column, "0 at the first event of a trial and sensor")

@@ -143,21 +143,23 @@ def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int
     """Return the rows of stretches that repeat earlier ones row by row, with what they repeat."""
     earlier: dict[int, list[int]] = {}
     first: dict[int, int] = {}
-    told: dict[int, tuple[float, int]] = {}  # by the earlier row: digits, length of the stretch
+    agreed_before: dict[
+        int, tuple[float, int]
+    ] = {}  # by the earlier row: digits, length of the stretch
     for row, of_row in enumerate(np.asarray(kind).tolist()):
         before = earlier.setdefault(of_row, [])
         now: dict[int, tuple[float, int]] = {}
         for other in before[-RECENT:] + before[:1]:
-            agreed, length = told.get(other - 1, (0.0, 0))
+            agreed, length = agreed_before.get(other - 1, (0.0, 0))
             now[other] = agreed + float(digits[row]), length + 1
         if now:
-            other, (agreed, length) = max(now.items(), key=lambda found: found[1][0])
+            other, (agreed, length) = max(now.items(), key=lambda item: item[1][0])
             if agreed >= SURE:
                 for back in range(length):
                     root = other - back
                     first.setdefault(row - back, first.get(root, root))
         before.append(row)
-        told = now
+        agreed_before = now
     return dict(sorted(first.items()))
 
 
@@ -215,7 +217,7 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
     # What lasts as long, and has as many rows, is looked at.
     groups = pd.DataFrame({"size": ends - starts, "lasting": lasting})
     chosen = groups.duplicated(keep=False) & (groups["size"] >= LEAST_SAMPLES)
-    found: Copies = {}
+    copies: Copies = {}
     seen: dict[bytes, str] = {}
     for group in np.flatnonzero(chosen).tolist():
         begin, end = int(starts[group]), int(ends[group])
@@ -230,8 +232,8 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
             digest.update(np.ascontiguousarray(column + 0.0).tobytes())
         first = seen.setdefault(digest.digest(), name)
         if first != name:
-            found[name] = first
-    return found
+            copies[name] = first
+    return copies
 
 
 def _by_condition(alike: Copies, ids: pd.Series, condition: pd.DataFrame) -> tuple[Copies, Copies]:

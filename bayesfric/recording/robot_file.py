@@ -109,7 +109,11 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if root.tag == "robot":
         places = list(root.findall("joint"))
     else:
-        included = [_parsed(one) for name, one in robot.files.items() if name.endswith(".xml")]
+        included = [
+            _parsed(content_of_file)
+            for name, content_of_file in robot.files.items()
+            if name.endswith(".xml")
+        ]
         places = [
             joint for part in (root, *included) if part is not None for joint in part.iter("joint")
         ]

@@ -187,10 +187,10 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
 
 
 def _resource(table: TableFormat, frame: pd.DataFrame, rotary: bool) -> dict[str, Any]:
-    known = {column.name: column for column in table.columns}
+    columns = {column.name: column for column in table.columns}
     schema = []
     for name in frame.columns:
-        column = known.get(name)
+        column = columns.get(name)
         kind = column.kind if column else "number"
         field = {"name": name, "type": kind if kind in ("number", "integer") else "string"}
         if column and column.unit:

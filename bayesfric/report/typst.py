@@ -72,10 +72,8 @@ def _document(document: content.Document) -> dict[str, object]:
     return {
         "title": printable(document.title),
         "subtitle": printable(document.subtitle),
-        "authors": [printable(author) for author in document.authors or ()],
         "day": None if date is None else date.date().isoformat(),
         "moment": moment.timetuple()[:6],
-        "language": document.language,
         "contents": bool(document.listed),
         "blocks": [_block(block, place, places) for block, place in _on_paper(document)],
     }
@@ -124,8 +122,6 @@ def _block(
                 "share": block.width,
                 "floats": block.floats,
             }
-        case content.PageBreak():
-            pass
     return data
 
 
@@ -137,7 +133,5 @@ def _inline(inline: content.Inline, places: Mapping[str, Place]) -> list[object]
             return [type(inline).__name__.lower(), printable(text)]
         case content.Math(source):
             return ["math", FORMULAS[source].typst, FORMULAS[source].spoken]
-        case content.Link(text, url):
-            return ["link", printable(text), url]
         case content.Reference(label):
             return ["reference", places[label].kind, places[label].anchor]

@@ -34,7 +34,9 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
 def replays(stored: StoredDiagnosis) -> Iterator[Block]:
     """Yield measured and simulated drive forces of held-out runs; nothing without a replay."""
     traces = stored.group("replay")
-    blocks = [block for block in stored.found.joints or (stored.found,) if block.replay is not None]
+    blocks = [
+        block for block in stored.record.joints or (stored.record,) if block.replay is not None
+    ]
     if traces is None or not blocks:
         return
     unit = blocks[0].gap.unit
