@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Rigs, Seed, fails, named_rigs
 from bayesfric.cli.printing import say, say_attention
+from bayesfric.errors import Fault, InputError
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
@@ -42,15 +43,15 @@ def fit(
             help="Folder of the recording; of several, each is a board of one population.",
         ),
     ],
-    output: Folder = Path("bayesfric-run"),
-    rigs: Rigs = None,
-    baseline: Baseline = "paper",
-    csv: Annotated[bool, typer.Option("--csv", help="Also write the draws as draws.csv.")] = False,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("fit")] = "",
-) -> None:
+    output: options.Folder = Path("bayesfric-run"),
+    rigs: options.Rigs = None,
+    baseline: options.Baseline = "paper",
+    csv: Annotated[bool, options.switch("--csv", "Also write the draws as draws.csv.")] = False,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("fit")] = "",
+) -> set[str]:
     """Draw from the posterior; write fit.json, draws.nc, predictive.nc, timings.json.
 
     Example: bayesfric fit my-board -o my-results
@@ -59,14 +60,12 @@ def fit(
     """
     from bayesfric.analysis import read_analysis
 
-    check_fail_on(fail_on_list, "fit")
     analysis = read_analysis(config, seed=seed)
-    chosen = named_rigs(rigs)
+    chosen = options.named_rigs(rigs)
     with hold(output, "fit"):
-        happened = fit_into(
+        return fit_into(
             recordings, output, analysis, rigs=chosen, baseline=baseline, csv=csv, quiet=quiet
         )
-    fail_on(fail_on_list, happened)
 
 
 def fit_into(
@@ -140,8 +139,6 @@ def _pooled(
 
 def _board_names(folders: Sequence[Path]) -> dict[str, Path]:
     """Return folders by what their boards are called, which is their last name."""
-    from bayesfric.errors import Fault, InputError
-
     named: dict[str, Path] = {}
     for folder in folders:
         name = folder.resolve().name

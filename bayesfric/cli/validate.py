@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.exits import exit_status
-from bayesfric.cli.options import Config
 from bayesfric.cli.printing import say
 
 
@@ -14,9 +14,9 @@ from bayesfric.cli.printing import say
 def validate(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
     power: Annotated[
-        bool, typer.Option("--power", help="What its conditions can tell, whatever was measured.")
+        bool, options.switch("--power", "What its conditions can tell, whatever was measured.")
     ] = False,
-    config: Config = None,
+    config: options.Config = None,
 ) -> None:
     """Check a recording, and print what it holds or all of its faults.
 
