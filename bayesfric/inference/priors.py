@@ -11,8 +11,9 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import special, stats
+from scipy import special
 
 from bayesfric.families import (
     Beta,
@@ -243,24 +244,24 @@ def draw(prior: Prior, size: int, rng: np.random.Generator) -> NDArray[np.float6
 def _frozen(prior: Prior) -> Any:
     match prior:
         case HalfNormal(scale=scale):
-            return stats.halfnorm(scale=scale)
+            return scipy.stats.halfnorm(scale=scale)
         case LogNormal(median=median, sd_log=sd):
-            return stats.lognorm(s=sd, scale=median)
+            return scipy.stats.lognorm(s=sd, scale=median)
         case Normal(mean=mean, sd=sd):
-            return stats.norm(mean, sd)
+            return scipy.stats.norm(mean, sd)
         case Uniform(low=low, high=high):
-            return stats.uniform(low, high - low)
+            return scipy.stats.uniform(low, high - low)
         case StudentT(degrees_of_freedom=freedom, location=location, scale=scale):
-            return stats.t(freedom, location, scale)
+            return scipy.stats.t(freedom, location, scale)
         case HalfCauchy(scale=scale):
-            return stats.halfcauchy(scale=scale)
+            return scipy.stats.halfcauchy(scale=scale)
         case Gamma(shape=shape, scale=scale):
-            return stats.gamma(shape, scale=scale)
+            return scipy.stats.gamma(shape, scale=scale)
         case Beta(a=a, b=b, high=high):
-            return stats.beta(a, b, scale=high)
+            return scipy.stats.beta(a, b, scale=high)
         case TruncatedNormal(mean=mean, sd=sd, low=lowest, high=highest):
             ends = (-np.inf if lowest is None else lowest, np.inf if highest is None else highest)
-            return stats.truncnorm(*((end - mean) / sd for end in ends), mean, sd)
+            return scipy.stats.truncnorm(*((end - mean) / sd for end in ends), mean, sd)
 
 
 def describe(prior: Prior) -> str:

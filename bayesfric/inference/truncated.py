@@ -1,7 +1,8 @@
 """Draws of normal numbers that a bound holds up: those below it are drawn anew above it."""
 
 import numpy as np
-from scipy.stats import norm, rankdata
+import scipy
+from scipy.special import ndtr, ndtri
 
 from bayesfric.arrays import Array
 
@@ -39,7 +40,7 @@ def drawn_above(draws: Array, least: Array) -> Array:
             continue
         mean, sd = float(column.mean()), float(column.std())
         start = min(float((bound[place] - mean) / sd), FARTHEST)
-        share = (rankdata(column[below]) - 0.5) / below.sum()
+        share = (scipy.stats.rankdata(column[below]) - 0.5) / below.sum()
         # Beyond `start`, by the upper tail: a density far below its bound has little above it.
-        drawn[(below, *place)] = mean + sd * norm.isf(share * norm.sf(start))
+        drawn[(below, *place)] = mean - sd * ndtri(share * ndtr(-start))
     return np.maximum(drawn, bound)

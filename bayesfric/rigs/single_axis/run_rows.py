@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.ndimage import uniform_filter1d
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, smooth_motion
@@ -76,7 +76,7 @@ def rows_of_run(
         "known_held": inside(known_held),
         "known_moved": inside(known_moved),
         # A drive clips what it is sent: a mean over more than the places' distance has no peaks.
-        "drive": inside(uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
+        "drive": inside(scipy.ndimage.uniform_filter1d(log.force, 2 * (half // NODES) + 1)),
         "instruments": sign[:, None] * instruments_of(log, test, centres),
         "simulated": _under(log.forces, test, centres, sign),
         "beside": _under(log.beside, test, centres, sign),
@@ -185,7 +185,7 @@ def _loudness(force: Array) -> Array:
     """
     jump = np.zeros(force.size)
     jump[1:-1] = np.diff(force, 2) ** 2
-    local = uniform_filter1d(jump, LOCAL)
+    local = scipy.ndimage.uniform_filter1d(jump, LOCAL)
     quiet = max(float(np.median(local)), (UNHEARD * float(np.std(force))) ** 2)
     return np.asarray(1 + local / (quiet or 1.0))
 
