@@ -103,6 +103,19 @@ def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
     assert again.priors.pulleys == stored.pulleys
 
 
+def test_a_share_of_friction_is_told_where_no_load_was_recorded(tmp_path):
+    """Without a load no friction grows with one: a constant is all of it, and is told."""
+    found = bf.diagnose(recorded(tmp_path, joint(3.0), rotary=True)).summary
+    assert list(found.law) == ["c2"]
+    constant = found.law["c2"].after
+    assert abs(constant.mean - 8.0) < 4 * constant.sd
+    assert constant.sd < 0.1
+    assert found.gap.no_share is None
+    # What a constant cannot take up of 3 N·m s/rad at 0.1 to 2 rad/s, beside the law's 8 N·m.
+    share = 3.0 * np.linspace(0.1, 2.0, 15).std() / 8.0
+    assert found.gap.before.mean / found.gap.friction_rms == pytest.approx(share, rel=0.05)
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize("seed", [2, 3, 4])
 def test_a_stribeck_curve_beside_viscous_friction_is_these_two_and_no_drag_of_air(tmp_path, seed):
