@@ -45,6 +45,16 @@ def test_inertia_friction_and_offset_are_the_law_and_no_cause():
     assert "a mass that is declared" in why["torque-gain"]
 
 
+def test_a_drag_that_takes_more_than_friction_is_itself_and_no_stribeck_curve():
+    """With a prior of a third of friction, a cube and a Stribeck curve took its place."""
+    joint = Joint(gravity=0.0, drag=0.02, noise=0.02, seed=10)
+    found = bf.diagnose(joint.recording()).summary
+    causes = causes_of(found)
+    assert list(causes) == ["air-drag"]
+    assert causes["air-drag"].parameters["coefficient"].mean == pytest.approx(0.02, rel=0.1)
+    assert found.law["viscous"].after.mean == pytest.approx(joint.viscous, rel=0.15)
+
+
 def test_an_inertia_that_data_have_below_zero_is_not_told_as_known():
     """Something beside the joint pulls it along as it accelerates, a hundred standard errors."""
     samples = Joint(inertia=-0.3, coulomb=0.2, gravity=0.0, seconds=12.0).samples()
