@@ -139,7 +139,8 @@ def mjcf(arm: Arm, *, step_s: float = 5e-4, rotor: float = 0.0, masses: Sequence
     for link, (mass, length) in enumerate(zip(masses, arm.lengths, strict=True)):
         axis = "0 0 1" if arm.upright and link == 0 else "0 1 0"
         place = "" if link == 0 else f' pos="{arm.lengths[link - 1]} 0 0"'
-        lean = f' euler="0 {arm.leaning} 0"' if link == 0 else ""
+        leans = link == 0 and not arm.upright
+        lean = f' euler="0 {arm.leaning} 0"' if leans else ""
         text += (
             f'<body name="link{link + 1}"{place}{lean}><joint name="joint{link + 1}" axis="{axis}"/>'
             f'<geom type="capsule" fromto="0 0 0 {length} 0 0" size=".03" mass="{mass}"/>'
