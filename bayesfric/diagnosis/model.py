@@ -31,7 +31,7 @@ from bayesfric.rigs.linear import Evaluated, LinearRig
 __all__ = ["LinearModel"]
 
 # Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
-LEAST = {"c1": 2e-4, "c2": 5e-5, "c3": -np.inf}
+LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}
 # The same where a machine's own prior says how large it may be: all is counted in friction of the
 # law, and a law that gravity leaves none has a hundredth of what the drive gives.
 LEAST_OWN = {"c1": 0.01, "c2": 0.01, "c3": -np.inf}
