@@ -133,7 +133,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
                 break
         else:
             members.append([name])
-    chosen = tuple(tuple(one) for one in members)
+    chosen = tuple(tuple(effects) for effects in members)
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
     likelier = odds if any(value != 1 for value in odds.values()) else {}
     return Classes(chosen, tuple(absorbed), left_out, likelier)

@@ -139,10 +139,10 @@ def _by_instrument(number: LawNumber, values: Array) -> Array:
     """Return draws of a number as it is told, where an instrument tells it: its quantiles."""
     if number.least_squares is None:
         return values
-    told = number.after
+    value = number.after
     score = norm.ppf((rankdata(values) - 0.5) / values.size)
-    width = np.where(score < 0, told.q50 - told.q05, told.q95 - told.q50) / norm.ppf(0.95)
-    return np.asarray(told.q50 + width * score)
+    width = np.where(score < 0, value.q50 - value.q05, value.q95 - value.q50) / norm.ppf(0.95)
+    return np.asarray(value.q50 + width * score)
 
 
 def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
