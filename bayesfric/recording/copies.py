@@ -57,30 +57,31 @@ def without_copies(
         same, unlike = _of_trains(gravity)
         notes += _unlike("gravity_trials.csv", "events", unlike)
         copies |= same
-        trials = gravity.trials[~gravity.trials["trial"].isin(copies)].reset_index(drop=True)
-        events = gravity.events[~gravity.events["trial"].isin(copies)].reset_index(drop=True)
         notes += _said("gravity_trials.csv", "trial", copies)
-        recording = replace(recording, gravity=Gravity(trials, events) if copies else gravity)
-    if recording.motor is not None and (copies := _of_readings(tables, "motor_runs.csv")):
-        runs = recording.motor.runs
-        kept = runs[~runs["run"].isin(copies)].reset_index(drop=True)
-        recording = replace(recording, motor=replace(recording.motor, runs=kept))
+        parts = (_counted_once(part, "trial", copies) for part in (gravity.trials, gravity.events))
+        recording = replace(recording, gravity=Gravity(*parts))
+    if recording.motor is not None:
+        copies = _of_readings(tables, "motor_runs.csv")
         notes += _said("motor_runs.csv", "run", copies)
-    if recording.steady is not None and (copies := _of_readings(tables, "steady_friction.csv")):
-        points = recording.steady
-        kept = points[~points["run"].isin(copies)].reset_index(drop=True)
-        recording = replace(recording, steady=kept)
+        runs = _counted_once(recording.motor.runs, "run", copies)
+        recording = replace(recording, motor=replace(recording.motor, runs=runs))
+    if recording.steady is not None:
+        copies = _of_readings(tables, "steady_friction.csv")
         notes += _said("steady_friction.csv", "run", copies)
+        recording = replace(recording, steady=_counted_once(recording.steady, "run", copies))
     if recording.axis is not None:
         axis = recording.axis
         copies, unlike = _of_runs(axis)
         notes += _unlike("axis_runs.csv", "samples", unlike)
-        if copies:
-            runs = axis.runs[~axis.runs["run"].isin(copies)].reset_index(drop=True)
-            samples = axis.samples[~axis.samples["run"].isin(copies)].reset_index(drop=True)
-            recording = replace(recording, axis=Axis(runs, samples))
-            notes += _said("axis_runs.csv", "run", copies)
+        notes += _said("axis_runs.csv", "run", copies)
+        parts = (_counted_once(part, "run", copies) for part in (axis.runs, axis.samples))
+        recording = replace(recording, axis=Axis(*parts))
     return recording, tuple(notes)
+
+
+def _counted_once(rows: pd.DataFrame, key: str, copies: Copies) -> pd.DataFrame:
+    """Return the rows of what is no copy; the same table where nothing is one."""
+    return rows[~rows[key].isin(copies)].reset_index(drop=True) if copies else rows
 
 
 def _said(file: str, what: str, copies: Copies) -> Iterator[str]:

@@ -11,7 +11,6 @@ from bayesfric.recording.robot_file import faults_of_joints
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
-COMMANDS = ("command_m", "command_rad")
 SAMPLES = "axis_samples.csv"
 
 
