@@ -249,7 +249,7 @@ def read_tree(path: Path) -> xr.DataTree:
 
 
 def _check_bytes(path: Path) -> None:
-    """Find damage before the arrays are read: a wrong checksum, or an array of absurd size."""
+    """Raise where the checksum is wrong or an array has an absurd size."""
     if has_checksum(path) and checksum_differs(path):
         raise ValueError("its bytes have changed")
     with netCDF4.Dataset(path) as file:

@@ -46,7 +46,7 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
 
 
 def _clean(quality: DataQuality) -> Iterator[str]:
-    """Yield in a sentence each what no table tells."""
+    """Yield a sentence for each kind of fault that does not occur."""
     if not quality.excluded:
         yield "No trial was left out."
     if not quality.repaired:
