@@ -13,7 +13,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-import arviz_base
 import netCDF4
 import numpy as np
 import xarray as xr
@@ -130,6 +129,8 @@ def draws_tree(
     DataTree
         Without the date that ArviZ would stamp on it.
     """
+    import arviz_base  # late: it loads matplotlib, which reading a recording has no use for
+
     tree = arviz_base.from_dict(
         {name: _by_variable(group) for name, group in groups.items()},
         dims=_by_variable(dims),

@@ -182,7 +182,7 @@ def contradicted(
     """Yield the parameters whose posterior is far from an informative prior, as by a wrong unit."""
     for parameter in parameters:
         entry, prior = entries[parameter.name], parameter.prior
-        if not isinstance(prior, Normal):
+        if not isinstance(prior, Normal) or parameter.share_of is not None:
             continue
         distance = abs(entry.mean - prior.mean)
         far = distance / prior.sd

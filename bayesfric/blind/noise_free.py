@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
@@ -127,7 +127,7 @@ class CleanCase:
                 own = np.flatnonzero(trial == number)
                 covariance[np.ix_(own, own)] += residuals.covariance[number]
             square += float(rest[rows] @ np.linalg.solve(covariance, rest[rows]))
-        return float(norm.cdf(np.sqrt(square) - norm.isf(FALSE_ALARMS)))
+        return float(ndtr(np.sqrt(square) + ndtri(FALSE_ALARMS)))
 
     def _systematic(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
         """Return what a recalibrated law leaves, once trials' own nuisances are taken out."""

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import truncnorm
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
@@ -211,7 +211,7 @@ def _made_positive(
         if below.any():
             mean, variance = at.mean[place], at.covariance[place, place]
             sd = np.sqrt(variance)
-            again = truncnorm.rvs(
+            again = scipy.stats.truncnorm.rvs(
                 -mean / sd, np.inf, mean, sd, size=int(below.sum()), random_state=rng
             )
             # What hangs together with it moves along.

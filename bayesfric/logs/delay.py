@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.optimize import minimize_scalar
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.logs.ordering import Series
@@ -38,7 +37,7 @@ def delay_between(command: Series, measured: Series) -> Delay | None:
     time, value = measured.time_s[inside], measured.value[inside]
     if time.size < 20 or np.ptp(command.value) == 0 or np.ptp(value) == 0:
         return None
-    path = CubicSpline(command.time_s, command.value)
+    path = scipy.interpolate.CubicSpline(command.time_s, command.value)
 
     def rest(delay: float) -> tuple[Array, Array]:
         columns = np.stack([np.ones_like(time), path(time - delay)], axis=1)
@@ -48,7 +47,7 @@ def delay_between(command: Series, measured: Series) -> Delay | None:
     tried = np.linspace(-LATEST_S, LATEST_S, COARSE)
     squares = [float(np.sum(rest(shift)[0] ** 2)) for shift in tried]
     best, step = tried[int(np.argmin(squares))], tried[1] - tried[0]
-    least = minimize_scalar(
+    least = scipy.optimize.minimize_scalar(
         lambda shift: float(np.sum(rest(shift)[0] ** 2)),
         bounds=(best - step, best + step),
         method="bounded",

@@ -7,7 +7,7 @@ import pandas as pd
 
 from bayesfric.errors import Fault, near
 from bayesfric.recording.csv_text import LISTED, with_more, with_rest
-from bayesfric.recording.frames import did_not_move, individual_angles
+from bayesfric.recording.frames import did_not_move, individual_angles, stands_in
 from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
@@ -94,7 +94,7 @@ def _unmeasured(trials: Table, events: Table | None) -> list[Fault]:
     if "acceleration_m_s2" in text:  # one that is written but wrong is a fault already
         missing &= text["acceleration_m_s2"] == ""
     if events:
-        missing &= ~trial.isin(events.frame["trial"])
+        missing &= ~stands_in(trial, events.frame["trial"])
     expected = "events of this trial in gravity_events.csv, or its acceleration_m_s2"
     return trials.faults_where(
         missing & ~did_not_move(trials.frame), "trial", f"{expected}, or did_not_move true"
@@ -106,7 +106,7 @@ def _moved_after_all(trials: Table, events: Table | None) -> list[Fault]:
         return []
     moved = pd.Series(False, index=trials.frame.index)
     if events and events.has("trial"):
-        moved |= trials.frame["trial"].isin(events.frame["trial"])
+        moved |= stands_in(trials.frame["trial"], events.frame["trial"])
     if trials.has("acceleration_m_s2"):
         moved |= trials.frame["acceleration_m_s2"].notna()
     expected = "nothing, or false: the trial has events or an acceleration"
@@ -154,7 +154,7 @@ def _runs_without_samples(runs: Table, samples: Table) -> list[Fault]:
     if not (runs.has("run") and samples.has("run")):
         return []
     run = runs.frame["run"]
-    missing = run.notna() & ~run.isin(samples.frame["run"])
+    missing = run.notna() & ~stands_in(run, samples.frame["run"])
     return runs.faults_where(missing, "run", f"samples of this run in {samples.text.file}")
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import Axis, Gravity, Recording
 
@@ -123,7 +124,7 @@ def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
     events = tables.get("gravity_events.csv")
     if events is None or not (events.has("trial") and table.has("trial")):
         return pd.Series(False, index=table.frame.index)
-    return table.frame["trial"].isin(events.frame["trial"].unique())
+    return stands_in(table.frame["trial"], events.frame["trial"])
 
 
 def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:

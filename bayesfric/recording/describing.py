@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from bayesfric.recording.frames import did_not_move
+from bayesfric.recording.frames import did_not_move, stands_in
 from bayesfric.recording.tables import Gravity, Motor, Recording
 
 
@@ -75,7 +75,7 @@ def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:
     trials, events = gravity.trials, gravity.events
     text = f"{_count(len(trials), 'trial')}, {_count(len(events), 'event')}"
     still = did_not_move(trials)
-    without = int((~trials["trial"].isin(events["trial"]) & ~still).sum())
+    without = int((~stands_in(trials["trial"], events["trial"]) & ~still).sum())
     if still.any():
         text += f", {still.sum()} that did not move"
     if without:

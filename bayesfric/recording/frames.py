@@ -44,6 +44,14 @@ def did_not_move(trials: pd.DataFrame) -> "pd.Series[bool]":
     return trials["did_not_move"] == "true"
 
 
+def stands_in(names: pd.Series, rows: pd.Series) -> "pd.Series[bool]":
+    """Return which names stand in a column of a longer table, in which each may stand often.
+
+    pandas makes a list of Python's text of all that it looks among: a second for a million rows.
+    """
+    return names.isin(rows.unique())
+
+
 def individual_angles(cell: str) -> npt.NDArray[np.float64]:
     """Return the wrap angles of a trial's pulleys from their cell [deg]; NaN for no number."""
     return to_numbers_apart(cell)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from bayesfric.arrays import Array
 from bayesfric.schemas import Interval, ModelError
@@ -85,7 +85,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     before = np.sqrt(np.sum(amounts.root**2, axis=1))
     listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_SHARE_TAKEN) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
-    reach = float(norm.ppf(0.95))
+    reach = float(ndtri(0.95))
     errors = []
     for place in ordered:
         link, number, unit = amounts.names[place]

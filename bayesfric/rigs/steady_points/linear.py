@@ -76,4 +76,5 @@ def points_rows(
         known_error=np.nan_to_num(known_sd),
         # Two directions leave a smooth force nothing that an effect of them does not say.
         further={name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
+        lacks=bench.coefficients_without(),
     )
