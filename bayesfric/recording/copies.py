@@ -59,8 +59,9 @@ def without_copies(
         notes += _unlike("gravity_trials.csv", "events", unlike)
         copies |= same
         notes += _said("gravity_trials.csv", "trial", copies)
-        parts = (_counted_once(part, "trial", copies) for part in (gravity.trials, gravity.events))
-        recording = replace(recording, gravity=Gravity(*parts))
+        trials = _counted_once(gravity.trials, "trial", copies)
+        events = _counted_once(gravity.events, "trial", copies)
+        recording = replace(recording, gravity=Gravity(trials, events))
     if recording.motor is not None:
         copies = _of_readings(tables, "motor_runs.csv")
         notes += _said("motor_runs.csv", "run", copies)
@@ -75,8 +76,8 @@ def without_copies(
         copies, unlike = _of_runs(axis)
         notes += _unlike("axis_runs.csv", "samples", unlike)
         notes += _said("axis_runs.csv", "run", copies)
-        parts = (_counted_once(part, "run", copies) for part in (axis.runs, axis.samples))
-        recording = replace(recording, axis=Axis(*parts))
+        runs, samples = (_counted_once(part, "run", copies) for part in (axis.runs, axis.samples))
+        recording = replace(recording, axis=Axis(runs, samples))
     return recording, tuple(notes)
 
 
