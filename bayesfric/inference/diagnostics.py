@@ -296,7 +296,11 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
         return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
-    normalised, k = _of_arrays().psislw(-weights, r_eff=1.0)
+    # Quantiles of a tail that spans the range of doubles overflow; they are cut to the largest.
+    with np.errstate(over="ignore", invalid="ignore"):
+        normalised, k = _of_arrays().psislw(-weights, r_eff=1.0)
+    if not (np.isfinite(k) and np.isfinite(normalised).all()):
+        return log_weights, float("inf")
     # The library normalises the weights: undo it by the smallest, which smoothing leaves.
     smallest = np.argmin(weights)
     smoothed = log_weights.copy()
