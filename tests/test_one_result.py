@@ -17,7 +17,7 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.claims.checking import Checked
 from bayesfric.claims.stored_fit import current_posterior
 from bayesfric.comparing import compare
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.errors import InputError
 from bayesfric.margins.posterior import read_posterior
 from bayesfric.report.stored import read_stored

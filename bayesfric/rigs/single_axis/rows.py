@@ -15,8 +15,7 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import ModelColumns
-from bayesfric.rigs.linear import LinearRig, rank, rms_of
+from bayesfric.rigs.linear import rank, rms_of
 from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
@@ -192,12 +191,6 @@ class AxisRows:
     def strays(self) -> tuple[str, ...]:
         """Return no trial: runs differ by their scatter."""
         return ()
-
-    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        from bayesfric.rigs.single_axis.linear import AxisPart
-
-        return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return prior standard deviations of the columns of :meth:`nuisance_columns`.
