@@ -68,8 +68,6 @@ from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
-__all__ = ["diagnose"]
-
 NOTHING_TOLD = "these data tell no number of the model"
 MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
 

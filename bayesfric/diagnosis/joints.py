@@ -13,8 +13,6 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
 from bayesfric.rigs.model_amounts import model_errors
 
-__all__ = ["diagnosed_together"]
-
 ORDER = ("unknown", "unseparated", "named", "undecided", "no-gap")
 """Of verdicts: that of a machine is the first that any of its joints has."""
 

@@ -28,8 +28,6 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["AxisPart", "LinearAxis"]
-
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run

@@ -21,8 +21,6 @@ from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
-__all__ = ["AxisRows", "state_of", "varied_columns"]
-
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
 KNOWN = ("run", "order", "setup", "role", "trial", "pulley_size", "n_pulleys", "wrap_angle_deg")

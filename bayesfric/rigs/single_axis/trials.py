@@ -46,8 +46,6 @@ from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
-__all__ = ["RIG", "AxisRuns", "SingleAxis"]
-
 WORDS = Words(
     "driven axis",
     "run",
