@@ -15,8 +15,6 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.probabilities import normalised, total
 
-__all__ = ["NONE", "UNKNOWN", "Search"]
-
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 CONTRADICTED = 0.95  # of causes whose held-out shrink lies below the model's by its 90 % interval

@@ -33,8 +33,6 @@ from bayesfric.effects.candidates import SHAPE_NODES
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["Judged", "judge"]
-
 FOREIGN = 0.15  # of the squared gap, beyond which it is not made by the effects that are named
 RARE = 0.003  # probability of that, below which it is left out
 PASSES = 2  # over shapes of several causes, one at a time
