@@ -153,7 +153,7 @@ class Shared:
         self._taken = taken[0]
         rows = len(grams) * k
         of_runs = grams[:, :, k:].reshape(rows, -1).T @ taken_by_run[:, :, k:].reshape(rows, -1)
-        self.rest = others - of_runs - self._across.T @ self._taken @ self._across
+        self.rest: Array = others - of_runs - self._across.T @ self._taken @ self._across
         self.constant = -0.5 * float(log_run.sum() + log_shared.sum())
 
     def moments(self, mixed: Array) -> tuple[float, float, Array, Array]:
