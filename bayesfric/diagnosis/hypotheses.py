@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import comb
 
 import numpy as np
 from scipy.special import logsumexp
@@ -72,9 +71,9 @@ class Search:
             return float(np.log(prior.none if none is None else none))
         if name == UNKNOWN:
             return float(np.log(rest * prior.unknown))
-        number = name.count("+") + 1
-        mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
-        return float(np.log(rest * mass / comb(len(self.classes.members), number)))
+        names = name.split("+")
+        mass = {1: prior.one, 2: prior.two}.get(len(names), prior.more)
+        return float(np.log(rest * mass)) + self.classes.log_prior_among(names)
 
     def with_unknown(self, alone: Unknown, beside: Unknown, name: str) -> "Search":
         """Return these with an unknown force, alone or beside the effects of a hypothesis.

@@ -237,7 +237,7 @@ class AxisPart:
                 "travel_since_reversal": mean @ travel,
                 "time_s": mean @ readings.time_s,
             },
-            counts=root**2,
+            counts=min(readings.hop, 1.0) * root**2,
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
