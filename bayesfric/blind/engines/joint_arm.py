@@ -120,7 +120,9 @@ class Moved:
     further: Array
 
 
-def mjcf(arm: Arm, *, step_s: float = 5e-4, rotor: float = 0.0, masses: Sequence[float] = ()) -> str:
+def mjcf(
+    arm: Arm, *, step_s: float = 5e-4, rotor: float = 0.0, masses: Sequence[float] = ()
+) -> str:
     """Return the arm's MJCF, without friction; with a free rotor where it has inertia.
 
     Parameters
@@ -371,12 +373,14 @@ class Machine:
     def seen(self) -> Array:
         """Return place, speed and acceleration of the links, and what rigid bodies take."""
         joints = self.arm.joints
-        return np.stack([
-            self.data.qpos[:joints],
-            self.data.qvel[:joints],
-            self.data.qacc[:joints],
-            self.carried(),
-        ])
+        return np.stack(
+            [
+                self.data.qpos[:joints],
+                self.data.qvel[:joints],
+                self.data.qacc[:joints],
+                self.carried(),
+            ]
+        )
 
     def carried(self) -> Array:
         """Return the torque that the gears carry: what is left of all torques by friction."""
