@@ -264,7 +264,7 @@ def _largest_alone(
 
     def left(places: list[int]) -> Array:
         taken = best_of(residuals, own[:, places], posterior.force)
-        return (left_of(residuals, posterior, taken) + posterior.unresolved2)[drawn]
+        return np.asarray((left_of(residuals, posterior, taken) + posterior.unresolved2)[drawn])
 
     whole = float((posterior.gap**2 + posterior.unresolved2)[drawn].mean())
     large: list[int] = []

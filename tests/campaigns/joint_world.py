@@ -2,8 +2,8 @@
 
 A cause is right where it acts, or where the diagnosis itself says that it cannot tell the two
 apart. What the law takes up all but a fiftieth of friction of, once it is fitted again, may go
-unnamed. Of the catalogue half of the names, drawn by a hash, are sealed: nobody looks at them before
-the figures of the other half stand.
+unnamed. Half of the names of the catalogue, drawn by a hash, are sealed: nobody looks at them
+before the figures of the other half stand.
 """
 
 import hashlib

@@ -144,7 +144,8 @@ def mjcf(
         leans = link == 0 and not arm.upright
         lean = f' euler="0 {arm.leaning} 0"' if leans else ""
         text += (
-            f'<body name="link{link + 1}"{place}{lean}><joint name="joint{link + 1}" axis="{axis}"/>'
+            f'<body name="link{link + 1}"{place}{lean}>'
+            f'<joint name="joint{link + 1}" axis="{axis}"/>'
             f'<geom type="capsule" fromto="0 0 0 {length} 0 0" size=".03" mass="{mass}"/>'
         )
         end += "</body>"
@@ -305,7 +306,8 @@ def moved(
         kept[3:, k] = machine.seen()
         kept[2, k], further[k] = machine.period(waiting[0], ripples[k])
     times = np.arange(count) / control.rate_hz
-    return Moved(times, *kept, further)
+    read, sent, given, place, speed_of, acceleration, carried = kept
+    return Moved(times, read, sent, given, place, speed_of, acceleration, carried, further)
 
 
 class Machine:
