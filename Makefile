@@ -3,13 +3,13 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report docs test quality coverage fingerprint fingerprint-mutation \
+.PHONY: help setup report docs test tests quality coverage fingerprint fingerprint-mutation \
 	test-nightly evidence-check release-evidence fuzz mutation bench clean
 
 help:
 	@echo 'make report            the bundled recording to posteriors and a PDF, in reports/latest/'
 	@echo 'make docs              the documentation as HTML, in docs/_build/'
-	@echo 'make test              what CI runs: quality, then the tests; minutes'
+	@echo 'make test              what CI runs: quality, and beside it the tests; minutes'
 	@echo 'make quality           lint, formatting and types'
 	@echo 'make fingerprint       the numbers of all rooms anew, and which of them moved; seconds'
 	@echo 'make fingerprint-mutation  altered formulas that the fingerprint has to notice; minutes'
@@ -34,7 +34,11 @@ report: setup
 docs: setup
 	$(python) -m sphinx -W --keep-going -q docs docs/_build
 
-test: quality
+# Types are checked on one core, beside the tests on two: what either leaves idle the other takes.
+test: setup
+	@$(MAKE) --no-print-directory -j 2 quality tests
+
+tests: setup
 	$(python) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 quality: setup

@@ -29,8 +29,6 @@ from urllib.parse import urlsplit
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["WorkerDiedError", "cluster", "processes", "run_campaign", "run_on_processes"]
-
 Case = TypeVar("Case")
 Result = dict[str, Any]
 TRIES = 2  # of a case whose worker died

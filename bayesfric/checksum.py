@@ -7,8 +7,6 @@ that changes the file cuts the checksum off; the file is then read like one with
 import hashlib
 from pathlib import Path
 
-__all__ = ["add_checksum", "checksum_differs", "has_checksum"]
-
 MARK = b"bayesfric sha256 "
 LENGTH = len(MARK) + hashlib.sha256().digest_size
 CHUNK = 1024**2

@@ -8,8 +8,6 @@ from typing import Any, get_args
 
 from bayesfric.errors import Fault, InputError, near, one_of
 
-__all__ = ["file_bytes", "key_faults", "read_toml"]
-
 CAPITALS = "; true and false are written in small letters"
 MEANT = re.compile(rb"=\s*(?!true|false)(?i:true|false)\b")
 PLACES_SHOWN = 3  # places of a key that can be told

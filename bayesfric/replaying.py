@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
-from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.diagnosing import Diagnosed
@@ -26,8 +26,6 @@ from bayesfric.robots.replaying import (
     replayed,
 )
 from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
-
-__all__ = ["Replayed", "held_out_parts", "replay", "with_replay"]
 
 HELD_OUT = 1 / 3  # of each run, at its end, where no run has the role test
 SHOWN_S = 4.0  # of the traces that are kept
@@ -249,7 +247,7 @@ def _motion(logs: Sequence[pd.DataFrame], grid: Array, interval: float, half: in
     read = np.stack([np.interp(grid, log["time_s"], log["position_m"]) for log in logs], axis=1)
     force = np.stack([np.interp(grid, log["time_s"], log["force_n"]) for log in logs], axis=1)
     smooth = [
-        savgol_filter(read, 2 * half + 1, DEGREE, deriv=order, delta=interval, axis=0)
+        scipy.signal.savgol_filter(read, 2 * half + 1, DEGREE, deriv=order, delta=interval, axis=0)
         for order in (0, 1, 2)
     ]
     inside = slice(half, len(grid) - half)  # at the ends a polynomial is extrapolated

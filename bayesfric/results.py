@@ -13,7 +13,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-import arviz_base
 import netCDF4
 import numpy as np
 import xarray as xr
@@ -30,23 +29,6 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
-
-__all__ = [
-    "created_date",
-    "draws_tree",
-    "fitted_coefficients",
-    "fitted_numbers",
-    "identified",
-    "json_bytes",
-    "package_versions",
-    "provenance",
-    "read_beside",
-    "read_json",
-    "read_tree",
-    "refuse_mixed",
-    "replace_outputs",
-    "write_netcdf",
-]
 
 Record = TypeVar("Record", bound=BaseModel)
 Value = TypeVar("Value")
@@ -148,6 +130,8 @@ def draws_tree(
     DataTree
         Without the date that ArviZ would stamp on it.
     """
+    import arviz_base  # late: it loads matplotlib, which reading a recording has no use for
+
     tree = arviz_base.from_dict(
         {name: _by_variable(group) for name, group in groups.items()},
         dims=_by_variable(dims),

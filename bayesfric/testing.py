@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import integrate
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, Reading, State, effect_of_file
@@ -16,8 +16,6 @@ from bayesfric.inference.priors import from_normal, log_density
 from bayesfric.invariants import check_record
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import Check
-
-__all__ = ["EffectError", "check_effect", "check_result", "checked"]
 
 UNITS = {
     "1",
@@ -95,7 +93,7 @@ def check_effect(effect: Effect | str | Path) -> None:
             raise EffectError(f"{where}: the unit {parameter.unit!r} is none of {sorted(UNITS)}")
         low, high = (float(from_normal(parameter.prior, end)) for end in (-SEEN, SEEN))
         middle = float(from_normal(parameter.prior, 0.0))
-        mass = integrate.quad(
+        mass = scipy.integrate.quad(
             lambda x, prior=parameter.prior: float(np.exp(log_density(prior, x))),
             low,
             high,

@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
@@ -25,8 +25,6 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.simulate import table1_coefficients
-
-__all__ = ["CleanCase"]
 
 FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis
 ROUNDS = 2  # of fitting the law and linearising around it
@@ -129,7 +127,7 @@ class CleanCase:
                 own = np.flatnonzero(trial == number)
                 covariance[np.ix_(own, own)] += residuals.covariance[number]
             square += float(rest[rows] @ np.linalg.solve(covariance, rest[rows]))
-        return float(norm.cdf(np.sqrt(square) - norm.isf(FALSE_ALARMS)))
+        return float(ndtr(np.sqrt(square) + ndtri(FALSE_ALARMS)))
 
     def _systematic(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
         """Return what a recalibrated law leaves, once trials' own nuisances are taken out."""

@@ -3,14 +3,11 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
-from scipy.stats import binomtest
 
 from bayesfric.arrays import Array
 from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
-
-__all__ = ["EDGES", "estimate_of", "rate_of", "reliability_of", "smallest_detected"]
 
 LEVEL = 0.95
 TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
@@ -26,7 +23,9 @@ def rate_of(hits: Iterable[bool]) -> Rate:
     outcomes = list(hits)
     if not outcomes:
         return Rate(rate=None, rate_why="no case counts", low=0.0, high=1.0, hits=0, cases=0)
-    interval = binomtest(sum(outcomes), len(outcomes)).proportion_ci(LEVEL, method="exact")
+    interval = scipy.stats.binomtest(sum(outcomes), len(outcomes)).proportion_ci(
+        LEVEL, method="exact"
+    )
     return Rate(
         rate=sum(outcomes) / len(outcomes),
         low=float(interval.low),
@@ -127,7 +126,7 @@ def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
 
 def _least(strengths: Array, rates: Array, cases: NDArray[np.int_]) -> float:
     """Return the smallest strength whose rate is high, inf where there is none."""
-    grown = np.asarray(isotonic_regression(rates, weights=cases).x)
+    grown = np.asarray(scipy.optimize.isotonic_regression(rates, weights=cases).x)
     high = np.flatnonzero(grown >= DETECTED - 1e-12)
     return float(strengths[high[0]]) if high.size else float("inf")
 

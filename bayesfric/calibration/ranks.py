@@ -14,12 +14,10 @@ Computing 32 (2022): the simultaneous band.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import binom
 
 from bayesfric.arrays import Array
-
-__all__ = ["Band", "band_of", "rank_of"]
 
 Ints = NDArray[np.int_]
 SIMULATED = 20_000  # sets of uniform ranks
@@ -104,15 +102,15 @@ def band_of(count: int, places: int, level: float) -> Band:
     tails = _tails(count, probability)
     extremes = _extremes(drawn.cumsum(axis=1)[:, :-1], tails)
     tail = float(np.quantile(extremes, 1 - level)) / 2
-    low, high = (binom.ppf(end, count, probability) / count for end in (tail, 1 - tail))
+    low, high = (scipy.stats.binom.ppf(end, count, probability) / count for end in (tail, 1 - tail))
     return Band(count, places, probability, low - probability, high - probability, tails, extremes)
 
 
 def _tails(count: int, probability: Array) -> Array:
     """Return the two-sided tail probability of so many below each place, shape (N + 1, L)."""
     number = np.arange(count + 1)[:, None]
-    below = binom.cdf(number, count, probability)
-    above = binom.sf(number - 1, count, probability)
+    below = scipy.stats.binom.cdf(number, count, probability)
+    above = scipy.stats.binom.sf(number - 1, count, probability)
     return np.asarray(np.minimum(1.0, 2 * np.minimum(below, above)))
 
 

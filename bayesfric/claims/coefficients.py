@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy import stats
-from scipy.optimize import lsq_linear
+import scipy
 
 from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
@@ -40,8 +39,8 @@ def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
     root = np.linalg.cholesky(np.atleast_2d(np.cov(draws, rowvar=False)))
     white = np.linalg.solve(root, np.diag(rounding))
     off = np.linalg.solve(root, draws.mean(axis=0) - point)
-    nearest = lsq_linear(white, off, bounds=(-1, 1))
-    return float(stats.chi2(point.size).sf(2 * nearest.cost))
+    nearest = scipy.optimize.lsq_linear(white, off, bounds=(-1, 1))
+    return float(scipy.stats.chi2(point.size).sf(2 * nearest.cost))
 
 
 def largest_difference(theta: Mapping[str, Array], sizes: list[str]) -> Array:

@@ -9,8 +9,6 @@ import typer
 from bayesfric.characters import legible
 from bayesfric.progress import LOGGER
 
-__all__ = ["say", "say_attention", "show_log"]
-
 
 def say(text: str, *, err: bool = False) -> None:
     """Print one line, on standard error if asked.

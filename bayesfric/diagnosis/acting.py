@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate
@@ -42,8 +42,8 @@ class Law:
         return len(self.nodes) > 1
 
     @cached_property
-    def _spline(self) -> BSpline:
-        return make_interp_spline(self.nodes, np.eye(len(self.nodes)), k=5)
+    def _spline(self) -> "scipy.interpolate.BSpline":
+        return scipy.interpolate.make_interp_spline(self.nodes, np.eye(len(self.nodes)), k=5)
 
     def weights(self, shape: Array) -> Array:
         """Return the mixture of candidates at shapes, (…, nodes)."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
@@ -204,7 +204,7 @@ def _doubled(
     if other.size == 1:
         return bool((np.abs(direction[inner, other[0]]) > ALIKE).all())
     # Between the nodes the response is that of a spline through them.
-    weights = make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
+    weights = scipy.interpolate.make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
     across = direction[np.ix_(inner, other)] @ weights.T
     length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
     # Some shape may do nothing here, or less than that by rounding.

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+import scipy
 from scipy.special import log_ndtr, logsumexp
-from scipy.stats import multivariate_normal
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Law
@@ -215,7 +215,7 @@ def log_orthant(mean: Array, covariance: Array) -> float:
         return _sequential(mean, covariance)
     correlation = covariance / np.outer(sd, sd)
     zero = np.zeros(mean.size)
-    chance = multivariate_normal.cdf(
+    chance = scipy.stats.multivariate_normal.cdf(
         mean / sd, zero, correlation, allow_singular=True, rng=np.random.default_rng(0)
     )
     return float(np.log(chance)) if chance > 0 else _sequential(mean, covariance)

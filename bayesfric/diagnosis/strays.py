@@ -121,14 +121,17 @@ def far_rows(model: LinearModel) -> tuple[str, ...]:
 def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
     """Return the weights of rows that are far from the likeliest hypothesis, by rig.
 
-    None where too many are.
+    None where too many are. Rows of the boards of the paper all count alike.
     """
+    if all(trials.rig.paper for trials in model.data.rigs):
+        return {}
     best, own, force = search.best(), model, search.unknown
     at, acting = best.at, best.acting
     if force is not None and search.probabilities()[UNKNOWN] >= HALF:
         own, at, acting = model.full, force.at, force.acting
-    # As rows are before any has another weight.
-    plain = own.full.around(own.full.laws, own.full.candidates, row_weights={})
+    plain = own.full
+    if plain.row_weights:  # rows are looked at as they are before any has another weight
+        plain = plain.around(plain.laws, plain.candidates, row_weights={})
     windows = residuals_of(plain, at.psi)
     mixing = own.mixing(acting)
     off = windows.left(spread_numbers(own, at.mean, mixing)) / np.sqrt(windows.chance2)

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import truncnorm
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
@@ -60,6 +60,9 @@ class Posterior:
         mean.
     amplitudes, shapes : dict of str to ndarray
         By effect, of the draws in which it acts.
+    waves : dict of str to list of ndarray, shape (R,)
+        By effect that comes back along the path: its force at amplitude 1, at the best period
+        under each hypothesis [N].
     law : RefittedLaw
         Coefficients and amplitudes, drawn together.
     """
@@ -73,6 +76,7 @@ class Posterior:
     left: dict[str, float]
     amplitudes: dict[str, Array]
     shapes: dict[str, Array]
+    waves: dict[str, list[Array]]
     law: RefittedLaw
 
 
@@ -108,6 +112,7 @@ def posterior_of(
     lefts: dict[str, list[float]] = {}
     amplitudes: dict[str, list[Array]] = {}
     shapes: dict[str, list[Array]] = {}
+    waves: dict[str, list[Array]] = {}
     refitted = RefittedLaw(model.layout.sizes, DRAWS)
     start = 0
     for name, count in zip(names, counts, strict=True):
@@ -146,6 +151,8 @@ def posterior_of(
                 @ model.mixing(acting)[:, column]
             )
             strength, felt = _strength(residuals, mixed)
+            if "period" in model.candidates[law.places[0]].effect.needs:
+                waves.setdefault(law.effect, []).append(mixed)
             strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength * np.abs(values)
             lefts.setdefault(law.effect, []).append(felt * float(np.abs(values).mean()))
             scale = model.amplitude_scale(law)
@@ -179,6 +186,7 @@ def posterior_of(
         {name: float(np.mean(values)) for name, values in lefts.items()},
         {name: np.concatenate(values) for name, values in amplitudes.items()},
         {name: np.concatenate(values) for name, values in shapes.items()},
+        waves,
         refitted,
     )
 
@@ -203,7 +211,7 @@ def _made_positive(
         if below.any():
             mean, variance = at.mean[place], at.covariance[place, place]
             sd = np.sqrt(variance)
-            again = truncnorm.rvs(
+            again = scipy.stats.truncnorm.rvs(
                 -mean / sd, np.inf, mean, sd, size=int(below.sum()), random_state=rng
             )
             # What hangs together with it moves along.

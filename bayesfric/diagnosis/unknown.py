@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from scipy.special import logsumexp
-from scipy.stats import halfnorm
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Acting, At
@@ -92,7 +92,7 @@ def unknown_force(
     if not axes:
         return None
     scale = model.analysis.diagnosis.unknown_scale
-    shares = [scale * float(halfnorm.ppf(one)) for one in QUANTILES]
+    shares = [scale * float(scipy.stats.halfnorm.ppf(one)) for one in QUANTILES]
     # Where in speed a law is off events tell at hundreds of places, and forces that differ with
     # size, load and rig as well are too many to be likely; along other axes few values are met.
     where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]

@@ -69,7 +69,10 @@ def where_it_lies(
     found = (functions_along(residuals, name) for name in residuals.axes)
     designs = {axis.name: axis for axis in found if axis is not None}
     hidden2 = _hidden2(windows, posterior, effects) if designs else {}
-    shares = shares_of(windows, posterior.force, hidden2)
+    waves = [
+        (effects[name].axes, wave) for name, columns in posterior.waves.items() for wave in columns
+    ]
+    shares = shares_of(windows, posterior.force, hidden2, waves)
     relative = before / residuals.friction_n
     precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)

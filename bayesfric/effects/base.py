@@ -262,6 +262,8 @@ class EffectParameter:
     on_joints : tuple or None
         Of a driven axis, where its gears and bearings have another range than pulleys: lowest and
         highest plausible value, and where they come from.
+    joint_prior : Prior or None
+        Of a driven axis likewise, in the place of `prior`; None is that.
     """
 
     name: str
@@ -272,6 +274,7 @@ class EffectParameter:
     reference: str
     typical: float | None = None
     on_joints: tuple[float, float, str] | None = None
+    joint_prior: Prior | None = None
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from bayesfric.analysis import HalfCauchy, HalfNormal, LogNormal, Normal, Prior, Uniform
 from bayesfric.effects import Effect
@@ -98,7 +98,7 @@ def prior_moments(prior: Prior) -> tuple[float, float]:
         case Uniform(low=low, high=high):
             return (low + high) / 2, (high - low) / float(np.sqrt(12))
         case HalfCauchy(scale=scale):
-            return 0.0, scale / float(norm.ppf(0.75))
+            return 0.0, scale / float(ndtri(0.75))
         case _:
             low, middle, high = from_normal(prior, [-1.0, 0.0, 1.0])
             return float(middle), float(high - low) / 2

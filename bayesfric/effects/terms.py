@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
@@ -104,13 +104,13 @@ class LinearTerm:
         The effect.
     responses : ndarray, shape (K, …)
         At unit amplitude.
-    spline : BSpline or None
+    spline : scipy.interpolate.BSpline or None
         From the normal quantile of the shape to K numbers; None without a shape.
     """
 
     active: ActiveEffect
     responses: Array
-    spline: BSpline | None
+    spline: "scipy.interpolate.BSpline | None"
 
     def amplitudes(self, theta: Mapping[str, Array]) -> Array:
         """Return the number of each response, shape (K, W)."""
@@ -157,7 +157,7 @@ def linear_terms(
         flat = np.stack([seen(row).ravel() for row in table])
         left, singular, _ = np.linalg.svd(flat, full_matrices=False)
         kept = singular > REDUCED_TO * singular[0]
-        spline = make_interp_spline(place, left[:, kept] * singular[kept], k=5)
+        spline = scipy.interpolate.make_interp_spline(place, left[:, kept] * singular[kept], k=5)
         responses = np.tensordot(left[:, kept].T / singular[kept, None], table, axes=1)
         terms.append(LinearTerm(acting, responses, spline))
     return terms

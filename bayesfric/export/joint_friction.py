@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.export.stored_law import StoredLaw
-
-__all__ = ["JointFriction", "joint_friction"]
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ def joint_friction(law: StoredLaw) -> JointFriction:
     """
     speed = np.abs(law.place("velocity"))
     columns = np.stack([np.ones_like(speed), speed], axis=1)
-    (constant, damping), _ = nnls(columns, law.friction)
+    (constant, damping), _ = scipy.optimize.nnls(columns, law.friction)
     off = law.friction - columns @ np.array([constant, damping])
     constant_sd, damping_sd = _errors(columns, law)
     return JointFriction(

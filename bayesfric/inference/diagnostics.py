@@ -13,14 +13,14 @@ folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from arviz_stats.base.array import array_stats
+import scipy
 from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.special import logsumexp, ndtri
-from scipy.stats import rankdata
 
 from bayesfric.arrays import Array
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
@@ -42,6 +42,13 @@ __all__ = [
 BATCHES = 10  # of an ensemble
 LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
 POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
+
+
+def _of_arrays() -> Any:
+    """Return ArviZ's statistics of arrays, loaded when first used: with them come half of SciPy."""
+    from arviz_stats.base.array import array_stats
+
+    return array_stats
 
 
 @dataclass(frozen=True)
@@ -98,10 +105,10 @@ def diagnose_draws(draws: Array) -> Convergence:
     ensembles, steps, walkers = draws.shape
     by_walker = draws.transpose(0, 2, 1).reshape(ensembles * walkers, steps)
     pooled = draws.reshape(ensembles, steps * walkers)  # step by step: halves are in time
-    bulk = min(float(array_stats.ess(by_walker, method="bulk")), batch_means_ess(draws))
-    tail = float(array_stats.ess(by_walker, method="tail", prob=(0.05, 0.95)))
+    bulk = min(float(_of_arrays().ess(by_walker, method="bulk")), batch_means_ess(draws))
+    tail = float(_of_arrays().ess(by_walker, method="tail", prob=(0.05, 0.95)))
     return Convergence(
-        r_hat=float(array_stats.rhat(pooled)),
+        r_hat=float(_of_arrays().rhat(pooled)),
         r_hat_walkers=walkers_r_hat(draws),
         ess_bulk=bulk,
         ess_tail=tail,
@@ -142,7 +149,7 @@ def walkers_r_hat(draws: Array) -> float:
     half = draws.shape[1] // 2
     r_hats = []
     for values in (draws, np.abs(draws - np.median(draws))):
-        rank = rankdata(values.ravel()).reshape(draws.shape)
+        rank = scipy.stats.rankdata(values.ravel()).reshape(draws.shape)
         normal = ndtri((rank - 3 / 8) / (draws.size + 1 / 4))
         first, second = (part.mean(axis=1).ravel() for part in (normal[:, :half], normal[:, half:]))
         places = max(float(np.cov(first, second)[0, 1]), 0.0)
@@ -214,7 +221,7 @@ def mean_ess(draws: Array) -> float:
         return float(draws.size)
     ensembles, steps, walkers = draws.shape
     by_walker = draws.transpose(0, 2, 1).reshape(ensembles * walkers, steps)
-    return min(float(array_stats.ess(by_walker, method="mean")), batch_means_ess(draws))
+    return min(float(_of_arrays().ess(by_walker, method="mean")), batch_means_ess(draws))
 
 
 def multivariate_r_hat(chains: Array) -> float:
@@ -289,7 +296,11 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
         return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
-    normalised, k = array_stats.psislw(-weights, r_eff=1.0)
+    # Quantiles of a tail that spans the range of doubles overflow; they are cut to the largest.
+    with np.errstate(over="ignore", invalid="ignore"):
+        normalised, k = _of_arrays().psislw(-weights, r_eff=1.0)
+    if not (np.isfinite(k) and np.isfinite(normalised).all()):
+        return log_weights, float("inf")
     # The library normalises the weights: undo it by the smallest, which smoothing leaves.
     smallest = np.argmin(weights)
     smoothed = log_weights.copy()
@@ -332,7 +343,7 @@ def power_scaling(values: Array, log_component: Array) -> Array:
     low, high = POWERS
     below, above = (np.exp(_power_weights(log_component, power)) for power in POWERS)
     sensitivity = [
-        float(array_stats.power_scale_sense(values[..., place], below, above, low, high))
+        float(_of_arrays().power_scale_sense(values[..., place], below, above, low, high))
         for place in range(values.shape[-1])
     ]
     return np.array(sensitivity)
@@ -348,7 +359,7 @@ def _power_weights(log_component: Array, power: float) -> Array:
     plain = plain - logsumexp(plain)
     try:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            smoothed = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
+            smoothed = _of_arrays().power_scale_lw(log_component, alpha=power, axis=(-2, -1))
     except ValueError as error:
         if "tail values are the same" not in str(error):
             raise

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import stats
+import scipy
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
@@ -64,7 +64,7 @@ class HeavyGroups(Grouped):
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
         """Return λ at the nodes and the log weight of each, shape (Q,)."""
-        width = stats.gamma(self.freedom / 2, scale=2 / self.freedom)
+        width = scipy.stats.gamma(self.freedom / 2, scale=2 / self.freedom)
         low, high = np.log([width.ppf(LOWER), width.isf(UPPER)])
         log = np.linspace(low, high, NODES)
         log_weight = width.logpdf(np.exp(log)) + log

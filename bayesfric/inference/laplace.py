@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from bayesfric.arrays import Array
 
@@ -89,7 +89,7 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
             del u
             return kept
 
-        minimum = optimize.minimize(
+        minimum = scipy.optimize.minimize(
             objective,
             np.zeros_like(point),
             method="trust-exact",

@@ -11,7 +11,7 @@ posterior, or from the information of a design before anything was measured.
 """
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 from scipy.special import logsumexp, ndtri
 
 from bayesfric.analysis import Prior
@@ -68,7 +68,7 @@ def smallest_found(error: float, prior: Prior, threshold: float, probability: fl
     most = 1.0  # far out of a narrow prior the nodes around an estimate no longer reach it
     while most < LARGEST and beyond(most) <= 0:
         most *= 2
-    smallest = 0.0 if beyond(0.0) > 0 else float(brentq(beyond, 0.0, most))
+    smallest = 0.0 if beyond(0.0) > 0 else float(scipy.optimize.brentq(beyond, 0.0, most))
     return error * max(smallest + float(ndtri(probability)), 0.0)
 
 
@@ -113,7 +113,7 @@ def _uncut(mean: float, square: float) -> float:
     elif ratio(high) >= 0:
         return square - mean**2
     else:
-        place = float(brentq(ratio, low, high))
+        place = float(scipy.optimize.brentq(ratio, low, high))
     return float(mean / _moments(place)[0]) ** 2
 
 

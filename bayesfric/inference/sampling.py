@@ -17,8 +17,8 @@ Statistics 22 (1994), on independence chains.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import emcee
 import numpy as np
 
 from bayesfric.analysis import Sampler
@@ -34,6 +34,9 @@ from bayesfric.inference.proposals import (
     StudentT,
     importance_points,
 )
+
+if TYPE_CHECKING:  # it loads scipy.stats, so that each function that draws imports it
+    import emcee
 
 __all__ = ["Draws", "SamplingError", "sample"]
 
@@ -241,8 +244,10 @@ class _Runs:
             "accepted": np.sum([piece["accepted"] for piece in pieces], axis=0),
         }
 
-    def _fresh(self, proposal: Proposal, seed: np.random.SeedSequence) -> emcee.State:
+    def _fresh(self, proposal: Proposal, seed: np.random.SeedSequence) -> "emcee.State":
         """Return starts of finite density, wider than the posterior."""
+        import emcee
+
         rng = np.random.RandomState(np.random.MT19937(seed))
         starts: list[Array] = []
         for _ in range(START_TRIES):
@@ -257,8 +262,10 @@ class _Runs:
             f"{np.array2string(proposal.student.location, precision=4)} have a finite density"
         )
 
-    def _goes_on(self, last: Arrays) -> emcee.State:
+    def _goes_on(self, last: Arrays) -> "emcee.State":
         """Return where the piece before ended."""
+        import emcee
+
         return emcee.State(
             last["chain"][-1],
             log_prob=last["log_density"][-1],
@@ -270,7 +277,9 @@ class _Runs:
             ),
         )
 
-    def _advance(self, proposal: Proposal, state: emcee.State, steps: int) -> Arrays:
+    def _advance(self, proposal: Proposal, state: "emcee.State", steps: int) -> Arrays:
+        import emcee
+
         share = self._settings.independence_share
         moves = [
             (emcee.moves.MHMove(proposal.propose), share),

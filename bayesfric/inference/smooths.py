@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_interp_spline
 
 from bayesfric.arrays import Array
 
@@ -204,6 +204,6 @@ def _kernel(length: float) -> tuple[Array, Array, Array]:
 
 
 @cache
-def _splines(length: float) -> BSpline:
+def _splines(length: float) -> "scipy.interpolate.BSpline":
     grid, _, vectors = _kernel(length)
-    return make_interp_spline(grid, vectors, k=3)
+    return scipy.interpolate.make_interp_spline(grid, vectors, k=3)

@@ -18,17 +18,6 @@ from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import bound_of, stated_of_draws
 from bayesfric.schemas import GammaProbability, Metric
 
-__all__ = [
-    "SafeGain",
-    "against_the_spec",
-    "largest_safe_gain",
-    "limit_cycle_curve",
-    "share_of",
-    "what_to_measure",
-    "which_gain",
-]
-
-
 STEP = 0.05
 
 

@@ -9,8 +9,6 @@ from bayesfric.margins.loop_file import RevoluteJoint
 from bayesfric.margins.quantities import central
 from bayesfric.schemas import Plant
 
-__all__ = ["plant_of"]
-
 
 def plant_of(shaft: LoopAtShaft) -> Plant:
     """Return natural frequency, damping, ringing, inertias and ratios, medians of the draws."""

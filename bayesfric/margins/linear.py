@@ -16,11 +16,8 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from bayesfric.arrays import Array, Complex, Flags, Whole
-
-__all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_grid", "peaks"]
 
 Rows = Whole
 
@@ -179,6 +176,8 @@ def _root(function: Callable[[Array, Rows], Array], omega: Array, rows: Rows, at
     def of_log(log_omega: Array, row: Array) -> Array:
         return function(np.exp(log_omega), row.astype(np.intp))
 
+    from scipy.optimize import elementwise  # which a command that asks for no margins never loads
+
     find: Any = elementwise.find_root
     root = find(of_log, ends, args=(rows.astype(float),))
     return np.asarray(np.exp(root.x))
@@ -242,6 +241,8 @@ def _least(
 
         def of_log(log_omega: Array, row: Array) -> Array:
             return margin(response(np.exp(log_omega), row.astype(np.intp)))
+
+        from scipy.optimize import elementwise
 
         find: Any = elementwise.find_minimum
         minimum = find(of_log, triple, args=(rows.astype(float),))

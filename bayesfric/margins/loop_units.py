@@ -7,8 +7,6 @@ from bayesfric.errors import Fault
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
 
-__all__ = ["loop_in_other_units"]
-
 DRUM_M = (1e-3, 1.0)  # of a joint that turns, on which its cable winds
 CABLE_PER_TRAVEL = (0.1, 10.0)  # of a joint that slides: a tackle has a few
 SLOWEST_SAMPLED_S = 0.1  # of a loop that holds a joint

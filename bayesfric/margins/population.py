@@ -21,8 +21,6 @@ from bayesfric.margins.posterior import (
 from bayesfric.results import read_json, read_tree, refuse_mixed
 from bayesfric.schemas import FitFile
 
-__all__ = ["read_draws"]
-
 SCATTER_BETWEEN_BOARDS = (
     "the draws are of a board that was not measured: the scatter between boards is in them"
 )

@@ -27,9 +27,6 @@ from bayesfric.margins.shaft import Shaft, StiffShaft
 from bayesfric.margins.swing import Swing
 from bayesfric.margins.traces import Record, Traces
 
-__all__ = ["LoopMotion", "follow", "simulate"]
-
-
 EARLY_TWICE = 2
 """Times that a shaft which stands again after all may be judged early: slow cycles end, too."""
 STANDS_IN_SETTLING = 4

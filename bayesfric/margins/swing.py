@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.margin_rules import MARGIN_RULES
 
-__all__ = ["Judged", "Swing"]
-
 
 class Judged(NamedTuple):
     """How draws swing, each of shape (draws,).

@@ -20,9 +20,6 @@ from bayesfric.margins.rows import standard_error
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.schemas import Tuning
 
-__all__ = ["meets_all_now", "scaled", "tune"]
-
-
 STEPS = 11
 GRID_DRAWS, FINAL_DRAWS = 60, 2000
 """Draws of the grid of gains, and of the last steps to the largest kp."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import beta
+import scipy
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.describing import formula_conditions, steady_error
@@ -21,9 +21,6 @@ from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.simulating import LoopMotion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Held, Verification, VerifiedDraw
-
-__all__ = ["jeffreys", "verify"]
-
 
 TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
 STEPS_FOR_ONE = 4
@@ -213,7 +210,7 @@ def _held(what: str, holds: Flags, ratio: Array | None, why: str) -> Held:
 
 def jeffreys(hits: int, count: int) -> tuple[float, float]:
     """Return Jeffreys' interval of 95 % of a share that was seen `hits` times of `count`."""
-    low, high = beta.ppf(np.array([0.025, 0.975]), hits + 0.5, count - hits + 0.5)
+    low, high = scipy.stats.beta.ppf(np.array([0.025, 0.975]), hits + 0.5, count - hits + 0.5)
     return float(low) if hits else 0.0, float(high) if hits < count else 1.0
 
 

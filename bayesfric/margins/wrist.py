@@ -19,8 +19,6 @@ from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
 
-__all__ = ["Wrist", "wrist_of"]
-
 Floats = tuple[float, ...]
 
 

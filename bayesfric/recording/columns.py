@@ -7,18 +7,6 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = [
-    "BUILT_IN",
-    "HOTTEST_C",
-    "LARGEST",
-    "LONGEST_NAME",
-    "OTHER_NAMES",
-    "RIG_KEYS_NEEDED",
-    "TABLES",
-    "Column",
-    "TableFormat",
-]
-
 MOST_PULLEYS = 1000  # the paper has 19
 LARGEST = 1e12  # of any number, in SI: its square and its cube are still numbers
 LONGEST_NAME = 100  # characters of an id, a size or a column's name

@@ -7,14 +7,12 @@ import pandas as pd
 
 from bayesfric.errors import Fault, near
 from bayesfric.recording.csv_text import LISTED, with_more, with_rest
-from bayesfric.recording.frames import did_not_move, individual_angles
+from bayesfric.recording.frames import did_not_move, individual_angles, stands_in
 from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
-from bayesfric.recording.steady_signs import MANY, pushing
+from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
 from bayesfric.recording.tables import RigConstants
-
-__all__ = ["MINIMUM_EVENTS", "check_across"]
 
 MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
 LARGEST_WRAP_DEG = 180.0
@@ -96,7 +94,7 @@ def _unmeasured(trials: Table, events: Table | None) -> list[Fault]:
     if "acceleration_m_s2" in text:  # one that is written but wrong is a fault already
         missing &= text["acceleration_m_s2"] == ""
     if events:
-        missing &= ~trial.isin(events.frame["trial"])
+        missing &= ~stands_in(trial, events.frame["trial"])
     expected = "events of this trial in gravity_events.csv, or its acceleration_m_s2"
     return trials.faults_where(
         missing & ~did_not_move(trials.frame), "trial", f"{expected}, or did_not_move true"
@@ -108,7 +106,7 @@ def _moved_after_all(trials: Table, events: Table | None) -> list[Fault]:
         return []
     moved = pd.Series(False, index=trials.frame.index)
     if events and events.has("trial"):
-        moved |= trials.frame["trial"].isin(events.frame["trial"])
+        moved |= stands_in(trials.frame["trial"], events.frame["trial"])
     if trials.has("acceleration_m_s2"):
         moved |= trials.frame["acceleration_m_s2"].notna()
     expected = "nothing, or false: the trial has events or an acceleration"
@@ -156,7 +154,7 @@ def _runs_without_samples(runs: Table, samples: Table) -> list[Fault]:
     if not (runs.has("run") and samples.has("run")):
         return []
     run = runs.frame["run"]
-    missing = run.notna() & ~run.isin(samples.frame["run"])
+    missing = run.notna() & ~stands_in(run, samples.frame["run"])
     return runs.faults_where(missing, "run", f"samples of this run in {samples.text.file}")
 
 
@@ -202,7 +200,7 @@ def _conventions(points: Table) -> list[Fault]:
     if not points.has("friction_n") or complete.empty:
         return []
     push = pushing(complete)
-    if push.mean() <= MANY:
+    if push.mean() <= SYSTEMATIC_SHARE:
         return []
     expected = (
         "friction as its size, with the sign of velocity_m_s, or against it, in all rows alike: "
@@ -237,7 +235,7 @@ def _displacements(
     back = ~off & (counts <= previous)
     expected = f"a multiple of rig.hall_spacing_m, {spacing:g} m"
     most = LISTED
-    if off.sum() > FEW and off.sum() > MANY * (values != 0).sum():
+    if off.sum() > FEW and off.sum() > SYSTEMATIC_SHARE * (values != 0).sum():
         expected, most = f"{expected} (is that the spacing of these events?)", 1
     return (
         events.faults_where(not_zero, column, "0 at the first event of a trial and sensor")

@@ -14,10 +14,9 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import Axis, Gravity, Recording
-
-__all__ = ["without_copies"]
 
 SPREAD = 1e-3  # of a reading, by which honest repeats differ at the least
 SURE = 4.0  # digits by which readings agree: chance does so once in ten thousand
@@ -124,7 +123,7 @@ def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
     events = tables.get("gravity_events.csv")
     if events is None or not (events.has("trial") and table.has("trial")):
         return pd.Series(False, index=table.frame.index)
-    return table.frame["trial"].isin(events.frame["trial"].unique())
+    return stands_in(table.frame["trial"], events.frame["trial"])
 
 
 def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
@@ -145,21 +144,23 @@ def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int
     """Return the rows of stretches that repeat earlier ones row by row, with what they repeat."""
     earlier: dict[int, list[int]] = {}
     first: dict[int, int] = {}
-    told: dict[int, tuple[float, int]] = {}  # by the earlier row: digits, length of the stretch
+    agreed_before: dict[
+        int, tuple[float, int]
+    ] = {}  # by the earlier row: digits, length of the stretch
     for row, of_row in enumerate(np.asarray(kind).tolist()):
         before = earlier.setdefault(of_row, [])
         now: dict[int, tuple[float, int]] = {}
         for other in before[-RECENT:] + before[:1]:
-            agreed, length = told.get(other - 1, (0.0, 0))
+            agreed, length = agreed_before.get(other - 1, (0.0, 0))
             now[other] = agreed + float(digits[row]), length + 1
         if now:
-            other, (agreed, length) = max(now.items(), key=lambda found: found[1][0])
+            other, (agreed, length) = max(now.items(), key=lambda item: item[1][0])
             if agreed >= SURE:
                 for back in range(length):
                     root = other - back
                     first.setdefault(row - back, first.get(root, root))
         before.append(row)
-        told = now
+        agreed_before = now
     return dict(sorted(first.items()))
 
 
@@ -217,7 +218,7 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
     # What lasts as long, and has as many rows, is looked at.
     groups = pd.DataFrame({"size": ends - starts, "lasting": lasting})
     chosen = groups.duplicated(keep=False) & (groups["size"] >= LEAST_SAMPLES)
-    found: Copies = {}
+    copies: Copies = {}
     seen: dict[bytes, str] = {}
     for group in np.flatnonzero(chosen).tolist():
         begin, end = int(starts[group]), int(ends[group])
@@ -232,8 +233,8 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
             digest.update(np.ascontiguousarray(column + 0.0).tobytes())
         first = seen.setdefault(digest.digest(), name)
         if first != name:
-            found[name] = first
-    return found
+            copies[name] = first
+    return copies
 
 
 def _by_condition(alike: Copies, ids: pd.Series, condition: pd.DataFrame) -> tuple[Copies, Copies]:

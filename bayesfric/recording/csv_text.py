@@ -17,8 +17,6 @@ import pandas as pd
 from bayesfric.arrays import Flags
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_more", "with_rest"]
-
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.object_]
 """A column as text."""
 Ragged: TypeAlias = dict[int, list[str]]
@@ -75,9 +73,9 @@ class TextTable:
     @cached_property
     def is_ragged(self) -> Flags:
         """Whether each row is one of `ragged`, shape (len(cells),)."""
-        found = np.zeros(len(self.cells), dtype=np.bool_)
-        found[list(self.ragged)] = True
-        return found
+        flags = np.zeros(len(self.cells), dtype=np.bool_)
+        flags[list(self.ragged)] = True
+        return flags
 
     def faults_at(
         self,
@@ -124,11 +122,11 @@ def decode_utf8(file: str, data: bytes) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         row = error.object.count(b"\n", 0, error.start) + 1
-        found = error.object[error.start : error.start + 1].hex()
+        byte = error.object[error.start : error.start + 1].hex()
         expected = "UTF-8 text" + next(
             (f" ({hint})" for begin, hint in NOT_UTF8.items() if data.startswith(begin)), ""
         )
-        raise InputError([Fault(file, expected, row=row, value=f"byte 0x{found}")]) from None
+        raise InputError([Fault(file, expected, row=row, value=f"byte 0x{byte}")]) from None
     nul = text.find("\0")
     if nul >= 0:
         row = text.count("\n", 0, nul) + 1

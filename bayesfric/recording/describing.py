@@ -3,10 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from bayesfric.recording.frames import did_not_move
+from bayesfric.recording.frames import did_not_move, stands_in
 from bayesfric.recording.tables import Gravity, Motor, Recording
-
-__all__ = ["describe_recording"]
 
 
 def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
@@ -77,7 +75,7 @@ def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:
     trials, events = gravity.trials, gravity.events
     text = f"{_count(len(trials), 'trial')}, {_count(len(events), 'event')}"
     still = did_not_move(trials)
-    without = int((~trials["trial"].isin(events["trial"]) & ~still).sum())
+    without = int((~stands_in(trials["trial"], events["trial"]) & ~still).sum())
     if still.any():
         text += f", {still.sum()} that did not move"
     if without:

@@ -5,8 +5,6 @@ import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["held_for", "released", "renewed"]
-
 MOSTLY = 0.9  # of the times between two new readings, that are one number of samples
 BUSY = 0.9  # of the samples at which the position changes, that the force changes at too
 CAUGHT_UP = 1.5  # usual steps, that a position moves by after a row that was repeated

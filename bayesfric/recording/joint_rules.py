@@ -11,8 +11,6 @@ from bayesfric.recording.robot_file import faults_of_joints
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["faults_of_samples", "joint_of_run"]
-
 COMMANDS = ("command_m", "command_rad")
 SAMPLES = "axis_samples.csv"
 

@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Axis, Recording
-
-__all__ = ["joints_of", "parted_by_joint"]
 
 
 def joints_of(axis: Axis | None) -> tuple[str, ...]:
@@ -36,7 +35,7 @@ def parted_by_joint(recording: Recording) -> dict[str, Recording]:
     }
     parted = {}
     for place, name in enumerate(names):
-        runs = axis.runs[axis.runs["run"].isin(by_name[name]["run"])].reset_index(drop=True)
+        runs = axis.runs[stands_in(axis.runs["run"], by_name[name]["run"])].reset_index(drop=True)
         others = {other: by_name[other] for other in names if other != name}
         own = Axis(runs, by_name[name], joint=name, others=others, place=place)
         parted[name] = replace(recording, axis=own)

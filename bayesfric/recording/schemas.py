@@ -26,8 +26,6 @@ from bayesfric.recording.columns import (
 from bayesfric.recording.csv_text import LISTED, TextTable, with_more, with_rest
 from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
-__all__ = ["Table", "check_cells"]
-
 NOTED = 10  # columns that are named where more are kept out
 
 TYPOGRAPHIC = re.compile("[“”„‘’‚«»].*[“”„‘’‚«»]")
@@ -91,7 +89,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     text = _by_names_of(text, table)
     _check_header(text, table)
     _check_units(text, table)
-    known: dict[str, pd.Series] = {}
+    typed_columns: dict[str, pd.Series] = {}
     ragged = text.is_ragged
     for column in table.columns:
         if column.name in text.cells:
@@ -99,7 +97,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
             if ragged.any() and column.is_numeric:
                 cells = cells.mask(ragged, "")  # what stands in another's place says nothing
             if column.required or (cells != "").any():
-                known[column.name] = _typed(cells, column)
+                typed_columns[column.name] = _typed(cells, column)
     notes = []
     if text.unnamed:
         notes.append(f"{text.file}: {text.unnamed} column(s) without a name kept out")
@@ -109,7 +107,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     for name in text.cells.columns.difference(names, sort=False):
         numbers = to_numbers(text.cells[name]) if table.keeps_covariates else None
         if numbers is not None and ((numbers.abs() <= LARGEST) | ragged).all():
-            known[str(name)] = numbers
+            typed_columns[str(name)] = numbers
         else:
             kept_out.append(str(name))
     why = " (not a number in every row)" if table.keeps_covariates else ""
@@ -118,7 +116,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     if len(kept_out) > NOTED:
         rest = len(kept_out) - NOTED
         notes.append(f"{text.file}: and {rest:,} unknown columns more kept out{why}")
-    frame = pd.DataFrame(known, index=text.cells.index)
+    frame = pd.DataFrame(typed_columns, index=text.cells.index)
     frame, faults = _checked(frame, text, table)
     return Table(table, text, frame, (*text.faults, *faults), tuple(notes))
 
@@ -241,13 +239,13 @@ def _without_cause(
 ) -> npt.NDArray[np.intp]:
     """Return which of these cells are wrong for no known cause; the others are added to `slips`."""
     wrong = cells.iloc[positions]
-    known = {cell: _cause(cell, column) for cell in wrong.unique()}
-    told = np.zeros(positions.size, dtype=np.bool_)
+    cause_of_cell = {cell: _cause(cell, column) for cell in wrong.unique()}
+    has_cause = np.zeros(positions.size, dtype=np.bool_)
     for place, (position, cell) in enumerate(zip(positions.tolist(), wrong, strict=True)):
-        if (cause := known[cell]) is not None:
+        if (cause := cause_of_cell[cell]) is not None:
             slips.setdefault(cause, []).append((position, column))
-            told[place] = True
-    return positions[~told]
+            has_cause[place] = True
+    return positions[~has_cause]
 
 
 def _cause(cell: str, column: Column) -> str | None:

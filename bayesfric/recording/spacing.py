@@ -4,8 +4,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-__all__ = ["printed_tolerance", "spacing_counts"]
-
 DISPLACEMENT_TOLERANCE_M = 1e-6
 
 

@@ -26,8 +26,6 @@ from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
 
-__all__ = ["build_document"]
-
 SUBTITLES = {
     "fit.json": "Bayesian analysis of",
     "diagnosis.json": "Sim-to-real diagnosis of",
@@ -72,7 +70,7 @@ def _rigs(stored: StoredResults) -> tuple[str, ...]:
         return stored.fitted.fit.rigs
     if stored.pooled is not None:
         return stored.pooled.rigs
-    return () if stored.diagnosis is None else stored.diagnosis.found.rigs
+    return () if stored.diagnosis is None else stored.diagnosis.record.rigs
 
 
 def _blocks(stored: StoredResults) -> Iterator[Block]:
@@ -126,7 +124,7 @@ def _details(stored: StoredResults) -> Iterator[Block]:
     """Yield what few readers look for: it stands at the end of the HTML page, and not on paper."""
     chapters: list[Block] = []
     if stored.diagnosis is not None:
-        chapters += diagnosis_tables(stored.diagnosis.found)
+        chapters += diagnosis_tables(stored.diagnosis.record)
     if stored.claims is not None:
         chapters += further_claims(stored.claims)
     if stored.fitted is not None:

@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from bayesfric.arrays import Array
 from bayesfric.schemas import Interval, ModelError
-
-__all__ = ["ModelAmounts", "model_errors"]
 
 OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
 FELT = 0.1  # of a number's prior error, below which a change is not listed
@@ -87,7 +85,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     before = np.sqrt(np.sum(amounts.root**2, axis=1))
     listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_SHARE_TAKEN) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
-    reach = float(norm.ppf(0.95))
+    reach = float(ndtri(0.95))
     errors = []
     for place in ordered:
         link, number, unit = amounts.names[place]

@@ -7,8 +7,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = ["Windows"]
-
 
 @dataclass(frozen=True)
 class Windows:

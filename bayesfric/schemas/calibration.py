@@ -6,8 +6,6 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.schemas.base import Number, Record, RecordingId, Why
 
-__all__ = ["CalibratedQuantity", "CalibrationCase", "CalibrationFile"]
-
 
 class CalibrationCase(Record):
     """A recording whose truth was drawn from the generating prior."""

@@ -6,13 +6,6 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.schemas.base import Because, Number, Provenance, Record, Why
 
-__all__ = [
-    "ClaimResult",
-    "ClaimsFile",
-    "PulleyEvidence",
-    "SelfContradiction",
-]
-
 NO_FACTOR = Because("there is no Bayes factor")
 
 

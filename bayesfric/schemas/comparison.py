@@ -6,8 +6,6 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.schemas.base import Because, Number, Record, Why
 
-__all__ = ["ComparisonFile", "Flip", "Setting", "Shift"]
-
 
 class Setting(Record):
     """Something that went into both runs and is not the same."""

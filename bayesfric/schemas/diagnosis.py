@@ -9,30 +9,6 @@ from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
 from bayesfric.schemas.instrument import Instrument
 
-__all__ = [
-    "Absorbed",
-    "Axis",
-    "Cause",
-    "ConditionAsked",
-    "DiagnosisFile",
-    "EffectNumber",
-    "Enter",
-    "ExaminedEffect",
-    "FrictionAsked",
-    "Gap",
-    "GapRow",
-    "HeldOutDensity",
-    "Inclusion",
-    "LawNumber",
-    "ModelError",
-    "NextExperiment",
-    "Remainder",
-    "Shape",
-    "SimulatorField",
-    "SimulatorUsed",
-    "Unseparated",
-]
-
 LEAST_TOLD = 0.2  # of the force: an axis that explains less is no answer to where it lies
 
 

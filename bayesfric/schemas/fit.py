@@ -8,24 +8,6 @@ from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record
 from bayesfric.schemas.parameter import ParameterSummary
 from bayesfric.schemas.pooled import Pooled
 
-__all__ = [
-    "Agreement",
-    "AssemblyCheck",
-    "Clocks",
-    "DataQuality",
-    "Excluded",
-    "FitFile",
-    "JointFit",
-    "OutlyingAssembly",
-    "PointEstimate",
-    "Prediction",
-    "Repaired",
-    "SamplerSummary",
-    "TimingsFile",
-    "Uniformity",
-    "WithoutExclusions",
-]
-
 NOT_COMPARED = Because("the two sensors of no trial can be compared")
 
 

@@ -6,27 +6,6 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 
-__all__ = [
-    "Bode",
-    "Certificate",
-    "FollowedWith",
-    "Following",
-    "GammaProbability",
-    "Held",
-    "HuntingMap",
-    "LawUsed",
-    "LoopMargins",
-    "MarginsFile",
-    "Metric",
-    "NyquistFan",
-    "Plant",
-    "Trajectory",
-    "Tuning",
-    "Verification",
-    "VerifiedDraw",
-    "WithEffects",
-]
-
 NO_WAY = Because("only an open run is driven or overhauled")
 
 

@@ -6,18 +6,6 @@ from pydantic import ConfigDict, Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Record, RecordingId, Why
 
-__all__ = [
-    "Confusion",
-    "Detected",
-    "Estimate",
-    "Oracle",
-    "Rate",
-    "ReliabilityBin",
-    "ScorecardFile",
-    "ScoredCase",
-    "Target",
-]
-
 Kind = Literal["none", "effect", "pair", "outsider"]
 
 

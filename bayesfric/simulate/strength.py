@@ -13,7 +13,7 @@ phases. Of the other things that effects act on, the equivalent of friction is
 """
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, all_effects
@@ -23,8 +23,6 @@ from bayesfric.rigs import paper_rigs
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth
-
-__all__ = ["RMS_AT_FULL_STRENGTH", "at_strength"]
 
 RMS_AT_FULL_STRENGTH = 0.1
 LARGEST_AMPLITUDE = 1e6
@@ -101,7 +99,7 @@ def at_strength(
         if high > LARGEST_AMPLITUDE:
             expected = f"a strength that {name} can have"
             raise InputError([Fault("effect", expected, value=f"{strength:g}")])
-    return applied(float(brentq(excess, 0.0, high, xtol=1e-10 * high, rtol=1e-10)))
+    return applied(float(scipy.optimize.brentq(excess, 0.0, high, xtol=1e-10 * high, rtol=1e-10)))
 
 
 def _square(effect: Effect, change: Array) -> Array:

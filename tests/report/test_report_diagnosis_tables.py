@@ -128,7 +128,7 @@ def test_gap_table_is_in_newtons_row_by_row():
 
 def test_reasons_that_differ_in_a_number_are_one_reason_with_its_range():
     stored = stored_diagnosis()
-    gap = stored.found.gap
+    gap = stored.record.gap
     held = tuple(
         row.model_copy(update={"shrink": None, "shrink_why": f"above with {p} only"})
         for row, p in zip(gap.held_out, ("0.77", "0.65", "0.9"), strict=False)

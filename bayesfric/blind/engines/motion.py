@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.integrate import DOP853
+import scipy
 
 from bayesfric.blind.engines.design import TRAVEL_M
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect
@@ -245,7 +245,7 @@ def _stage(
         return np.concatenate([(length * v)[:, 0], (length * a)[:, 0]])
 
     start = np.concatenate([travel[:, 0], speed[:, 0]])
-    solver = DOP853(
+    solver = scipy.integrate.DOP853(
         derivative, 0.0, start, 1.0, rtol=TOLERANCE, atol=TOLERANCE, max_step=LARGEST_STEP
     )
     grid = np.linspace(0, 1, GRID)

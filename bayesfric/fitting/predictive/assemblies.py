@@ -9,15 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 from scipy.special import ndtr, ndtri
-from scipy.stats import beta
 
 from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.left_out import LeftOut, Uniformity, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
-
-__all__ = ["FAR_SD", "Assemblies", "assemblies_of"]
 
 FAR_SD = 3.0  # standard deviations; an assembly beyond is named
 FEWEST = 5  # assemblies whose distribution says something
@@ -68,7 +66,9 @@ class Assemblies:
         """
         order = np.argsort(self.z)
         rank = np.arange(1, order.size + 1)
-        expected = beta.ppf(np.array(QUANTILES), rank[:, None], order.size + 1 - rank[:, None])
+        expected = scipy.stats.beta.ppf(
+            np.array(QUANTILES), rank[:, None], order.size + 1 - rank[:, None]
+        )
         own = trials.groupby("setup", sort=False)
         names = [self.names[place] for place in order]
         condition = [c for c in ("pulley_size", "n_pulleys", "wrap_angle_deg") if c in trials]

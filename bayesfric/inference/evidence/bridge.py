@@ -23,8 +23,8 @@ switching models using bridge sampling techniques", Econometrics Journal 7 (2004
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.special import expit
 
 from bayesfric.arrays import Array
@@ -168,7 +168,9 @@ def _stand(at_draws: Array, at_proposed: Array, counted: float) -> tuple[float, 
 
     # 40 nat beyond all of them every logistic is 0 or 1 to rounding.
     both = np.concatenate([at_draws.ravel(), at_proposed[np.isfinite(at_proposed)]])
-    root = float(brentq(balance, both.min() - 40 - abs(shift), both.max() + 40 + abs(shift)))
+    root = float(
+        scipy.optimize.brentq(balance, both.min() - 40 - abs(shift), both.max() + 40 + abs(shift))
+    )
     return root, of_draws(root), of_proposed(root)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from scipy.integrate import cumulative_simpson
+import scipy
 from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Whole
@@ -81,5 +81,5 @@ class DoubleIntegral:
 @cache
 def _integrals() -> tuple[Array, Array]:
     """Return what turns values on a grid of unit steps into their first and second integral."""
-    first = cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
-    return first, np.asarray(cumulative_simpson(first, axis=1, initial=0))
+    first = scipy.integrate.cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
+    return first, np.asarray(scipy.integrate.cumulative_simpson(first, axis=1, initial=0))

@@ -8,8 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import cumulative_simpson
-from scipy.interpolate import BSpline
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -90,7 +89,9 @@ def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
     return Paths(paths.step_s, speed, acceleration), residual
 
 
-def _fit(place: Array, displacement: Array, apart: Sequence[Array] = ()) -> tuple[BSpline, Array]:
+def _fit(
+    place: Array, displacement: Array, apart: Sequence[Array] = ()
+) -> "tuple[scipy.interpolate.BSpline, Array]":
     """Return a spline over 0 to 1 and its residuals, as large as the errors are."""
     pieces = min(PIECES, max(1, place.size // EVENTS_A_PIECE))
     # The joints span the events themselves; the ends are carried on.
@@ -100,13 +101,13 @@ def _fit(place: Array, displacement: Array, apart: Sequence[Array] = ()) -> tupl
     degree = min(DEGREE, place.size - 2)
     if degree < DEGREE:
         knots = np.concatenate([np.full(degree + 1, low), np.full(degree + 1, high)])
-    basis = BSpline.design_matrix(place, knots, degree).toarray()
+    basis = scipy.interpolate.BSpline.design_matrix(place, knots, degree).toarray()
     count = basis.shape[1]
     basis = np.column_stack([basis, *apart])
     fit = np.linalg.lstsq(basis, displacement, rcond=None)[0]
     freedom = max(place.size - basis.shape[1], 1)
     left = (displacement - basis @ fit) * np.sqrt(place.size / freedom)
-    return BSpline(knots, fit[:count], degree, extrapolate=True), left
+    return scipy.interpolate.BSpline(knots, fit[:count], degree, extrapolate=True), left
 
 
 def travel_to_speed(speed_m_s: Array, acceleration: Callable[[Array, Array], Array]) -> Array:
@@ -126,5 +127,7 @@ def travel_to_speed(speed_m_s: Array, acceleration: Callable[[Array, Array], Arr
     for _ in range(CORRECTIONS):
         # d(v²)/dx = 2a, so that dx = v dv / a.
         rate = np.maximum(acceleration(travel, speed), LEAST_ACCELERATION)
-        travel = speed_m_s[:, None] * cumulative_simpson(speed / rate, x=share, axis=1, initial=0)
+        travel = speed_m_s[:, None] * scipy.integrate.cumulative_simpson(
+            speed / rate, x=share, axis=1, initial=0
+        )
     return np.asarray(travel[:, -1])

@@ -17,6 +17,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import LOG_2PI, Parameter
 from bayesfric.inference.quadratic import contract, eliminate, gram
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import (
     EventTable,
@@ -44,7 +45,7 @@ START_SIGMA_A = 0.01  # m/s², a place to climb from
 def pilot_accelerations(gravity: Gravity) -> Array:
     """Return each trial's acceleration by plain least squares, or as stated, shape (N,)."""
     trials = gravity.trials
-    with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
+    with_events = stands_in(trials["trial"], gravity.events["trial"]).to_numpy()
     acceleration = optional_column(trials, "acceleration_m_s2")
     if with_events.any():
         pilot = pilot_fits(gravity.events, trials["trial"][with_events])
@@ -95,7 +96,7 @@ def event_table(
         As for :class:`TrialMeasurements`.
     """
     trials = gravity.trials
-    seen = trials["trial"].isin(gravity.events["trial"])
+    seen = stands_in(trials["trial"], gravity.events["trial"])
     if not seen.any():
         return None
     assert rig.hall_spacing_m and rig.timer_resolution_s
@@ -117,7 +118,7 @@ def noise_parameters(gravity: Gravity, analysis: Analysis) -> tuple[Parameter, .
     without its standard error.
     """
     trials, priors = gravity.trials, analysis.priors
-    seen = trials["trial"].isin(gravity.events["trial"])
+    seen = stands_in(trials["trial"], gravity.events["trial"])
     parameters: tuple[Parameter, ...] = ()
     if seen.any():
         parameters += (
@@ -161,7 +162,7 @@ class TrialMeasurements:
         scattered: Columns | None = None,
     ) -> None:
         trials, priors = gravity.trials, analysis.priors
-        with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
+        with_events = stands_in(trials["trial"], gravity.events["trial"]).to_numpy()
         self._by_events = np.flatnonzero(with_events)
         self._by_acceleration = np.flatnonzero(~with_events)
         if table is not None:

@@ -14,12 +14,13 @@ acceleration alone is taken from rest over the travel of the rig.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.polynomial import legendre
-from scipy.integrate import cumulative_simpson
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects import Effect
 from bayesfric.physics.gravity import TRAVEL_M
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
@@ -55,7 +56,7 @@ class Paths:
     @property
     def travel_m(self) -> Array:
         """Travel since the first time of the grid, shape (N, P) [m]."""
-        travel = self.step_s * cumulative_simpson(self.speed_m_s, axis=1, initial=0)
+        travel = self.step_s * scipy.integrate.cumulative_simpson(self.speed_m_s, axis=1, initial=0)
         return np.asarray(travel)
 
     def of(self, trials: Whole) -> "Paths":
@@ -100,8 +101,10 @@ class Paths:
         return np.asarray(travel - travel @ line.T @ line)
 
     def _integrals(self, acceleration_m_s2: Array) -> tuple[Array, Array]:
-        speed = self.step_s * cumulative_simpson(acceleration_m_s2, axis=1, initial=0)
-        return speed, self.step_s * cumulative_simpson(speed, axis=1, initial=0)
+        speed = self.step_s * scipy.integrate.cumulative_simpson(
+            acceleration_m_s2, axis=1, initial=0
+        )
+        return speed, self.step_s * scipy.integrate.cumulative_simpson(speed, axis=1, initial=0)
 
 
 def motion_untold(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupported | None:
@@ -133,7 +136,7 @@ def trial_paths(gravity: Gravity, rig: RigConstants) -> Paths:
         Least-squares polynomials in time, of the sensors' common motion.
     """
     trials = gravity.trials
-    with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
+    with_events = stands_in(trials["trial"], gravity.events["trial"]).to_numpy()
     shape = (len(trials), POINTS)
     step, speed, acceleration = np.empty((len(trials), 1)), np.empty(shape), np.empty(shape)
     if with_events.any():

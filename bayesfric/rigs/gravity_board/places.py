@@ -21,6 +21,7 @@ from bayesfric.inference.cosines import MODES, cosines
 from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, nominal_tension
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
@@ -134,7 +135,7 @@ class TrialPlaces:
     def with_events(self) -> Flags:
         """Which trials have events, shape (N,)."""
         trials, events = self._gravity.trials, self._gravity.events
-        return np.asarray(trials["trial"].isin(events["trial"]))
+        return np.asarray(stands_in(trials["trial"], events["trial"]))
 
     def state(self, law: Coefficients, acceleration: Array) -> State:
         """Return where trials are on average, arrays of shape (W, N).

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.recording.consistency import MINIMUM_EVENTS
-from bayesfric.recording.frames import did_not_move
+from bayesfric.recording.frames import did_not_move, stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.event_repair import LARGEST_SHARE, repair_events
 from bayesfric.rigs.gravity_board.sensor_agreement import (
@@ -112,13 +112,13 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
     resting = did_not_move(gravity.trials)
     still, trials = gravity.trials[resting], gravity.trials[~resting]
     events = gravity.events
-    recorded = trials["trial"].isin(events["trial"])
+    recorded = stands_in(trials["trial"], events["trial"])
     repaired = pd.DataFrame(columns=["trial", "sensor", "missed", "doubled", "removed", "used"])
     if recorded.any():
         assert rig.hall_spacing_m
         repair = repair_events(events, trials["trial"], spacing_m=rig.hall_spacing_m)
         events, repaired = repair.events, repair.repaired
-    left = trials["trial"].isin(events["trial"])
+    left = stands_in(trials["trial"], events["trial"])
     clocks = sensor_clocks(events, trials["trial"][left], rig)
     events = on_one_clock(events, clocks, rig)
     excluded = dict.fromkeys(trials["trial"][recorded & ~left], "unrepairable-events")

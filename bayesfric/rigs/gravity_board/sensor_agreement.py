@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+from scipy.special import stdtrit
 
 from bayesfric.arrays import Array
 from bayesfric.recording.consistency import MINIMUM_EVENTS
@@ -99,7 +99,7 @@ def sensor_agreement(
     friction = condition.drive_force_n - mass * 0.5 * (drive + load) * spacing
     share = np.full(z.size, np.inf)
     np.divide(mass * np.abs(difference) * spacing, friction, out=share, where=friction > 0)
-    limit = float(stats.t.isf(TAIL / 2, trains.time.size - 3 * trains.starts.size))
+    limit = -float(stdtrit(trains.time.size - 3 * trains.starts.size, TAIL / 2))
     table = pd.DataFrame(
         {
             "trial": compared["trial"].to_numpy(),

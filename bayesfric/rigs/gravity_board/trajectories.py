@@ -8,6 +8,7 @@ from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, Trajectory
 from bayesfric.physics.laws import FrictionLaw
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
@@ -28,7 +29,7 @@ def trajectories(
 ) -> xr.Dataset:
     """Predict a few trials, free-running from the first event's speed."""
     trials = model.trials
-    with_events = np.flatnonzero(trials["trial"].isin(gravity.events["trial"]))
+    with_events = np.flatnonzero(stands_in(trials["trial"], gravity.events["trial"]))
     if not with_events.size:
         return xr.Dataset()
     pilot = pilot_fits(gravity.events, trials["trial"].iloc[with_events])

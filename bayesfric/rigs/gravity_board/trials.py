@@ -21,6 +21,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.csv_text import LISTED, with_rest
+from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
@@ -173,7 +174,7 @@ class GravityTrials(PulleyTrials):
         events, trials = self.gravity.events, self.gravity.trials
         if events.empty:
             return float("inf")
-        with_events = trials["trial"].isin(events["trial"])
+        with_events = stands_in(trials["trial"], events["trial"])
         return float(pilot_fits(events, trials["trial"][with_events]).least_speed.min())
 
     def levels(self, name: str) -> int:
@@ -274,7 +275,7 @@ class GravityTrials(PulleyTrials):
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction of model (3) over that of model (4), where a trial has events."""
         trials, events = self.gravity.trials, self.gravity.events
-        seen = trials["trial"].isin(events["trial"])
+        seen = stands_in(trials["trial"], events["trial"])
         if not seen.any():
             return Unsupported("No trial has Hall events, which would show a stretch.")
         with_events = Gravity(trials[seen].reset_index(drop=True), events)

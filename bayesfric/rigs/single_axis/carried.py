@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.stats import spearmanr
+import scipy
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.beside import rough_shares
@@ -228,7 +228,7 @@ def warmth_of(readings: Readings, order: Array) -> Array | None:
         warm[sequence] = np.cumsum(step)
         if np.ptp(order) == 0 or np.ptp(warm) == 0:
             return None
-        if abs(float(spearmanr(warm, order)[0])) > ALIKE:
+        if abs(float(scipy.stats.spearmanr(warm, order)[0])) > ALIKE:
             return None
     spread = float(np.ptp(warm))
     return np.asarray((warm - warm.mean()) / spread) if spread > 0 else None

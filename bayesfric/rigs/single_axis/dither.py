@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.even_log import EvenLog, smooth_motion
@@ -92,4 +92,4 @@ def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Ar
 
 def _quick(values: Array, half: int) -> Array:
     """Return what changes within a window, shape (N,)."""
-    return np.asarray(values - uniform_filter1d(values, 2 * half + 1))
+    return np.asarray(values - scipy.ndimage.uniform_filter1d(values, 2 * half + 1))

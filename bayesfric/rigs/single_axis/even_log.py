@@ -3,8 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
-from scipy.signal import savgol_filter
+import scipy
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
@@ -137,7 +136,7 @@ def position_noise(log: EvenLog, resolution: float | None) -> float:
     What a parabola over seven samples leaves; at least that of rounding to the encoder's
     resolution, or to the least step that the log has where nobody says.
     """
-    smooth = savgol_filter(log.position, 7, 2)
+    smooth = scipy.signal.savgol_filter(log.position, 7, 2)
     left = np.abs(log.position - smooth)[3:-3]
     # A parabola through seven samples takes up a third of the variance at its middle.
     found = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
@@ -200,7 +199,7 @@ def smooth_motion(
     if quick:
         fine = max(fine, QUICK)
     degree = 4 if quick else 2
-    position = savgol_filter(log.position, 2 * fine + 1, degree)
+    position = scipy.signal.savgol_filter(log.position, 2 * fine + 1, degree)
     return position, _speed(log, fine, degree), np.where(log.known, way, 0.0)
 
 
@@ -212,11 +211,13 @@ def _surely(log: EvenLog, half: int, noise: float) -> Array:
     """
     velocity, error = _speed(log, half), _speed_error(log, half, noise)
     way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
-    least = minimum_filter1d(way, 2 * half + 1)
-    return np.where(least == maximum_filter1d(way, 2 * half + 1), least, 0.0)
+    least = scipy.ndimage.minimum_filter1d(way, 2 * half + 1)
+    return np.where(least == scipy.ndimage.maximum_filter1d(way, 2 * half + 1), least, 0.0)
 
 
 def _speed(log: EvenLog, half: int, degree: int = 2) -> Array:
     """Return the slope at the middle of a polynomial through `half` samples either side, (N,)."""
     length = 2 * half + 1
-    return np.asarray(savgol_filter(log.position, length, degree, deriv=1, delta=log.interval_s))
+    return np.asarray(
+        scipy.signal.savgol_filter(log.position, length, degree, deriv=1, delta=log.interval_s)
+    )

@@ -18,8 +18,8 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.even_log import EvenLog
@@ -212,7 +212,7 @@ def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[floa
     count = asked.shape[1]
     own = numbers[:count]
     statistic = float(own @ np.linalg.pinv(covariance[:count, :count]) @ own) / count
-    return statistic, float(f_distribution.sf(statistic, count, groups.max()))
+    return statistic, float(scipy.stats.f.sf(statistic, count, groups.max()))
 
 
 def _covariance(design: Array, rest: Array, groups: Whole) -> Array:

@@ -1,8 +1,8 @@
 """Rates of a force that acts later than the log has it, or follows its command with a lag."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog
@@ -67,4 +67,4 @@ def following(force: Array, steps: float) -> Array:
     kept = np.exp(-1 / steps)
     mean = (1 - kept) * steps  # of what is kept, over one step
     numbers = [1 - mean, mean - kept], [1.0, -kept]
-    return np.asarray(lfilter(*numbers, force, zi=mean * force[:1])[0])
+    return np.asarray(scipy.signal.lfilter(*numbers, force, zi=mean * force[:1])[0])

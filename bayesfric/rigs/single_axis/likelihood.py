@@ -19,8 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import make_interp_spline
-from scipy.optimize import minimize
+import scipy
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.arrays import Array
@@ -139,7 +138,7 @@ class AxisModel:
             determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
             whole = (determinants + uneven_determinant)[:, None]
             table.append(np.concatenate([forms.reshape(len(whole), -1), whole], axis=1))
-        self._table = make_interp_spline(RATIOS, np.stack(table), k=5)
+        self._table = scipy.interpolate.make_interp_spline(RATIOS, np.stack(table), k=5)
 
     @property
     def _typical(self) -> float:
@@ -251,6 +250,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         determinant = solved.log_determinant(every) + determinants.sum()
         return 0.5 * float(square + determinant + z @ z)
 
-    found = minimize(loss, np.zeros(5), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5})
+    found = scipy.optimize.minimize(
+        loss, np.zeros(5), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5}
+    )
     position, force, wander, length, along = np.exp(start + width * found.x)
     return float(position), float(force), float(wander), float(length), float(along)

@@ -155,7 +155,7 @@ class Measures:
         return replace(
             one,
             unit=self.unit(one.unit),
-            prior=one.prior.times(scale),
+            prior=(one.joint_prior or one.prior).times(scale),
             plausible=(low * scale, high * scale),
             reference=reference,
             typical=None if one.typical is None else one.typical * scale,

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import BSpline, make_lsq_spline
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.physics.axis import AxisLaw
@@ -85,21 +85,26 @@ def lay_out(
     return table, readings.of(moving)
 
 
-def _spline(log: EvenLog, position: Array, knot_s: float) -> BSpline:
+def _spline(log: EvenLog, position: Array, knot_s: float) -> "scipy.interpolate.BSpline":
     """Return a path that a window resolves, from time 0 on."""
     time = log.time_s - log.time_s[0]
     inner = np.linspace(0.0, time[-1], max(2, round(time[-1] / knot_s)))
-    return make_lsq_spline(time, position, np.pad(inner, 3, mode="edge"))
+    return scipy.interpolate.make_lsq_spline(time, position, np.pad(inner, 3, mode="edge"))
 
 
-def _paths(log: EvenLog, own: BSpline, knot_s: float, fastest: float) -> dict[str, BSpline]:
+def _paths(
+    log: EvenLog, own: "scipy.interpolate.BSpline", knot_s: float, fastest: float
+) -> "dict[str, scipy.interpolate.BSpline]":
     """Return paths over the range of a run, by what they are called.
 
     A path there and back is a triangle wave whose corners are round: A arcsin(r cos φ), whose
     speed is A sin φ / √(sin² φ + ε²) with r² = 1 / (1 + ε²); a large ε makes a sine of it.
     """
     low, high = float(log.position.min()), float(log.position.max())
-    found = {"as recorded": own, "mirrored": BSpline(own.t, low + high - own.c, own.k)}
+    found = {
+        "as recorded": own,
+        "mirrored": scipy.interpolate.BSpline(own.t, low + high - own.c, own.k),
+    }
     phase = np.pi * fastest / (high - low) * (log.time_s - log.time_s[0])  # fast enough for all
     for name, corner in ROUND.items():
         r = 1 / np.hypot(1.0, corner)
@@ -108,7 +113,7 @@ def _paths(log: EvenLog, own: BSpline, knot_s: float, fastest: float) -> dict[st
     return found
 
 
-def _top(path: BSpline) -> float:
+def _top(path: "scipy.interpolate.BSpline") -> float:
     return float(np.abs(path.derivative()(path.t)).max())
 
 
@@ -132,7 +137,9 @@ def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any
     return found
 
 
-def _faster(path: BSpline, faster: float, log: EvenLog, law: AxisLaw) -> EvenLog:
+def _faster(
+    path: "scipy.interpolate.BSpline", faster: float, log: EvenLog, law: AxisLaw
+) -> EvenLog:
     """Return a path run so much faster, and the drive force that it takes, on time."""
     time = np.arange(0.0, path.t[-1] / max(faster, 1.0), log.interval_s)
     velocity = faster * path(faster * time, 1)

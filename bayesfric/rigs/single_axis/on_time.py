@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.beside import leading
@@ -87,7 +87,9 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     delays = step * np.arange(-STEPS, STEPS + 1)
     left = np.array([squares.delayed(late) for late in delays])
     best = float(delays[np.argmin(left)])
-    nearest = minimize_scalar(squares.delayed, bounds=(best - step, best + step), method="bounded")
+    nearest = scipy.optimize.minimize_scalar(
+        squares.delayed, bounds=(best - step, best + step), method="bounded"
+    )
     late_s = float(nearest.x)
     if -margin_s <= late_s <= LATEST_S:
         return OnTime(tuple(logs))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import savgol_coeffs, savgol_filter
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise
@@ -50,14 +50,16 @@ def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
     most = max(LEAST_HALF, min(round(MOST_S / step), (log.time_s.size - 1) // 2))
     half = LEAST_HALF
     while half < most:
-        kernel = savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
-        velocity = savgol_filter(log.position, 2 * half + 1, DEGREE, deriv=1, delta=step)
+        kernel = scipy.signal.savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
+        velocity = scipy.signal.savgol_filter(
+            log.position, 2 * half + 1, DEGREE, deriv=1, delta=step
+        )
         if noise * np.linalg.norm(kernel) < FINE * np.abs(velocity).max():
             break
         half = min(most, half + max(1, half // 4))
     width = 2 * half + 1
-    position = savgol_filter(log.position, width, DEGREE)
-    velocity = savgol_filter(log.position, width, DEGREE, deriv=1, delta=step)
+    position = scipy.signal.savgol_filter(log.position, width, DEGREE)
+    velocity = scipy.signal.savgol_filter(log.position, width, DEGREE, deriv=1, delta=step)
     if time_s is None:
         return Path(position, velocity, noise, step)
     return Path(
