@@ -14,8 +14,6 @@ from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["AbsorbedEffect", "Classes", "classes_of"]
-
 ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all

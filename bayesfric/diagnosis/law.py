@@ -11,8 +11,6 @@ from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Interval, LawNumber
 
-__all__ = ["law_of_diagnosis"]
-
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""

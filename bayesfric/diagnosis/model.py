@@ -28,8 +28,6 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, LinearRig
 
-__all__ = ["LinearModel"]
-
 # Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
 LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}
 # The same where a machine's own prior says how large it may be: all is counted in friction of the

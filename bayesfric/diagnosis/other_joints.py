@@ -10,8 +10,6 @@ from bayesfric.effects import Effect
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, ModelError
 
-__all__ = ["amounts_of", "looks_like_others", "model_error_words"]
-
 PLACED = frozenset({"angle", "load-both-ways", "period", "play", "position", "spring"})
 """Needs of effects of a position, of reversals behind a play or a spring, and of a gear's load."""
 LEFT = 0.1  # of friction, that nothing explains: so much is left where other joints pull

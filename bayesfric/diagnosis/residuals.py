@@ -14,16 +14,6 @@ from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
 from bayesfric.rigs.rotary import rotary_unit
 
-__all__ = [
-    "AXES",
-    "CATEGORIES",
-    "Residuals",
-    "numbers_of_laws",
-    "residuals_of",
-    "spread_numbers",
-    "used_of",
-]
-
 AXES = {
     "velocity": "m/s",
     "tension": "N",

@@ -12,8 +12,6 @@ from bayesfric.observation.coefficients import coefficient_prior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["coefficient_moments", "rms_friction", "scales_of_numbers"]
-
 
 def coefficient_moments(
     sizes: Sequence[str],

@@ -16,8 +16,6 @@ from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.inference.shapley import Block, explained_by_subsets, shapley_values
 from bayesfric.inference.smooths import BROAD, NARROW, Span, smooth_along
 
-__all__ = ["AxisFunctions", "Shares", "functions_along", "shares_of"]
-
 DRAWS = 300  # of the force: a 5 % quantile of a share is known to a tenth of its width
 PLAYERS = 12  # axes that compete; the rest of more are taken together
 RIDGE = 1e-3  # of a smooth's own variance: shrinks what a hundredth of the windows tells

@@ -14,8 +14,6 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["loosely_known", "share_of_friction", "why_not_shown", "windows_told"]
-
 WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
 HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing

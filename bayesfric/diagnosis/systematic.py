@@ -27,8 +27,6 @@ from bayesfric.inference.priors import from_normal
 from bayesfric.probabilities import total
 from bayesfric.schemas import Interval
 
-__all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior_of", "shrink_of"]
-
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
 SMALLEST = 1e-9  # of friction, of a gap that can shrink

@@ -20,8 +20,6 @@ from bayesfric.effects import Effect
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Axis, Interval, Shape
 
-__all__ = ["where_it_lies"]
-
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction
 ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded

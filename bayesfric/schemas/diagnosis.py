@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
@@ -493,5 +493,3 @@ class DiagnosisFile(Provenance):
         None, description="Conditions that were asked about, if any."
     )
     target_why: Annotated[Why, Because("no conditions were asked about (--target)")] = None
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -15,8 +15,6 @@ from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
 
-__all__ = ["PIECE", "Readings", "readings_of", "rough_law_of"]
-
 FOLLOWED = 12  # samples in half a window, of the path along which loads are followed
 SPARSE = 24  # windows, below which they lie closer: their errors hang together the more
 CLOSER = 0.5

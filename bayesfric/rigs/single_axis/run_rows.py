@@ -15,8 +15,6 @@ from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce, node_weights
 
-__all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run", "turns_back"]
-
 NARROWEST = 8  # samples on either side of a window's middle
 FEWEST = 4  # the same, where the axis turns too soon for so many
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
