@@ -13,8 +13,6 @@ from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["AbsorbedEffect", "Classes", "classes_of"]
-
 ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
@@ -114,19 +112,21 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
     members: list[list[str]] = []
     for name in entering:
-        for known in members:
-            if _alias(model, names, columns, direction, name, known[0]):
-                known.append(name)
+        for alias_class in members:
+            if _alias(model, names, columns, direction, name, alias_class[0]):
+                alias_class.append(name)
                 break
         else:
             members.append([name])
-    return Classes(tuple(tuple(one) for one in members), tuple(absorbed), left_out)
+    return Classes(
+        tuple(tuple(members_alike) for members_alike in members), tuple(absorbed), left_out
+    )
 
 
 def _absent(model: LinearModel, place: int) -> str:
     """Return why nothing of an effect shows: no rig here can, or it does not matter."""
     reasons = [rig.rows.relative_force(model.candidates[place]) for rig in model.rigs]
-    unsupported = [one.reason for one in reasons if isinstance(one, Unsupported)]
+    unsupported = [reason.reason for reason in reasons if isinstance(reason, Unsupported)]
     if len(unsupported) == len(reasons):
         return f"absent from these data: {unsupported[0]}"
     return "no influence on the prediction"
@@ -171,11 +171,11 @@ def _alias(
     names: dict[str, list[int]],
     columns: tuple[int, ...],
     direction: Array,
-    one: str,
+    first: str,
     other: str,
 ) -> bool:
     """Return whether some law of one effect is some law of the other, whatever its shape."""
-    for law in _laws(model, names[one]):
+    for law in _laws(model, names[first]):
         for rival in _laws(model, names[other]):
             mine = [columns.index(place) for place in law if place in columns]
             theirs = [columns.index(place) for place in rival if place in columns]

@@ -15,8 +15,6 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.probabilities import normalised, total
 
-__all__ = ["NONE", "UNKNOWN", "Search"]
-
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 CONTRADICTED = 0.95  # of causes whose held-out shrink lies below the model's by its 90 % interval
@@ -91,14 +89,14 @@ class Search:
         larger = alone if parts[0] > parts[1] else beside
         return replace(self, unknown=replace(larger, log_evidence=float(logsumexp(parts))))
 
-    def worth(self, one: Weighed) -> float:
+    def worth(self, hypothesis: Weighed) -> float:
         """Return the log of evidence times prior."""
-        return one.log_evidence + self.log_prior(one.label)
+        return hypothesis.log_evidence + self.log_prior(hypothesis.label)
 
     def probabilities(self, none: float | None = None) -> dict[str, float]:
         """Return posterior probabilities, the largest first, summing to 1."""
-        values = {name: one.log_evidence for name, one in self.weighed.items()}
-        values |= {name: one for name, one in self.rough.items() if name not in values}
+        values = {name: value.log_evidence for name, value in self.weighed.items()}
+        values |= {name: value for name, value in self.rough.items() if name not in values}
         if self.unknown is not None:
             values[UNKNOWN] = self.unknown.log_evidence
         elif self.unheard:
@@ -108,9 +106,9 @@ class Search:
         chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
         listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
-        found = normalised({name: float(chances[name]) for name in ranked})
-        found.setdefault(UNKNOWN, 0.0)
-        return self._with_foreign(found) if self.foreign else found
+        chances_by_name = normalised({name: float(chances[name]) for name in ranked})
+        chances_by_name.setdefault(UNKNOWN, 0.0)
+        return self._with_foreign(chances_by_name) if self.foreign else chances_by_name
 
     def overruled(self, effects: frozenset[str]) -> "Search":
         """Return these where held-out data contradict that effects make the gap."""
@@ -119,14 +117,14 @@ class Search:
         return replace(self, foreign={**self.foreign, effects: share})
 
     def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
-        found = chances.copy()
+        shared = chances.copy()
         for name, chance in chances.items():
             acting = set(name.split("+"))
             shares = [share for effects, share in self.foreign.items() if effects <= acting]
             kept = math.prod(1 - share for share in shares)
-            found[name] -= (1 - kept) * chance
-            found[UNKNOWN] += (1 - kept) * chance
-        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+            shared[name] -= (1 - kept) * chance
+            shared[UNKNOWN] += (1 - kept) * chance
+        ranked = sorted(normalised(shared).items(), key=lambda pair: (-pair[1], pair[0]))
         return dict(ranked)
 
     def unvisited(self) -> float:

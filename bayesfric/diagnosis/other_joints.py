@@ -10,8 +10,6 @@ from bayesfric.effects import Effect
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, ModelError
 
-__all__ = ["amounts_of", "looks_like_others", "model_error_words"]
-
 PLACED = frozenset({"angle", "load-both-ways", "period", "play", "position", "spring"})
 """Needs of effects of a position, of reversals behind a play or a spring, and of a gear's load."""
 LEFT = 0.1  # of friction, that nothing explains: so much is left where other joints pull
@@ -63,13 +61,13 @@ def amounts_of(model: LinearModel, best: Weighed) -> ModelAmounts | None:
 
 def model_error_words(errors: Collection[ModelError]) -> str:
     """Return that a model is off, a sentence with a blank before it; empty where it is not."""
-    off = [one for one in errors if one.significant]
+    off = [error for error in errors if error.significant]
     if not off:
         return ""
     parts = [
-        f"{one.number} of {one.link} by {one.error.mean:+.3g} ± {one.error.sd:.2g} {one.unit} "
-        f"(your model has {one.in_your_model:.3g})"
-        for one in off[:LISTED]
+        f"{error.number} of {error.link} by {error.error.mean:+.3g} ± {error.error.sd:.2g} "
+        f"{error.unit} (your model has {error.in_your_model:.3g})"
+        for error in off[:LISTED]
     ]
     more = f", and {len(off) - LISTED} more" if len(off) > LISTED else ""
     return f" Your model of the machine is off: {'; '.join(parts)}{more}."

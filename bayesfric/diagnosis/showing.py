@@ -14,14 +14,12 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["loosely_known", "share_of_friction", "why_not_shown", "windows_told"]
-
 WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
 HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
-TOLD = float(np.log(2))  # by which an unknown force is less likely than none, at least
+LEAST_ODDS = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
 
 def why_not_shown(search: Search, residuals: Residuals) -> str | None:
@@ -43,7 +41,7 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
     if search.unknown is None:
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
-    if better > -TOLD:
+    if better > -LEAST_ODDS:
         return (
             f"{windows_told(residuals)} do not tell an unknown force from none "
             f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"

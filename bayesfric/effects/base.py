@@ -18,19 +18,6 @@ from bayesfric.physics.friction import (
     tension_slope,
 )
 
-__all__ = [
-    "LADDER",
-    "ActsOn",
-    "Effect",
-    "EffectParameter",
-    "Law",
-    "Load",
-    "Reading",
-    "State",
-    "after_passes",
-    "followed",
-]
-
 LADDER = (
     "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
     "2024 (M3 to M6), and the parameters published with it"

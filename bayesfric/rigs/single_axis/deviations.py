@@ -23,17 +23,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = [
-    "COLUMNS",
-    "COSINES",
-    "Levels",
-    "Shared",
-    "deviating_columns",
-    "integrated",
-    "map_columns",
-    "map_spectrum",
-]
-
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
 COLUMNS = COSINES + 2  # of deviations: of all friction, along the path, and of the law's alone
 
@@ -81,7 +70,7 @@ def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
     weight = np.exp(log_weight - log_weight[0])  # the first is not 0 however steep they fall
     total = weight.sum()
     changes = (-2 * decay * weight * turn2 / (1 + turn2), -decay * weight * np.log1p(turn2))
-    slopes = [2 * (one - weight * one.sum() / total) / total for one in changes]
+    slopes = [2 * (change - weight * change.sum() / total) / total for change in changes]
     return 2 * weight / total, slopes[0], slopes[1]
 
 
@@ -208,11 +197,11 @@ class Shared:
     def _lifted(self, columns: Array) -> Array:
         """Return columns of a run's deviations, (N, k, C), where those above stand."""
         assemblies = self._assemblies
-        found = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
-        found[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
-        found[:, :, assemblies:-2] = columns[:, :, 1:-1]
-        found[:, :, -2:] = columns[:, :, [0, -1]]
-        return found
+        lifted = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
+        lifted[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
+        lifted[:, :, assemblies:-2] = columns[:, :, 1:-1]
+        lifted[:, :, -2:] = columns[:, :, [0, -1]]
+        return lifted
 
 
 def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:

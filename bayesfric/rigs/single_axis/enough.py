@@ -10,8 +10,6 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.run_rows import FEWEST
 from bayesfric.rigs.single_axis.windows import pass_s, position_sd
 
-__all__ = ["too_few_windows", "too_little_motion", "too_short", "without_force"]
-
 ROWS = 12  # windows, thrice the numbers of the law and its clocks: below that nothing is told
 AT_EASE = 5 * FEWEST  # samples in a pass: with fewer, windows are no narrower than its motion
 

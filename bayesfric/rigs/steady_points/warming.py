@@ -10,8 +10,6 @@ from dataclasses import replace
 from bayesfric.effects import Effect, all_effects
 from bayesfric.rigs.steady_points.bench import Bench
 
-__all__ = ["WARMTH", "has_temperature", "over_the_points"]
-
 WARMTH = "warmth"  # what an effect of temperature needs
 IN_ORDER = "wear-drift"  # the effect that goes by the order of the points
 
