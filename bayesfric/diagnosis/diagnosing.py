@@ -243,7 +243,7 @@ def _diagnose(
     others = data.rigs[0].other_joints
     rivals = [name for effects in sets_of_one(chances, effects_known, named) for name in effects]
     amounts = amounts_of(model, best)
-    elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
+    elsewhere = looks_like_others(named, rivals, examined, others, gap, amounts)
     why = None
     if remainder is not None:
         why = why_overruled(gap, practical, told_as_remainder=remainder.significant)

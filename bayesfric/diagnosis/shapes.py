@@ -7,12 +7,13 @@ probability), and columns at any shape are mixtures of those at the nodes.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 import scipy
 from scipy.special import log_ndtr, logsumexp
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import is_positive, prior_moments
@@ -23,6 +24,8 @@ COARSE, FINE, ZOOMS = 49, 13, 3
 SWEEPS = 2  # over the shapes of effects that act together
 NEAR = 12.0  # nat from the best law, of one that is followed
 LOG_2 = float(np.log(2))
+Places: TypeAlias = tuple[int, ...]
+"""Candidates of a law."""
 
 
 @dataclass(frozen=True)
@@ -60,20 +63,43 @@ class Quadratic:
     def __init__(self, model: LinearModel, reduced: Reduced, places: Sequence[int]) -> None:
         self._model, self.reduced = model, reduced
         self._row = {place: row for row, place in enumerate(places)}
+        self._rows: dict[Places, Whole] = {}
+        self._blocks: dict[tuple[Places, Places], Array] = {}
+        self._mixtures: dict[tuple[Places, tuple[float, ...], float], Array] = {}
+
+    def _rows_of(self, law: Law) -> Whole:
+        if law.places not in self._rows:
+            self._rows[law.places] = np.array([self._row[place] for place in law.places])
+        return self._rows[law.places]
+
+    def _block(self, first: Law, second: Law) -> Array:
+        """Return the precision of the candidates of two laws."""
+        key = first.places, second.places
+        if key not in self._blocks:
+            rows = np.ix_(self._rows_of(first), self._rows_of(second))
+            self._blocks[key] = self.reduced.precision[rows]
+        return self._blocks[key]
+
+    def _mixture(self, law: Law, shape: Array) -> Array:
+        """Return the weights of a law's candidates; those of a shape that is held are kept."""
+        if len(shape) > 1:
+            return law.weights(shape)
+        key = law.places, law.nodes, float(shape[0])
+        if key not in self._mixtures:
+            self._mixtures[key] = law.weights(shape)
+        return self._mixtures[key]
 
     def _mixed(self, laws: Sequence[Law], shapes: Sequence[Array]) -> tuple[Array, Array]:
         """Return precision (M, k, k) and slope (M, k) at M choices of shapes."""
-        rows = [np.array([self._row[place] for place in law.places]) for law in laws]
-        weights = [law.weights(shape) for law, shape in zip(laws, shapes, strict=True)]
+        weights = [self._mixture(law, shape) for law, shape in zip(laws, shapes, strict=True)]
         count = max(len(weight) for weight in weights)
         k = len(laws)
         precision, slope = np.empty((count, k, k)), np.empty((count, k))
-        whole = self.reduced
         for i in range(k):
-            slope[:, i] = weights[i] @ whole.slope[rows[i]]
+            slope[:, i] = weights[i] @ self.reduced.slope[self._rows_of(laws[i])]
             for j in range(i + 1):
-                block = whole.precision[np.ix_(rows[i], rows[j])]
-                value = ((weights[i] @ block) * weights[j]).sum(axis=1)
+                across = weights[i] @ self._block(laws[i], laws[j])
+                value = (across * weights[j]).sum(axis=1)
                 precision[:, i, j] = precision[:, j, i] = value
         return precision, slope
 

@@ -120,7 +120,9 @@ class Moved:
     further: Array
 
 
-def mjcf(arm: Arm, *, step_s: float = 5e-4, rotor: float = 0.0, masses: Sequence[float] = ()) -> str:
+def mjcf(
+    arm: Arm, *, step_s: float = 5e-4, rotor: float = 0.0, masses: Sequence[float] = ()
+) -> str:
     """Return the arm's MJCF, without friction; with a free rotor where it has inertia.
 
     Parameters
@@ -142,7 +144,8 @@ def mjcf(arm: Arm, *, step_s: float = 5e-4, rotor: float = 0.0, masses: Sequence
         leans = link == 0 and not arm.upright
         lean = f' euler="0 {arm.leaning} 0"' if leans else ""
         text += (
-            f'<body name="link{link + 1}"{place}{lean}><joint name="joint{link + 1}" axis="{axis}"/>'
+            f'<body name="link{link + 1}"{place}{lean}>'
+            f'<joint name="joint{link + 1}" axis="{axis}"/>'
             f'<geom type="capsule" fromto="0 0 0 {length} 0 0" size=".03" mass="{mass}"/>'
         )
         end += "</body>"
@@ -303,7 +306,8 @@ def moved(
         kept[3:, k] = machine.seen()
         kept[2, k], further[k] = machine.period(waiting[0], ripples[k])
     times = np.arange(count) / control.rate_hz
-    return Moved(times, *kept, further)
+    read, sent, given, place, speed_of, acceleration, carried = kept
+    return Moved(times, read, sent, given, place, speed_of, acceleration, carried, further)
 
 
 class Machine:
@@ -371,12 +375,14 @@ class Machine:
     def seen(self) -> Array:
         """Return place, speed and acceleration of the links, and what rigid bodies take."""
         joints = self.arm.joints
-        return np.stack([
-            self.data.qpos[:joints],
-            self.data.qvel[:joints],
-            self.data.qacc[:joints],
-            self.carried(),
-        ])
+        return np.stack(
+            [
+                self.data.qpos[:joints],
+                self.data.qvel[:joints],
+                self.data.qacc[:joints],
+                self.carried(),
+            ]
+        )
 
     def carried(self) -> Array:
         """Return the torque that the gears carry: what is left of all torques by friction."""

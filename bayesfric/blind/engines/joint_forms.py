@@ -166,9 +166,7 @@ MECHANISMS = (
         rubs=lambda p, now: max(now.load * now.way, 0.0),
         needs=frozenset({"gravity", "known"}),
     ),
-    Mechanism(
-        "direction-asymmetry", DIRECTION, rubs=lambda p, now: now.law * now.way, signed=True
-    ),
+    Mechanism("direction-asymmetry", DIRECTION, rubs=lambda p, now: now.law * now.way, signed=True),
     Mechanism(
         "viscous-asymmetry",
         ("direction", "velocity"),

@@ -380,9 +380,7 @@ def scaled(world: World, mechanism: Mechanism, strength: float, seed: int, place
     return Acting(mechanism, sign * float(amplitude), numbers)
 
 
-def _limit(
-    world: World, mechanism: Mechanism, plain: Moved, wanted: float, seed: int
-) -> float:
+def _limit(world: World, mechanism: Mechanism, plain: Moved, wanted: float, seed: int) -> float:
     """Return the limit beyond which as much is lost as is wanted, rms, while the loop goes on."""
     size = np.abs(plain.command[:, world.target])
     limits = np.quantile(size, np.linspace(0.5, 1.0, 200))
@@ -449,7 +447,9 @@ def recorded(world: World, runs: Sequence[Moved], seed: int) -> Recording:
     if world.knows == "model":
         rng = _stream(seed, LOG)
         off = 1 + MODEL_ERROR * rng.standard_normal(world.arm.joints)
-        files["arm.xml"] = mjcf(world.arm, masses=[m * f for m, f in zip(world.arm.masses, off, strict=True)])
+        files["arm.xml"] = mjcf(
+            world.arm, masses=[m * f for m, f in zip(world.arm.masses, off, strict=True)]
+        )
         names = {f"joint{j + 1}": f"joint{j + 1}" for j in logged}
         rig["robot"] = {"model": "arm.xml", "joints": names}
     header: dict[str, list[Any]] = {"run": [], "order": []}
@@ -501,8 +501,9 @@ def _rows(
 
 def _text(table: Mapping[str, Sequence[Any] | Array], header: bool = True) -> str:
     cells = [
-        [f"{value:.9g}" for value in values.tolist()] if isinstance(values, np.ndarray) else
-        [str(value) for value in values]
+        [f"{value:.9g}" for value in values.tolist()]
+        if isinstance(values, np.ndarray)
+        else [str(value) for value in values]
         for values in table.values()
     ]
     lines = [",".join(row) for row in zip(*cells, strict=True)]

@@ -115,9 +115,11 @@ class AxisPart:
         solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
         lent = solved.times(z)
         ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
-        grams = np.stack([z[i:j].T @ lent[i:j] for i, j in pairwise(ends)])
+        runs = [slice(start, stop) for start, stop in pairwise(ends)]
+        grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
+        others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
         levels, (spectrum, by_length, by_decay) = self._levels(noise)
-        shared = Shared(grams, self.setup, levels)
+        shared = Shared(grams, others, self.setup, levels)
         k = x.shape[1]
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)
@@ -140,7 +142,8 @@ class AxisPart:
             numbers, inverse = shared.of_rows()
             pulled = lent[:, :COLUMNS]
             pulls = lent[:, COLUMNS:] @ mixed
-            pulls -= np.einsum("wk,wkm->wm", pulled, (numbers @ mixed)[trial], optimize=True)
+            for rows, of_run in zip(runs, numbers @ mixed, strict=True):
+                pulls[rows] -= pulled[rows] @ of_run
             slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
             return slopes | {
@@ -176,14 +179,13 @@ class AxisPart:
             levels.run + levels.setup, 0.0, levels.run_map + levels.machine_map, 0 * levels.run_map
         )
         first = np.zeros(1, dtype=np.intp)
-        return np.stack(
-            [
-                Shared(
-                    (z[trial == trial_number].T @ lent[trial == trial_number])[None], first, alone
-                ).rest
-                for trial_number in range(len(self.size))
-            ]
-        )
+
+        def of_trial(rows: Flags) -> Array:
+            grams = z[rows].T @ lent[rows]
+            others = grams[COLUMNS:, COLUMNS:]
+            return Shared(grams[None, :COLUMNS], others, first, alone).rest
+
+        return np.stack([of_trial(trial == place) for place in range(len(self.size))])
 
     def phase_strength(self, place: int) -> float:
         """Return 0: what has a phase anew in each run does not enter."""
@@ -235,7 +237,7 @@ class AxisPart:
                 "travel_since_reversal": mean @ travel,
                 "time_s": mean @ readings.time_s,
             },
-            counts=root**2,
+            counts=min(readings.hop, 1.0) * root**2,
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
