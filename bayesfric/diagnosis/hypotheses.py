@@ -155,5 +155,7 @@ class Search:
         """Return the most probable hypothesis of those with names, none among them."""
         weighed = list(self.weighed.values())
         if self.minor is not None and self.minor[1] >= MOSTLY:
-            weighed = [one for one in weighed if not self.minor[0] < set(one.names)]
+            weighed = [
+                hypothesis for hypothesis in weighed if not self.minor[0] < set(hypothesis.names)
+            ]
         return max(weighed, key=self.worth)
