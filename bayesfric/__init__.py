@@ -7,56 +7,32 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bayesfric.analysis import Analysis
-    from bayesfric.blind.running import run_blind
-    from bayesfric.calibration.running import calibrate
-    from bayesfric.comparing import compare
-    from bayesfric.effects.base import Effect
-    from bayesfric.errors import InputError
-    from bayesfric.families import (
-        Beta,
-        Gamma,
-        HalfCauchy,
-        HalfNormal,
-        LogNormal,
-        Normal,
-        StudentT,
-        TruncatedNormal,
-        Uniform,
-    )
-    from bayesfric.notebook import check_claims, compute_margins, diagnose, fit, load, power
-    from bayesfric.planning import Power
-    from bayesfric.recording import Recording, read_recording, write_recording
-    from bayesfric.simulate import simulate_recording
-
-__all__ = [
-    "Analysis",
-    "Beta",
-    "Effect",
-    "Gamma",
-    "HalfCauchy",
-    "HalfNormal",
-    "InputError",
-    "LogNormal",
-    "Normal",
-    "Power",
-    "Recording",
-    "StudentT",
-    "TruncatedNormal",
-    "Uniform",
-    "calibrate",
-    "check_claims",
-    "compare",
-    "compute_margins",
-    "diagnose",
-    "fit",
-    "load",
-    "power",
-    "read_recording",
-    "run_blind",
-    "simulate_recording",
-    "write_recording",
-]
+    from bayesfric.analysis import Analysis as Analysis
+    from bayesfric.blind.running import run_blind as run_blind
+    from bayesfric.calibration.running import calibrate as calibrate
+    from bayesfric.comparing import compare as compare
+    from bayesfric.effects.base import Effect as Effect
+    from bayesfric.errors import InputError as InputError
+    from bayesfric.families import Beta as Beta
+    from bayesfric.families import Gamma as Gamma
+    from bayesfric.families import HalfCauchy as HalfCauchy
+    from bayesfric.families import HalfNormal as HalfNormal
+    from bayesfric.families import LogNormal as LogNormal
+    from bayesfric.families import Normal as Normal
+    from bayesfric.families import StudentT as StudentT
+    from bayesfric.families import TruncatedNormal as TruncatedNormal
+    from bayesfric.families import Uniform as Uniform
+    from bayesfric.notebook import check_claims as check_claims
+    from bayesfric.notebook import compute_margins as compute_margins
+    from bayesfric.notebook import diagnose as diagnose
+    from bayesfric.notebook import fit as fit
+    from bayesfric.notebook import load as load
+    from bayesfric.notebook import power as power
+    from bayesfric.planning import Power as Power
+    from bayesfric.recording import Recording as Recording
+    from bayesfric.recording import read_recording as read_recording
+    from bayesfric.recording import write_recording as write_recording
+    from bayesfric.simulate import simulate_recording as simulate_recording
 
 _HOMES = {
     "Analysis": "bayesfric.analysis",
@@ -86,6 +62,8 @@ _HOMES = {
     "simulate_recording": "bayesfric.simulate",
     "write_recording": "bayesfric.recording",
 }
+
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:

@@ -12,48 +12,20 @@ from pydantic import Field, ValidationError, model_validator
 
 from bayesfric.errors import InputError
 from bayesfric.families import (
-    Beta,
     Family,
     Finite,
-    Gamma,
-    HalfCauchy,
-    HalfNormal,
-    LogNormal,
-    Normal,
     Positive,
-    Prior,
     Section,
-    StudentT,
-    TruncatedNormal,
-    Uniform,
 )
+from bayesfric.families import HalfCauchy as HalfCauchy
+from bayesfric.families import HalfNormal as HalfNormal
+from bayesfric.families import LogNormal as LogNormal
+from bayesfric.families import Normal as Normal
+from bayesfric.families import Prior as Prior
+from bayesfric.families import Uniform as Uniform
 from bayesfric.files import key_faults, read_toml
-from bayesfric.priors import PriorOverrides, Priors
-
-__all__ = [
-    "Analysis",
-    "Beta",
-    "CalibrationRules",
-    "ClaimRules",
-    "DiagnosisRules",
-    "Gamma",
-    "HalfCauchy",
-    "HalfNormal",
-    "HypothesisPriors",
-    "LogNormal",
-    "Normal",
-    "Prior",
-    "PriorOverrides",
-    "Priors",
-    "Sampler",
-    "Scatter",
-    "StudentT",
-    "TruncatedNormal",
-    "Uniform",
-    "analysis_sha256",
-    "checked_analysis",
-    "read_analysis",
-]
+from bayesfric.priors import PriorOverrides as PriorOverrides
+from bayesfric.priors import Priors as Priors
 
 
 class Scatter(Section):

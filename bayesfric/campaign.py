@@ -29,8 +29,6 @@ from urllib.parse import urlsplit
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["WorkerDiedError", "cluster", "processes", "run_campaign", "run_on_processes"]
-
 Case = TypeVar("Case")
 Result = dict[str, Any]
 TRIES = 2  # of a case whose worker died
@@ -82,7 +80,7 @@ class _Processes(ProcessPoolExecutor):
 
 
 def _end_with_parent() -> None:
-    """Let a worker end when whoever started it is killed, instead of waiting for ever."""
+    """Make a worker end when its parent process is killed."""
     parent = parent_process()
     if parent is not None:
 

@@ -9,8 +9,6 @@ be two trials.
 import re
 import unicodedata
 
-__all__ = ["code_of", "invisible_in", "legible"]
-
 _LINE_END = re.compile(r"\r\n|[\n\r]")
 _UNSEEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})  # controls, marks, halves, ends of lines
 _FILLERS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u180b\u180c\u180d\u180f\u3164\uffa0")

@@ -13,25 +13,22 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
 from functools import cache
 from itertools import count
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Any, ParamSpec, TypeVar, cast, get_args, get_origin, get_type_hints
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ConfigDict, RootModel, TypeAdapter
 
 from bayesfric.errors import Fault, InputError
-
-__all__ = ["NOTHING_KEPT", "Checkpoint", "code_sha256"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
 Arrays = dict[str, NDArray[Any]]
-RECORD = "record"
-"""Name of the array that says how the others make up a record."""
+RECORD, ARRAY = "record", "array"
+"""Names of the array that says how the others make up a record, and of the place of one there."""
 DAMAGED = (
     OSError,
     ValueError,
@@ -159,54 +156,38 @@ def _taken_apart(value: Any) -> Arrays:
     """Return the arrays of a record, and beside them all else as JSON."""
     arrays: Arrays = {}
 
-    def plain(value_part: Any) -> Any:
-        if isinstance(value_part, np.ndarray):
+    def plain(part: Any) -> Any:
+        if isinstance(part, np.ndarray):
             name = f"array-{len(arrays)}"
             # Laid out as it will be read: sums of an array that is not whole round otherwise.
-            arrays[name] = np.asarray(value_part, order="A")
-            return name
-        if is_dataclass(value_part):
-            return {
-                field.name: plain(getattr(value_part, field.name)) for field in fields(value_part)
-            }
-        if hasattr(value_part, "_asdict"):
-            value_part = value_part._asdict()
-        if isinstance(value_part, Mapping):
-            return {name: plain(part) for name, part in value_part.items()}
-        if isinstance(value_part, tuple):
-            return [plain(part) for part in value_part]
-        return value_part.item() if isinstance(value_part, np.generic) else value_part
+            arrays[name] = np.asarray(part, order="A")
+            return {ARRAY: name}
+        if isinstance(part, Mapping):
+            return {name: plain(item) for name, item in part.items()}
+        if isinstance(part, list | tuple):
+            return [plain(item) for item in part]
+        return part.item() if isinstance(part, np.generic) else part
 
-    text = json.dumps(plain(value))
+    text = json.dumps(plain(RootModel[Any](value).model_dump()))
     return {RECORD: np.array(text), **arrays}
 
 
 def _put_together(kind: Any, plain: Any, arrays: Arrays) -> Any:
-    """Return a record of a type, or a part of one."""
-    outer, parts = _origin(kind), get_args(kind)
-    if outer is UnionType:
-        (kind,) = (part for part in parts if part is not NoneType)
-        return None if plain is None else _put_together(kind, plain, arrays)
-    if outer is np.ndarray:
-        return arrays[plain]
-    if outer is tuple:
-        kinds = parts[:1] * len(plain) if Ellipsis in parts else parts
-        whole = zip(kinds, plain, strict=True)
-        return tuple(_put_together(part, item, arrays) for part, item in whole)
-    if isinstance(plain, dict):
-        if outer is not None:  # a mapping
-            return {name: _put_together(parts[1], item, arrays) for name, item in plain.items()}
-        hints = get_type_hints(kind)
-        return kind(
-            **{name: _put_together(hints[name], item, arrays) for name, item in plain.items()}
-        )
-    return plain
+    """Return a record of a type."""
 
+    def with_arrays(part: Any) -> Any:
+        if isinstance(part, list):
+            return [with_arrays(item) for item in part]
+        if isinstance(part, dict) and ARRAY in part:
+            return arrays[part[ARRAY]]
+        if isinstance(part, dict):
+            return {name: with_arrays(item) for name, item in part.items()}
+        return part
 
-def _origin(kind: Any) -> Any:
-    """Return what a generic type is made of; from NumPy 2.5 on, `NDArray` is an alias."""
-    outer = get_origin(kind)
-    return get_origin(outer.__value__) if hasattr(outer, "__value__") else outer
+    # in a tuple, since a dataclass alone takes no settings
+    whole: Any = TypeAdapter(tuple[kind], config=ConfigDict(arbitrary_types_allowed=True))
+    (record,) = whole.validate_python((with_arrays(plain),))
+    return record
 
 
 def _read(path: Path) -> Arrays | None:
@@ -228,7 +209,7 @@ def _remove(path: Path) -> None:
 
 @contextmanager
 def _writable(folder: Path) -> Iterator[None]:
-    """Tell the user of a folder that cannot be written."""
+    """Raise an InputError where a folder cannot be written."""
     try:
         yield
     except OSError as error:

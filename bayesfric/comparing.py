@@ -22,8 +22,6 @@ from bayesfric.schemas import (
     Shift,
 )
 
-__all__ = ["compare", "comparison_text", "write_comparison"]
-
 MODELS: dict[str, type[Provenance]] = {
     "fit.json": FitFile,
     "claims.json": ClaimsFile,

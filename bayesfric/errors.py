@@ -8,8 +8,6 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-__all__ = ["Fault", "InputError", "near", "one_of"]
-
 LONGEST_VALUE = 120  # characters of a value
 
 

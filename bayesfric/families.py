@@ -8,24 +8,6 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-__all__ = [
-    "Beta",
-    "Family",
-    "Finite",
-    "Gamma",
-    "HalfCauchy",
-    "HalfNormal",
-    "LogNormal",
-    "Normal",
-    "Positive",
-    "Prior",
-    "PriorAboveZero",
-    "Section",
-    "StudentT",
-    "TruncatedNormal",
-    "Uniform",
-]
-
 FARTHEST = 8.0  # standard deviations: a normal cut beyond is not the density that is meant
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]

@@ -11,8 +11,6 @@ from typing import Any
 from bayesfric.files import read_toml
 from bayesfric.resources import data_folder
 
-__all__ = ["PaperCoefficient", "PaperPulley", "paper", "table1"]
-
 
 @dataclass(frozen=True)
 class PaperCoefficient:

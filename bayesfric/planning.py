@@ -35,8 +35,6 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import left_out as why_left_out
 from bayesfric.rigs.opening import with_own_priors
 
-__all__ = ["Power", "power", "power_of_measured"]
-
 Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
 TO_ITS_PRIOR = "these conditions leave it to its prior"

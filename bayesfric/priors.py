@@ -1,6 +1,8 @@
 """The priors of an analysis, and why their defaults are what they are."""
 
-from pydantic import Field
+from typing import Self
+
+from pydantic import Field, model_validator
 
 from bayesfric.families import (
     HalfNormal,
@@ -12,7 +14,13 @@ from bayesfric.families import (
     Section,
 )
 
-__all__ = ["PriorOverrides", "Priors"]
+
+def _refuse_two_wrap_slopes(section: Section) -> None:
+    """Refuse a section that states the wrap slope by itself and as a share of c1."""
+    fields = type(section).model_fields
+    # A stored analysis has all defaults written out.
+    if all(getattr(section, name) != fields[name].default for name in ("c3", "wrap_share")):
+        raise ValueError("expected c3, or wrap_share, which is c3 / c1: not both")
 
 
 class PriorOverrides(Section):
@@ -20,16 +28,27 @@ class PriorOverrides(Section):
 
     c1: Prior | None = Field(None, description="Prior of c1 for this size [-].")
     c2: Prior | None = Field(None, description="Prior of c2 for this size [N].")
+    wrap_share: Prior | None = Field(
+        None, description="Prior of c3 / c1 for this size [1/deg]; or `c3`."
+    )
     c3: Prior | None = Field(None, description="Prior of c3 for this size [1/deg].")
+
+    @model_validator(mode="after")
+    def _one_wrap_slope(self) -> Self:
+        _refuse_two_wrap_slopes(self)
+        return self
 
 
 class Priors(Section):
     """Prior densities; all proper, normalised and part of the evidence.
 
     The defaults are argued from what a cable on a rolling pulley could do, not
-    from the paper's Table I: c1 of 0.05 would lose half the tension over 14
-    pulleys; c2 of 0.2 N is 20 g of weight a pulley; c3 of 1e-3/deg would move c1
-    by 0.05 over 50°; friction that repeats worse than 5 % is a loose rig; an
+    from the paper's Table I. A rope sheave on rolling bearings has an efficiency of 0.98 to
+    0.99, so c1 is some 0.01; c2 of 0.04 N is 4 g of weight a pulley, on masses of a kilogram.
+    The wrap angle changes c1 by a share of itself: friction that is proportional to the
+    bearing's load 2 T sin(θ/2) would grow by ½ cot(θ/2) = 0.0095/deg at 85°, and friction of
+    bending the cable not at all. Under these priors friction is positive, and boards move
+    (docs/decisions/friction-priors.md). Friction that repeats worse than 5 % is a loose rig; an
     acceleration known no better than 0.05 m/s² was hardly measured. Friction that wanders
     by 2 % along a trial is a bearing that is not the same all the way round; a length of
     0.1 m (95 %: 0.04 to 0.27 m) is two turns of the medium pulley, between one turn of the
@@ -49,9 +68,15 @@ class Priors(Section):
     as much as assemblies of one board do.
     """
 
-    c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
-    c2: Prior = Field(HalfNormal(scale=0.2), description="Constant friction a pulley [N].")
-    c3: Prior = Field(Normal(mean=0.0, sd=1e-3), description="Change of c1 with wrap [1/deg].")
+    c1: Prior = Field(HalfNormal(scale=0.01), description="Friction per tension and pulley [-].")
+    c2: Prior = Field(HalfNormal(scale=0.04), description="Constant friction a pulley [N].")
+    wrap_share: Prior = Field(
+        Normal(mean=0.0, sd=0.005), description="Change of c1 with wrap, over c1: c3 / c1 [1/deg]."
+    )
+    c3: Prior | None = Field(
+        None,
+        description="Change of c1 with wrap [1/deg]; where it is given, there is no `wrap_share`.",
+    )
     tau: PriorAboveZero = Field(
         HalfNormal(scale=0.05), description="Relative friction scatter a trial [-]."
     )
@@ -144,3 +169,8 @@ class Priors(Section):
         description="Priors of the parameters of an effect, amplitude or shape, by their names: "
         "[priors.effects.NAME]. Claims and diagnosis use them; else those of the effect's file.",
     )
+
+    @model_validator(mode="after")
+    def _one_wrap_slope(self) -> Self:
+        _refuse_two_wrap_slopes(self)
+        return self

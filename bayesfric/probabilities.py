@@ -7,8 +7,6 @@ nowhere else, so that no reader meets 1.0000000000000002.
 import math
 from collections.abc import Iterable, Mapping
 
-__all__ = ["bound_of", "normalised", "stated", "stated_of_draws", "total"]
-
 ROUNDING = 1e-9  # by which a sum of probabilities may miss what it should be
 
 LEAST_STATED = 0.001  # below it, and as close to 1, a probability is stated as a bound

@@ -13,8 +13,6 @@ from time import monotonic
 
 from bayesfric.characters import legible
 
-__all__ = ["LOGGER", "stage"]
-
 LOGGER = logging.getLogger("bayesfric")
 PATIENCE_S = 5.0  # until steps that are done say how long the rest takes
 SHARE_BEFORE_ESTIMATE = 0.1  # of all steps

@@ -10,7 +10,7 @@ import scipy
 import xarray as xr
 
 from bayesfric.arrays import Array, Flags, Whole
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.errors import Fault, InputError
 from bayesfric.export.joints import ExportedJoint
 from bayesfric.export.joints import joints_of as joints_to_enter
@@ -26,8 +26,6 @@ from bayesfric.robots.replaying import (
     replayed,
 )
 from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
-
-__all__ = ["Replayed", "held_out_parts", "replay", "with_replay"]
 
 HELD_OUT = 1 / 3  # of each run, at its end, where no run has the role test
 SHOWN_S = 4.0  # of the traces that are kept

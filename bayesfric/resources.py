@@ -6,14 +6,6 @@ They stand beside the package in the source tree, and inside it, under
 
 from pathlib import Path
 
-__all__ = [
-    "bundled_loops",
-    "bundled_recording",
-    "data_folder",
-    "loop_template",
-    "reference_folder",
-]
-
 _PACKAGE = Path(__file__).resolve().parent
 
 

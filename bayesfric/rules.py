@@ -3,8 +3,6 @@
 from dataclasses import field, fields
 from typing import Any, NamedTuple
 
-__all__ = ["Rule", "rule", "rules_of"]
-
 
 class Rule(NamedTuple):
     """A threshold as a reader is told of it.

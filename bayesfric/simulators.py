@@ -21,8 +21,6 @@ from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter
 
-__all__ = ["ExtraForce", "Simulator", "SimulatorCalls", "SimulatorRun", "Task", "found_simulator"]
-
 ExtraForce = Callable[[float, float, float], float]
 """(time [s], position, velocity) to a force that is added to the generalised force."""
 

@@ -6,8 +6,6 @@ from datetime import UTC, datetime
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["SOURCE_DATE_EPOCH", "source_date"]
-
 SOURCE_DATE_EPOCH = "SOURCE_DATE_EPOCH"
 
 

@@ -14,8 +14,6 @@ from typing import Any
 
 import xarray as xr
 
-__all__ = ["RESIDUALS", "name_of", "restored", "storable", "tree_of", "variable_of"]
-
 _CODE = re.compile(r"%([0-9A-F]{2})")
 _LONGEST = 200  # bytes of a name; netCDF holds 256
 _SHOWN = 40  # characters of a name that stands in for a longer one

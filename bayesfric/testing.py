@@ -17,8 +17,6 @@ from bayesfric.invariants import check_record
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import Check
 
-__all__ = ["EffectError", "check_effect", "check_result", "checked"]
-
 UNITS = {
     "1",
     "N",

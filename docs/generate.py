@@ -17,7 +17,7 @@ from bayesfric.cli import app
 from bayesfric.effects import all_effects
 from bayesfric.inference.priors import describe
 from bayesfric.invariants import statements
-from bayesfric.margins import loop_file
+from bayesfric.margins import loop_cables, loop_file
 from bayesfric.schemas import SCHEMAS
 
 DOCS = Path(__file__).resolve().parent
@@ -145,11 +145,11 @@ def _loop() -> str:
         "[joint], revolute": loop_file.RevoluteJoint,
         "[joint], prismatic": loop_file.PrismaticJoint,
         "[drive]": loop_file.Drive,
-        "[[runs]]": loop_file.CableRun,
-        "[cable]": loop_file.Cable,
-        "[second_stage]": loop_file.SecondStage,
-        "[coupling]": loop_file.Coupling,
-        "[[coupling.others]]": loop_file.OtherJoint,
+        "[[runs]]": loop_cables.CableRun,
+        "[cable]": loop_cables.Cable,
+        "[second_stage]": loop_cables.SecondStage,
+        "[coupling]": loop_cables.Coupling,
+        "[[coupling.others]]": loop_cables.OtherJoint,
         "[controller]": loop_file.Controller,
         "[compensation]": loop_file.Compensation,
         "[kick]": loop_file.Kick,

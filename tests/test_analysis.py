@@ -15,8 +15,19 @@ def write(tmp_path, text):
 def test_defaults_without_a_file():
     analysis = read_analysis(None)
     assert analysis == Analysis()
-    assert analysis.priors.c1 == HalfNormal(scale=0.05)
-    assert analysis.priors.c3 == Normal(mean=0.0, sd=1e-3)
+    assert analysis.priors.c1 == HalfNormal(scale=0.01)
+    assert analysis.priors.c3 is None
+    assert analysis.priors.wrap_share == Normal(mean=0.0, sd=0.005)
+
+
+def test_a_wrap_slope_is_stated_once(tmp_path):
+    slope = "c3 = {family = 'normal', mean = 0.0, sd = 1e-4}\n"
+    share = "wrap_share = {family = 'normal', mean = 0.004, sd = 0.002}\n"
+    for section in ("[priors]\n", "[priors.pulleys.lab]\n"):
+        with pytest.raises(InputError, match="not both"):
+            read_analysis(write(tmp_path, section + slope + share))
+        alone = read_analysis(write(tmp_path, section + slope))
+        assert Analysis.model_validate_json(alone.model_dump_json()) == alone
 
 
 def test_values_are_read_and_the_seed_is_overridden(tmp_path):

@@ -4,8 +4,6 @@ from collections.abc import Iterator, Sequence
 
 from bayesfric.schemas import ClaimResult
 
-__all__ = ["of_claims"]
-
 LOOSE = 0.5  # of a log10 Bayes factor: its odds are known to a factor of three no better
 CONTRARY_NAT = 4.0  # of log predictive density, below which a difference says nothing
 CONTRARY_ERRORS = 3.0  # standard errors of that difference

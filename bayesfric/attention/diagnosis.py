@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping
 
 from bayesfric.schemas import Cause, DiagnosisFile, Interval, LawNumber
 
-__all__ = ["biased_numbers", "of_diagnosis"]
-
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 

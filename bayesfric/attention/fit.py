@@ -20,8 +20,6 @@ from bayesfric.schemas import (
     Uniformity,
 )
 
-__all__ = ["Coverage", "contradicted", "of_fit", "of_pooled", "unsettled"]
-
 CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
 SURELY_OFF = 4.0  # sd of a posterior, from which on a number is surely not the declared one
 MISSED = 2.0  # sd of a prior: if also surely off, a declared number is missed
@@ -184,7 +182,7 @@ def contradicted(
     """Yield the parameters whose posterior is far from an informative prior, as by a wrong unit."""
     for parameter in parameters:
         entry, prior = entries[parameter.name], parameter.prior
-        if not isinstance(prior, Normal):
+        if not isinstance(prior, Normal) or parameter.share_of is not None:
             continue
         distance = abs(entry.mean - prior.mean)
         far = distance / prior.sd

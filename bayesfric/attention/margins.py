@@ -4,8 +4,6 @@ from collections.abc import Iterator, Sequence
 
 from bayesfric.schemas import FitFile, LawUsed, LoopMargins
 
-__all__ = ["of_margins"]
-
 LEAST_AGREEMENT = 0.9  # of the draws, in which a figure has to hold against an elastic cable
 
 

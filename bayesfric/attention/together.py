@@ -11,8 +11,6 @@ from bayesfric.schemas import (
     Provenance,
 )
 
-__all__ = ["attention_of_all"]
-
 WITH_ATTENTION = (FitFile, ClaimsFile, DiagnosisFile, MarginsFile, CalibrationFile)
 
 

@@ -10,8 +10,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.schemas.base import Number, Record
 
-__all__ = ["AXES", "Answer", "WithheldEffect", "read_answer"]
-
 AXES = (
     "velocity",
     "tension",

@@ -19,8 +19,6 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes
 from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["ENGINES", "VERDICT", "catalogue_of", "diagnose_sealed", "engine_of", "run_case"]
-
 ENGINES = {
     "reference": "bayesfric.blind.engines.reference",
     "mujoco": "bayesfric.blind.engines.mujoco_board",

@@ -17,15 +17,6 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = [
-    "INSEPARABLE_CLASSES",
-    "SCORING_FROM",
-    "BlindCase",
-    "Catalogue",
-    "cases_from_prior",
-    "cases_of",
-]
-
 Kind = Literal["none", "effect", "pair", "outsider"]
 SCORING_FROM = 10_000
 """First seed of scoring; below it one may tune."""

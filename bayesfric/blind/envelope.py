@@ -12,8 +12,6 @@ from typing import Any
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["ENVELOPE", "PUBLIC", "open_envelope", "seal"]
-
 ENVELOPE, PUBLIC = "envelope.json", "case.json"
 
 

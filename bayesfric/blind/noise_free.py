@@ -26,8 +26,6 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.simulate import table1_coefficients
 
-__all__ = ["CleanCase"]
-
 FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis
 ROUNDS = 2  # of fitting the law and linearising around it
 

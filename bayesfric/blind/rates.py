@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array
 from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
 
-__all__ = ["EDGES", "estimate_of", "rate_of", "reliability_of", "smallest_detected"]
-
 LEVEL = 0.95
 TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
 DRAWS = 2000

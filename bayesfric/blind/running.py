@@ -22,8 +22,6 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, package_versions, replace_outputs
 from bayesfric.schemas import RecordingId, ScorecardFile, ScoredCase
 
-__all__ = ["run_blind", "score_recording"]
-
 CASES = "blind"
 """Folder of the cases beside ``scorecard.json``."""
 LOG = "log.jsonl"

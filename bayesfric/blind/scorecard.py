@@ -23,8 +23,6 @@ from bayesfric.schemas import (
     Target,
 )
 
-__all__ = ["BELOW_PRACTICAL", "scorecard_of"]
-
 BELOW_PRACTICAL = "below practical share"
 """Row of the confusion matrix: withheld, and too small to count."""
 SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")

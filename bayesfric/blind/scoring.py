@@ -7,8 +7,6 @@ from typing import Any
 from bayesfric.probabilities import total
 from bayesfric.schemas import DiagnosisFile, ScoredCase
 
-__all__ = ["FLAG_SHARE", "LAWS_OF_FORMS", "NO_CLAIM", "OTHERS", "score"]
-
 NO_CLAIM = ("no-gap", "undecided")
 """Verdicts that claim no gap."""
 BETS_ON_GAP_FROM = (

@@ -19,8 +19,6 @@ from bayesfric.rigs.opening import open_rigs
 from bayesfric.rigs.truth import Truth
 from bayesfric.simulate import simulate_recording
 
-__all__ = ["RANKED_DRAWS", "TENSION_N", "Given", "run_case", "true_value"]
-
 RANKED_DRAWS = 99  # L, of some thousand draws: as good as independent
 TENSION_N = 10.0  # where c1 and c2 of Table I matter about as much
 

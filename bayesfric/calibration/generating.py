@@ -15,8 +15,6 @@ from bayesfric.inference.priors import draw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.truth import Truth, table1_coefficients
 
-__all__ = ["SCATTER_AND_NOISE", "draw_truth", "generating_analysis"]
-
 SCATTER_AND_NOISE = (
     "tau",
     "omega",

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 
-__all__ = ["Band", "band_of", "rank_of"]
-
 Ints = NDArray[np.int_]
 SIMULATED = 20_000  # sets of uniform ranks
 

@@ -18,8 +18,6 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.results import created_date, json_bytes, package_versions, replace_outputs
 from bayesfric.schemas import CalibratedQuantity, CalibrationCase, CalibrationFile
 
-__all__ = ["calibrate", "calibration_of"]
-
 CASES = "calibration"
 """Folder of the cases beside ``calibration.json``."""
 LEVEL = 0.95  # of all quantities together

@@ -10,8 +10,6 @@ from bayesfric.inference.model import Model, RigLikelihood
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import Coefficients
 
-__all__ = ["ApartModel", "differences"]
-
 MEAN = "rig_difference"
 
 

@@ -15,8 +15,6 @@ from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Regime
 
-__all__ = ["Case", "Claim", "Finding", "Verdict"]
-
 Verdict = Literal["supported", "refuted", "undecided", "not-testable"]
 WORDS = {
     "tension": "tension",

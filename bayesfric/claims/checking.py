@@ -35,8 +35,6 @@ from bayesfric.schemas import (
     SelfContradiction,
 )
 
-__all__ = ["Checked", "check_claims", "registered", "rival_effects"]
-
 
 @cache
 def registered() -> tuple[Claim, ...]:

@@ -14,8 +14,6 @@ from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.evidence import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
-__all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
-
 LN10 = float(np.log(10))
 SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 POWER_OF_TEN_FROM = 2.0  # log10, from which on odds are a power of ten

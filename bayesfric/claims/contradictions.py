@@ -8,8 +8,6 @@ from bayesfric.paper import paper
 from bayesfric.physics.friction import coulomb_friction
 from bayesfric.simulate import table1_coefficients
 
-__all__ = ["Contradiction", "contradictions"]
-
 
 class Contradiction(NamedTuple):
     """Two statements that do not go together.

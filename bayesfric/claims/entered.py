@@ -11,8 +11,6 @@ from bayesfric.rigs.base import Regime, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, rigs_with_trials
 
-__all__ = ["PAPER", "Entered"]
-
 PAPER = "paper"
 
 

@@ -7,8 +7,6 @@ from bayesfric.characters import legible
 from bayesfric.results import replace_outputs
 from bayesfric.schemas import ClaimsFile
 
-__all__ = ["write_junit"]
-
 
 def write_junit(summary: ClaimsFile, path: Path) -> None:
     """Write a test report in which a refuted claim is a failure.

@@ -8,8 +8,6 @@ import xarray as xr
 from bayesfric.claims.studies import Studied, Task
 from bayesfric.stored_names import variable_of
 
-__all__ = ["NOT_BEST", "models_kept"]
-
 NOT_BEST = "of a claim's rivals only the draws of the best are kept"
 
 

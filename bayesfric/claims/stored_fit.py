@@ -10,8 +10,6 @@ from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import FitFile
 from bayesfric.stored_names import name_of
 
-__all__ = ["current_posterior"]
-
 
 def current_posterior(
     folder: Path, recording: Recording, analysis: Analysis, baseline: str = PAPER

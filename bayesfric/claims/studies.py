@@ -35,8 +35,6 @@ from bayesfric.observation.coefficients import law_of
 from bayesfric.physics.laws import RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
-__all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
-
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTS = 2000  # of an importance sample; half as many where the evidence alone is asked for

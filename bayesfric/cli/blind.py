@@ -2,65 +2,61 @@
 
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status, failures_of
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Workers, fails
 from bayesfric.cli.printing import say
 
-__all__ = ["blind"]
+if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis
+    from bayesfric.schemas import ScorecardFile
+
+
+Engine = Annotated[
+    str, options.worded("--engine", "<reference|mujoco>", "Who makes the recordings.")
+]
+FromPrior = Annotated[
+    bool, options.switch("--from-prior", "Draw what is withheld from the reported prior.")
+]
+SoFar = Annotated[bool, options.switch("--so-far", "Score the cases that are done, and run none.")]
+Recording = Annotated[
+    Path | None, options.path("--from", "Folder of a recording of your own, instead of a campaign.")
+]
+Answer = Annotated[
+    Path | None,
+    options.path(
+        "--answer",
+        'What is there, as JSON: {"withheld": [{"name": "viscous"}]}, or {"withheld": '
+        '[]}. An effect that bayesfric does not have needs "axes" as well, as in ["tension"]. '
+        "Its SHA-256 is written down before the recording is diagnosed.",
+    ),
+]
+Seed = Annotated[
+    int | None,
+    options.whole(
+        "--seed", 0, "Seed of the first case, 10000 without it; with --from, of the diagnosis."
+    ),
+]
 
 
 @exit_status
 def blind(
-    output: Folder = Path("bayesfric-run"),
-    engine: Annotated[
-        str,
-        typer.Option("--engine", metavar="<reference|mujoco>", help="Who makes the recordings."),
-    ] = "reference",
-    number: Cases = 30,
-    workers: Workers = 1,
-    scheduler: Scheduler = None,
-    from_prior: Annotated[
-        bool, typer.Option("--from-prior", help="Draw what is withheld from the reported prior.")
-    ] = False,
-    so_far: Annotated[
-        bool, typer.Option("--so-far", help="Score the cases that are done, and run none.")
-    ] = False,
-    recording: Annotated[
-        Path | None,
-        typer.Option(
-            "--from",
-            metavar="PATH",
-            help="Folder of a recording of your own, instead of a campaign.",
-        ),
-    ] = None,
-    answer: Annotated[
-        Path | None,
-        typer.Option(
-            "--answer",
-            metavar="PATH",
-            help='What is there, as JSON: {"withheld": [{"name": "viscous"}]}, or {"withheld": '
-            '[]}. An effect that bayesfric does not have needs "axes" as well, as in ["tension"]. '
-            "Its SHA-256 is written down before the recording is diagnosed.",
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            "--seed",
-            metavar="INTEGER",
-            min=0,
-            help="Seed of the first case, 10000 without it; with --from, of the diagnosis.",
-        ),
-    ] = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("blind")] = "",
-) -> None:
+    output: options.Folder = Path("bayesfric-run"),
+    engine: Engine = "reference",
+    number: options.Cases = 30,
+    workers: options.Workers = 1,
+    scheduler: options.Scheduler = None,
+    from_prior: FromPrior = False,
+    so_far: SoFar = False,
+    recording: Recording = None,
+    answer: Answer = None,
+    seed: Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("blind")] = "",
+) -> set[str]:
     """Diagnose recordings whose effect is withheld; write scorecard.json.
 
     The seed is that of the first case: below 10,000 for tuning, from there on for
@@ -70,26 +66,14 @@ def blind(
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.blind.design import SCORING_FROM
-    from bayesfric.blind.running import run_blind, score_recording
-    from bayesfric.errors import Fault, InputError
+    from bayesfric.blind.running import run_blind
     from bayesfric.progress import stage
-    from bayesfric.recording import read_recording
 
-    check_fail_on(fail_on_list, "blind")
     if (recording is None) != (answer is None):
         missing = "--from" if recording is None else "--answer"
-        expected = "--from RECORDING and --answer FILE together"
-        raise InputError([Fault("command line", expected, column=missing)])
+        raise options.unusable("--from RECORDING and --answer FILE together", missing)
     if recording is not None and answer is not None:
-        found, analysis = read_recording(recording), read_analysis(config, seed=seed)
-        with hold(output, "blind"):
-            scorecard = score_recording(output, found, answer, analysis)
-        (case,) = scorecard.cases
-        right = "correct" if case.correct else "not correct"
-        said = ", ".join(case.causes) or "no cause"
-        say(f"{case.verdict} ({said}): {right}")
-        fail_on(fail_on_list, failures_of(case.verdict))
-        return
+        return _score(recording, answer, output, read_analysis(config, seed=seed))
     # A campaign that is running may be scored so far.
     held = nullcontext() if so_far else hold(output, "blind")
     with held, stage("running the blind cases", quiet=quiet) as progress:
@@ -105,6 +89,25 @@ def blind(
             so_far=so_far,
             progress=progress,
         )
+    _say_rates(scorecard)
+    return set()
+
+
+def _score(recording: Path, answer: Path, output: Path, analysis: "Analysis") -> set[str]:
+    """Diagnose a recording of the user's, and score the verdict by the answer."""
+    from bayesfric.blind.running import score_recording
+    from bayesfric.recording import read_recording
+
+    read = read_recording(recording)
+    with hold(output, "blind"):
+        (case,) = score_recording(output, read, answer, analysis).cases
+    right = "correct" if case.correct else "not correct"
+    say(f"{case.verdict} ({', '.join(case.causes) or 'no cause'}): {right}")
+    return failures_of(case.verdict)
+
+
+def _say_rates(scorecard: "ScorecardFile") -> None:
+    """Print how many verdicts are correct, and each promise with its rate."""
     say(f"{scorecard.accuracy.hits} of {scorecard.accuracy.cases} verdicts are correct")
     for target in scorecard.targets:
         if target.rate.rate is not None:

@@ -3,25 +3,23 @@
 from pathlib import Path
 from typing import Annotated
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Seed, Workers, fails
 from bayesfric.cli.printing import say, say_attention
-
-__all__ = ["calibrate"]
 
 
 @exit_status
 def calibrate(
-    output: Folder = Path("bayesfric-run"),
-    number: Cases = 50,
-    workers: Workers = 1,
-    scheduler: Scheduler = None,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("calibrate")] = "",
-) -> None:
+    output: options.Folder = Path("bayesfric-run"),
+    number: options.Cases = 50,
+    workers: options.Workers = 1,
+    scheduler: options.Scheduler = None,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("calibrate")] = "",
+) -> set[str]:
     """Fit recordings of known truth, rank the truths; write calibration.json.
 
     Truths are drawn from the prior of [calibration], with which they are fitted too. Cases
@@ -33,12 +31,11 @@ def calibrate(
     from bayesfric.calibration.running import calibrate as run
     from bayesfric.progress import stage
 
-    check_fail_on(fail_on_list, "calibrate")
     with (
         hold(output, "calibrate"),
         stage("calibrating", quiet=quiet) as progress,
     ):
-        found = run(
+        calibrated = run(
             output,
             number=number,
             workers=workers,
@@ -46,7 +43,7 @@ def calibrate(
             analysis=read_analysis(config, seed=seed),
             progress=progress,
         )
-    inside = sum(one.inside for one in found.quantities)
-    say(f"{inside} of {len(found.quantities)} quantities have uniform ranks")
-    happened = say_attention(found.attention, quiet=quiet)
-    fail_on(fail_on_list, happened if found.calibrated else happened | {"uncalibrated"})
+    inside = sum(quantity.inside for quantity in calibrated.quantities)
+    say(f"{inside} of {len(calibrated.quantities)} quantities have uniform ranks")
+    happened = say_attention(calibrated.attention, quiet=quiet)
+    return happened if calibrated.calibrated else happened | {"uncalibrated"}

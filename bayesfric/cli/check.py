@@ -5,20 +5,18 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.exits import exit_status
-from bayesfric.cli.options import Baseline, Config, Quiet
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
-
-__all__ = ["check"]
 
 
 @exit_status
 def check(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
-    baseline: Baseline = "paper",
-    config: Config = None,
-    quiet: Quiet = False,
+    baseline: options.Baseline = "paper",
+    config: options.Config = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Say what a recording shows of its telemetry, what it can tell, and what to record next.
 

@@ -6,21 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import (
-    Baseline,
-    Config,
-    Folder,
-    Junit,
-    Quiet,
-    Rigs,
-    Seed,
-    Workers,
-    fails,
-    named_rigs,
-    no_folder,
-)
 from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
@@ -29,43 +17,39 @@ if TYPE_CHECKING:
 
     from bayesfric.analysis import Analysis
 
-__all__ = ["claims", "claims_into"]
-
 
 @exit_status
 def claims(
     recording: Annotated[
         Path | None, typer.Argument(help="Folder of the recording; not asked for with --list.")
     ] = None,
-    output: Folder = Path("bayesfric-run"),
-    junit: Junit = None,
-    rigs: Rigs = None,
-    baseline: Baseline = "paper",
-    workers: Workers = 2,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("claims")] = "",
+    output: options.Folder = Path("bayesfric-run"),
+    junit: options.Junit = None,
+    rigs: options.Rigs = None,
+    baseline: options.Baseline = "paper",
+    workers: options.Workers = 2,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("claims")] = "",
     listing: Annotated[
-        bool, typer.Option("--list", help="List the claims with what the paper states, and where.")
+        bool, options.switch("--list", "List the claims with what the paper states, and where.")
     ] = False,
-) -> None:
+) -> set[str]:
     """Compare each claim of the paper with its rivals; write claims.json and claims.nc.
 
     Example: bayesfric claims my-board -o my-results --junit claims.xml
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.campaign import processes
-    from bayesfric.errors import Fault, InputError
 
     if listing:
         _list()
-        return
+        return set()
     if recording is None:
-        raise InputError([Fault("command line", "a RECORDING, or --list")])
-    check_fail_on(fail_on_list, "claims")
-    no_folder(junit, "--junit")
-    analysis, chosen = read_analysis(config, seed=seed), named_rigs(rigs)
+        raise options.unusable("a RECORDING, or --list")
+    options.no_folder(junit, "--junit")
+    analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
     with hold(output, "claims"), processes(workers) as executor:
         happened = claims_into(
             recording,
@@ -79,7 +63,7 @@ def claims(
         )
     if not quiet:
         say(f"{output / 'claims.json'}", err=True)
-    fail_on(fail_on_list, happened)
+    return happened
 
 
 def _list() -> None:
@@ -105,14 +89,14 @@ def claims_into(
     from bayesfric.claims.stored_fit import current_posterior
     from bayesfric.recording import read_recording
 
-    found = read_recording(recording)
+    read = read_recording(recording)
     title = "comparing the claims with their rivals"
     checkpoint = output / ".checkpoint-claims"
     with stage(title, quiet=quiet, longest_first=True) as progress:
         checked = check_claims(
-            found,
+            read,
             analysis,
-            posterior=current_posterior(output, found, analysis, baseline),
+            posterior=current_posterior(output, read, analysis, baseline),
             executor=executor,
             rigs=rigs,
             baseline=baseline,
@@ -121,7 +105,7 @@ def claims_into(
         )
         checked.write(output, junit=junit)
     shutil.rmtree(checkpoint)
-    for one in checked.summary.claims:
-        say(f"{one.id:<24} {one.verdict:<13} {one.reason}")
+    for claim in checked.summary.claims:
+        say(f"{claim.id:<24} {claim.verdict:<13} {claim.reason}")
     happened = say_attention(checked.summary.attention, quiet=quiet)
     return happened | {"refuted"} if checked.refuted else happened

@@ -5,11 +5,9 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
-from bayesfric.cli.options import fails
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.printing import say
-
-__all__ = ["compare"]
 
 
 @exit_status
@@ -17,11 +15,10 @@ def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="Folder with results.")],
     second: Annotated[Path, typer.Argument(metavar="B", help="Folder with results.")],
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="PATH", help="Folder for comparison.json."),
+        Path | None, options.path("-o", "--output", "Folder for comparison.json.")
     ] = None,
-    fail_on_list: Annotated[str, fails("compare")] = "",
-) -> None:
+    fail_on_list: Annotated[str, options.fails("compare")] = "",
+) -> set[str]:
     """Say what changed from A to B: verdicts, numbers in their sd, and settings.
 
     Example: bayesfric compare last-night my-results --fail-on changed
@@ -29,10 +26,9 @@ def compare(
     from bayesfric.comparing import compare as compare_folders
     from bayesfric.comparing import comparison_text, write_comparison
 
-    check_fail_on(fail_on_list, "compare")
-    found = compare_folders(first, second)
+    comparison = compare_folders(first, second)
     if output is not None:
-        write_comparison(found, output)
-    for line in comparison_text(found):
+        write_comparison(comparison, output)
+    for line in comparison_text(comparison):
         say(line)
-    fail_on(fail_on_list, set() if found.same else {"changed"})
+    return set() if comparison.same else {"changed"}

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status, failures_of
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Seed, Workers, fails
 from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
@@ -18,69 +18,66 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bayesfric.analysis import Analysis
-    from bayesfric.diagnosis.diagnosing import Diagnosed
-
-__all__ = ["diagnose", "diagnose_into", "diagnosed"]
+    from bayesfric.diagnosis.diagnosed import Diagnosed
 
 CHECKPOINT = ".checkpoint-diagnosis"
+
+
+Shipped = Annotated[
+    Path | None, options.path("--shipped", "Folder of a fit whose means are the shipped values.")
+]
+Fixed = Annotated[
+    str,
+    options.worded(
+        "--fixed", "NAME,…", "Held at their shipped values, as in c3,c1[small], or mass."
+    ),
+]
+EffectModule = Annotated[
+    list[Path] | None, options.path("--effect-module", "A Python file with an EFFECT of your own.")
+]
+Simulator = Annotated[
+    str | None,
+    options.worded(
+        "--simulator",
+        "MODULE:OBJECT",
+        "A simulator of your own in the place of the law: module:object, with "
+        "parameters and predict(run, theta, extra_force=None).",
+    ),
+]
+Target = Annotated[
+    Path | None,
+    options.path(
+        "--target",
+        "A CSV file of conditions at which friction is asked for, with the columns by "
+        "which the recording says its own.",
+    ),
+]
+Replay = Annotated[
+    bool,
+    options.switch(
+        "--replay",
+        "Replay held-out runs in MuJoCo, with your model's values and the proposed ones.",
+    ),
+]
 
 
 @exit_status
 def diagnose(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
-    output: Folder = Path("bayesfric-run"),
-    baseline: Baseline = "paper",
-    shipped: Annotated[
-        Path | None,
-        typer.Option(
-            "--shipped", metavar="PATH", help="Folder of a fit whose means are the shipped values."
-        ),
-    ] = None,
-    fixed: Annotated[
-        str,
-        typer.Option(
-            "--fixed",
-            metavar="NAME,…",
-            help="Held at their shipped values, as in c3,c1[small], or mass.",
-        ),
-    ] = "",
-    effect_module: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--effect-module", metavar="PATH", help="A Python file with an EFFECT of your own."
-        ),
-    ] = None,
-    simulator: Annotated[
-        str | None,
-        typer.Option(
-            "--simulator",
-            metavar="MODULE:OBJECT",
-            help="A simulator of your own in the place of the law: module:object, with "
-            "parameters and predict(run, theta, extra_force=None).",
-        ),
-    ] = None,
-    target: Annotated[
-        Path | None,
-        typer.Option(
-            "--target",
-            metavar="PATH",
-            help="A CSV file of conditions at which friction is asked for, with the columns by "
-            "which the recording says its own.",
-        ),
-    ] = None,
-    replay: Annotated[
-        bool,
-        typer.Option(
-            "--replay",
-            help="Replay held-out runs in MuJoCo, with your model's values and the proposed ones.",
-        ),
-    ] = False,
-    workers: Workers = 2,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("diagnose")] = "",
-) -> None:
+    output: options.Folder = Path("bayesfric-run"),
+    baseline: options.Baseline = "paper",
+    shipped: Shipped = None,
+    fixed: Fixed = "",
+    effect_module: EffectModule = None,
+    simulator: Simulator = None,
+    target: Target = None,
+    replay: Replay = False,
+    workers: options.Workers = 2,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("diagnose")] = "",
+) -> set[str]:
     """Attribute the sim-to-real gap to an effect; write diagnosis.json and diagnosis.nc.
 
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
@@ -92,7 +89,6 @@ def diagnose(
     from bayesfric.results import fitted_numbers
     from bayesfric.testing import checked
 
-    check_fail_on(fail_on_list, "diagnose")
     analysis = read_analysis(config, seed=seed)
     numbers = None if shipped is None else fitted_numbers(shipped)
     conditions = None if target is None else read_conditions(target)
@@ -120,7 +116,7 @@ def diagnose(
         )
     if not quiet:
         say(f"{output / 'diagnosis.json'}", err=True)
-    fail_on(fail_on_list, happened)
+    return happened
 
 
 def diagnosed(
@@ -157,10 +153,10 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
     from bayesfric.probabilities import stated
 
     with stage("weighing the effects that the baseline leaves out", quiet=quiet):
-        found = compute()
-        found.write(output)
+        result = compute()
+        result.write(output)
     shutil.rmtree(output / CHECKPOINT, ignore_errors=True)  # of a simulator nothing is kept
-    summary = found.summary
+    summary = result.summary
     say(f"{summary.verdict}: {summary.sentence}")
     for block in summary.joints or (summary,):
         if summary.joints:

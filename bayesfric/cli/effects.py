@@ -6,11 +6,10 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.new_file import write_new
 from bayesfric.cli.printing import say
-
-__all__ = ["effects"]
 
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
@@ -26,16 +25,14 @@ def effects(
 
     Example: bayesfric effects new oil-warmth
     """
-    from bayesfric.errors import Fault, InputError
-
     if what is None:
         _list()
         return
     if what != "new":
-        raise InputError([Fault("command line", "new NAME, or nothing", value=what)])
+        raise options.unusable("new NAME, or nothing", value=what)
     if name is None or not NAME.fullmatch(name):
         expected = "a name of lower case letters, digits and hyphens, such as oil-warmth"
-        raise InputError([Fault("command line", expected, value=name)])
+        raise options.unusable(expected, value=name)
     _write(name)
 
 
@@ -46,19 +43,19 @@ def _list() -> None:
     for effect in all_effects(None).values():
         needs = f", needs {', '.join(sorted(effect.needs))}" if effect.needs else ""
         say(f"{effect.name}  (on {effect.acts_on}{needs}): {effect.sentence}")
-        for one in effect.parameters:
-            unit = "" if one.unit == "1" else f" {one.unit}"
-            say(f"    {one.name}{unit}: {one.meaning}; prior {describe(one.prior)}")
+        for parameter in effect.parameters:
+            unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+            prior = describe(parameter.prior)
+            say(f"    {parameter.name}{unit}: {parameter.meaning}; prior {prior}")
 
 
 def _write(name: str) -> None:
     from bayesfric.effects import all_effects
     from bayesfric.effects.template import template
-    from bayesfric.errors import Fault, InputError
 
     path = Path(f"{name.replace('-', '_')}.py")
     if name in all_effects(None):
         expected = "a name that no effect has yet"
-        raise InputError([Fault("command line", expected, value=name)])
+        raise options.unusable(expected, value=name)
     write_new(path, template(name))
     say(f"{path}: change it, then bayesfric diagnose RECORDING --effect-module {path}")

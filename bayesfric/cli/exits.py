@@ -21,16 +21,6 @@ from bayesfric.cli.printing import say
 from bayesfric.cli.surroundings import prepare
 from bayesfric.errors import Fault, InputError, one_of
 
-__all__ = [
-    "CAN_HAPPEN",
-    "FAILURES",
-    "check_fail_on",
-    "exit_status",
-    "fail_on",
-    "failures_of",
-    "unprinted",
-]
-
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
 FAILURES = (
@@ -66,15 +56,22 @@ VERDICT_FAILURES = {
 }
 
 
-def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
-    """Turn what a verb raises into one clear message and an exit status."""
+def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
+    """Turn what a verb raises, and what happened in it, into messages and an exit status.
+
+    A verb returns which failures happened; where it takes ``--fail-on``, as `fail_on_list`,
+    those that are named there end it with status 1.
+    """
 
     @wraps(verb)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             with _signals_raise():
                 prepare()
-                verb(*args, **kwargs)
+                names = str(kwargs.get("fail_on_list", ""))
+                if names:
+                    check_fail_on(names, verb.__name__)
+                fail_on(names, verb(*args, **kwargs) or set())
         except InputError as error:
             for fault in error.faults[:SHOWN_FAULTS]:
                 say(f"error: {fault}", err=True)

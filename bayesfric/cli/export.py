@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.printing import say
+from bayesfric.errors import Fault, InputError, one_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from bayesfric.export.joints import ExportedJoint
-
-__all__ = ["export"]
 
 KINDS = ("json", "python", "mjcf", "urdf", "sdf", "isaaclab")
 OF_MODELS = ("mjcf", "urdf", "sdf")
@@ -31,27 +31,24 @@ def export(
     ] = "json",
     into: Annotated[
         Path | None,
-        typer.Option(
-            "--into",
-            metavar="PATH",
-            help="Your own MJCF, URDF or SDF: a copy of it is written, its joints' fields set.",
+        options.path(
+            "--into", "Your own MJCF, URDF or SDF: a copy of it is written, its joints' fields set."
         ),
     ] = None,
     joint: Annotated[
         list[str] | None,
-        typer.Option(
+        options.worded(
             "--joint",
-            metavar="NAME",
-            help="LOG=MODEL: a joint's name in the model, where it is another than in the log.",
+            "NAME",
+            "LOG=MODEL: a joint's name in the model, where it is another than in the log.",
         ),
     ] = None,
     draws: Annotated[
         int | None,
-        typer.Option(
+        options.whole(
             "--draws",
-            metavar="INTEGER",
-            min=1,
-            help=f"Write so many joint parameter sets too, for domain randomisation: {DRAWS}.",
+            1,
+            f"Write so many joint parameter sets too, for domain randomisation: {DRAWS}.",
         ),
     ] = None,
 ) -> None:
@@ -62,15 +59,13 @@ def export(
 
     Example: bayesfric export my-results --to mjcf --into robot.xml --draws 200
     """
-    from bayesfric.errors import Fault, InputError, one_of
-
     if to not in KINDS:
-        raise InputError([Fault("command line", one_of(KINDS, to), column="--to", value=to)])
+        raise options.unusable(one_of(KINDS, to), "--to", to)
     if not folder.is_dir():
         raise InputError([Fault(str(folder), "a folder with results of the verbs")])
     if into is not None and to not in OF_MODELS:
         expected = f"--to with one of {', '.join(OF_MODELS)}, where --into is given"
-        raise InputError([Fault("command line", expected, column="--to", value=to)])
+        raise options.unusable(expected, "--to", to)
     with hold(folder, "export"):
         if into is None and not (to == "isaaclab" or _of_several(folder)):
             _export_law(folder, to, draws)
@@ -107,7 +102,6 @@ def _export_joints(
     folder: Path, to: str, into: Path | None, named: "Sequence[str]", draws: int | None
 ) -> None:
     """Write the numbers of joints, into a model where one is given."""
-    from bayesfric.errors import Fault, InputError
     from bayesfric.export.into import filled_model
     from bayesfric.export.joints import read_joints
     from bayesfric.export.of_joints import TEXTS_OF_JOINTS
@@ -119,14 +113,14 @@ def _export_joints(
     if into is None:
         if to in OF_MODELS:
             expected = f"--into MODEL, your own in {to.upper()}: there are {len(joints)} joints"
-            raise InputError([Fault("command line", expected, column="--to", value=to)])
+            raise options.unusable(expected, "--to", to)
         file, text_of = TEXTS_OF_JOINTS[to]
         recording = read_json(DiagnosisFile, folder / "diagnosis.json").recording
         _write(folder, {file: text_of(joints, recording.name)} | _drawn(joints, draws, {}))
         return
     if into.resolve() == (folder / into.name).resolve():
         expected = "a model outside of the folder of the results, which gets the copy"
-        raise InputError([Fault("command line", expected, column="--into", value=str(into))])
+        raise options.unusable(expected, "--into", str(into))
     filled = filled_model(into, to, joints, _names(joints, named))
     texts = {into.name: filled.content.decode("utf-8")}
     if to == "mjcf" and (text := load_friction_text(dict(zip(filled.places, joints, strict=True)))):
@@ -139,8 +133,6 @@ def _export_joints(
 
 def _names(joints: "Sequence[ExportedJoint]", named: "Sequence[str]") -> dict[str, str]:
     """Return joint of the log to joint of the model, as --joint says it."""
-    from bayesfric.errors import Fault, InputError
-
     names = {}
     for text in named:
         log, equals, model = text.partition("=")
@@ -148,7 +140,7 @@ def _names(joints: "Sequence[ExportedJoint]", named: "Sequence[str]") -> dict[st
             log, model = joints[0].name, text
         elif not equals:
             expected = "LOG=MODEL, where there are several joints"
-            raise InputError([Fault("command line", expected, column="--joint", value=text)])
+            raise options.unusable(expected, "--joint", text)
         names[log] = model
     return names
 

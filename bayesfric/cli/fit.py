@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Rigs, Seed, fails, named_rigs
 from bayesfric.cli.printing import say, say_attention
+from bayesfric.errors import Fault, InputError
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from bayesfric.fitting.result import Fit
     from bayesfric.recording.tables import Recording
     from bayesfric.schemas import FitFile
-
-__all__ = ["fit", "fit_into"]
 
 
 @dataclass(frozen=True)
@@ -44,15 +43,15 @@ def fit(
             help="Folder of the recording; of several, each is a board of one population.",
         ),
     ],
-    output: Folder = Path("bayesfric-run"),
-    rigs: Rigs = None,
-    baseline: Baseline = "paper",
-    csv: Annotated[bool, typer.Option("--csv", help="Also write the draws as draws.csv.")] = False,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("fit")] = "",
-) -> None:
+    output: options.Folder = Path("bayesfric-run"),
+    rigs: options.Rigs = None,
+    baseline: options.Baseline = "paper",
+    csv: Annotated[bool, options.switch("--csv", "Also write the draws as draws.csv.")] = False,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("fit")] = "",
+) -> set[str]:
     """Draw from the posterior; write fit.json, draws.nc, predictive.nc, timings.json.
 
     Example: bayesfric fit my-board -o my-results
@@ -61,14 +60,12 @@ def fit(
     """
     from bayesfric.analysis import read_analysis
 
-    check_fail_on(fail_on_list, "fit")
     analysis = read_analysis(config, seed=seed)
-    chosen = named_rigs(rigs)
+    chosen = options.named_rigs(rigs)
     with hold(output, "fit"):
-        happened = fit_into(
+        return fit_into(
             recordings, output, analysis, rigs=chosen, baseline=baseline, csv=csv, quiet=quiet
         )
-    fail_on(fail_on_list, happened)
 
 
 def fit_into(
@@ -142,8 +139,6 @@ def _pooled(
 
 def _board_names(folders: Sequence[Path]) -> dict[str, Path]:
     """Return folders by what their boards are called, which is their last name."""
-    from bayesfric.errors import Fault, InputError
-
     named: dict[str, Path] = {}
     for folder in folders:
         name = folder.resolve().name
@@ -180,14 +175,14 @@ def _print_population(summary: "FitFile") -> None:
     say(f"{'':<12}{'population':<21}between boards        {boards}".rstrip())
     for size, coefficients in summary.pulleys.items():
         for name, entry in coefficients.items():
-            found = pooled.pulleys[size][name]
-            between = found.between
-            each = "".join(
-                f"  {f'{one.pooled.mean:.4g} ± {one.pooled.sd:.2g}':<19}"
-                for one in found.boards.values()
+            coefficient = pooled.pulleys[size][name]
+            between = coefficient.between
+            estimates = "".join(
+                f"  {f'{board.pooled.mean:.4g} ± {board.pooled.sd:.2g}':<19}"
+                for board in coefficient.boards.values()
             )
             say(
                 f"{size:<8} {name}  {f'{entry.mean:.4g} ± {entry.sd:.2g}':<19}  "
                 f"{f'{100 * between.q50:.2g} % (to {100 * between.q95:.2g} %)':<22}"
-                f"{each}".rstrip()
+                f"{estimates}".rstrip()
             )

@@ -4,8 +4,6 @@ from typing import Any
 
 from typer.core import TyperCommand
 
-__all__ = ["Verb"]
-
 GROUPS = {
     "Analysis": ("--seed", "--config", "--rigs", "--baseline", "--shipped", "--fixed"),
     "Running": ("--workers", "--scheduler", "--quiet", "--fail-on", "--help"),

@@ -5,11 +5,10 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.exits import exit_status
-from bayesfric.cli.options import Quiet
 from bayesfric.cli.printing import say
-
-__all__ = ["import_log"]
+from bayesfric.errors import Fault, InputError
 
 
 @exit_status
@@ -22,29 +21,23 @@ def import_log(
         ),
     ],
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", metavar="PATH", help="New folder; refused if it is not empty."
-        ),
+        Path | None, options.path("-o", "--output", "New folder; refused if it is not empty.")
     ] = None,
     joint: Annotated[
-        str | None, typer.Option("--joint", metavar="NAME", help="As the log names it, or all.")
+        str | None, options.worded("--joint", "NAME", "As the log names it, or all.")
     ] = None,
     mapping: Annotated[
         Path | None,
-        typer.Option(
-            "--map",
-            metavar="PATH",
-            help="A TOML file: columns, units, signs, gears, runs; without it, one is proposed.",
+        options.path(
+            "--map", "A TOML file: columns, units, signs, gears, runs; without it, one is proposed."
         ),
     ] = None,
-    quiet: Quiet = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Turn logs of joints into a recording; without a mapping, propose one.
 
     Example: bayesfric import log.csv -o my-joint --joint elbow --map mapping.toml
     """
-    from bayesfric.errors import Fault, InputError
     from bayesfric.logs import import_log as imported_log
     from bayesfric.recording import describe_recording, write_recording
 

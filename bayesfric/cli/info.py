@@ -5,8 +5,6 @@ from pathlib import Path
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.printing import say
 
-__all__ = ["info"]
-
 
 @exit_status
 def info() -> None:

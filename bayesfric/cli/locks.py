@@ -9,8 +9,6 @@ from pathlib import Path
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["LOCK", "hold"]
-
 LOCK = ".lock"
 
 

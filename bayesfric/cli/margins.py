@@ -2,23 +2,20 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.new_file import write_new
-from bayesfric.cli.options import Config, Folder, Quiet, Seed, fails
 from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.margins.law_used import LawAsked
-    from bayesfric.schemas import Metric, Verification
-
-__all__ = ["margins", "margins_into"]
+    from bayesfric.schemas import LoopMargins, Metric, Verification
 
 
 class LawName(StrEnum):
@@ -28,74 +25,61 @@ class LawName(StrEnum):
     refitted = "refitted"
 
 
+Loops = Annotated[
+    list[Path] | None, typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops.")
+]
+Draws = Annotated[Path | None, options.path("--draws", "The draws.nc of a fit; loops need it.")]
+Diagnosis = Annotated[
+    Path | None,
+    options.path(
+        "--diagnosis",
+        "A diagnosis.json, its diagnosis.nc beside it. Without it, the one beside the "
+        "draws, if any.",
+    ),
+]
+Law = Annotated[
+    LawName | None,
+    options.switch(
+        "--law",
+        "refitted with the causes that the diagnosis names, or fitted: the law alone. "
+        "Without it, refitted where a cause is named.",
+    ),
+]
+Verify = Annotated[
+    int, options.whole("--verify", 0, "Draws of each loop to hold against an elastic cable.")
+]
+Tune = Annotated[bool, options.switch("--tune", "Look for gains that meet all specs at once.")]
+Ensembles = Annotated[
+    bool,
+    options.switch("--ensembles", "Simulate ramp, reversal, sine and step with each compensator."),
+]
+Mat = Annotated[
+    Path | None, options.path("--mat", "Also write loops, draws and uncertainty as this .mat file.")
+]
+Template = Annotated[
+    Path | None, options.path("--template", "Write a loop file to begin with here, and end.")
+]
+ListLoops = Annotated[bool, options.switch("--list-loops", "List the bundled loops, and end.")]
+
+
 @exit_status
 def margins(
-    loops: Annotated[
-        list[Path] | None,
-        typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops."),
-    ] = None,
-    draws: Annotated[
-        Path | None,
-        typer.Option("--draws", metavar="PATH", help="The draws.nc of a fit; loops need it."),
-    ] = None,
-    output: Folder = Path("bayesfric-run"),
-    diagnosis: Annotated[
-        Path | None,
-        typer.Option(
-            "--diagnosis",
-            metavar="PATH",
-            help="A diagnosis.json, its diagnosis.nc beside it. Without it, the one beside the "
-            "draws, if any.",
-        ),
-    ] = None,
-    law: Annotated[
-        LawName | None,
-        typer.Option(
-            "--law",
-            help="refitted with the causes that the diagnosis names, or fitted: the law alone. "
-            "Without it, refitted where a cause is named.",
-        ),
-    ] = None,
-    verify: Annotated[
-        int,
-        typer.Option(
-            "--verify",
-            metavar="INTEGER",
-            min=0,
-            help="Draws of each loop to hold against an elastic cable.",
-        ),
-    ] = 0,
-    tune: Annotated[
-        bool, typer.Option("--tune", help="Look for gains that meet all specs at once.")
-    ] = False,
-    ensembles: Annotated[
-        bool,
-        typer.Option(
-            "--ensembles", help="Simulate ramp, reversal, sine and step with each compensator."
-        ),
-    ] = False,
-    mat: Annotated[
-        Path | None,
-        typer.Option(
-            "--mat",
-            metavar="PATH",
-            help="Also write loops, draws and uncertainty as this .mat file.",
-        ),
-    ] = None,
-    template: Annotated[
-        Path | None,
-        typer.Option(
-            "--template", metavar="PATH", help="Write a loop file to begin with here, and end."
-        ),
-    ] = None,
-    list_loops: Annotated[
-        bool, typer.Option("--list-loops", help="List the bundled loops, and end.")
-    ] = False,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("margins")] = "",
-) -> None:
+    loops: Loops = None,
+    draws: Draws = None,
+    output: options.Folder = Path("bayesfric-run"),
+    diagnosis: Diagnosis = None,
+    law: Law = None,
+    verify: Verify = 0,
+    tune: Tune = False,
+    ensembles: Ensembles = False,
+    mat: Mat = None,
+    template: Template = None,
+    list_loops: ListLoops = False,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("margins")] = "",
+) -> set[str]:
     """Compute controller margins over the draws of a fit; write margins.json.
 
     A loop that misses its spec, in the diagnosed law where there is one, is told, and is what
@@ -104,16 +88,14 @@ def margins(
     Example: bayesfric margins raven-elbow --draws my-results/draws.nc -o my-results
     """
     from bayesfric.analysis import read_analysis
-    from bayesfric.errors import Fault, InputError
 
-    check_fail_on(fail_on_list, "margins")
     if template is not None or list_loops:
         _to_begin_with(template, list_loops, loops)
-        return
+        return set()
     if not loops or draws is None:
         expected = "loops and --draws draws.nc, or --template FILE, or --list-loops"
         given = f"{len(loops or [])} loops, {'no' if draws is None else 'with'} --draws"
-        raise InputError([Fault("command line", expected, value=given)])
+        raise options.unusable(expected, value=given)
     from bayesfric.margins import loop_path
     from bayesfric.margins.matlab import checked_name
 
@@ -123,7 +105,7 @@ def margins(
         checked_name(mat)
     analysis = read_analysis(config, seed=seed)
     with hold(output, "margins"):
-        happened = margins_into(
+        return margins_into(
             loops,
             draws,
             output,
@@ -136,7 +118,6 @@ def margins(
             mat=mat,
             quiet=quiet,
         )
-    fail_on(fail_on_list, happened)
 
 
 def margins_into(
@@ -145,60 +126,24 @@ def margins_into(
     output: Path,
     analysis: "Analysis",
     *,
-    diagnosis: Path | None = None,
-    law: "LawAsked | None" = None,
-    verify: int = 0,
-    tune: bool = False,
-    ensembles: bool = False,
     mat: Path | None = None,
     quiet: bool,
+    **asked: Any,
 ) -> set[str]:
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
     from bayesfric.margins.matlab import write_mat
-    from bayesfric.margins.terms import (
-        certificate_sentence,
-        in_degrees_or_decibels,
-        tuning_sentence,
-    )
 
     with stage("computing margins", quiet=quiet) as progress:
-        found = compute_margins(
-            loops,
-            draws,
-            analysis,
-            diagnosis=diagnosis,
-            law=law,
-            verify=verify,
-            tune=tune,
-            ensembles=ensembles,
-            progress=progress,
-        )
-    found.write(output)
+        computed = compute_margins(loops, draws, analysis, progress=progress, **asked)
+    computed.write(output)
     if mat is not None:
-        write_mat(mat, found.ensembles)
-    if found.summary.law is not None:
-        _say_sentences(found.summary.law.sentence)
-    happened = say_attention(found.summary.attention, quiet=quiet)
-    for loop in found.summary.loops:
-        _say_sentences(f"{loop.name}: {loop.answer}")
-        if loop.plant is not None:
-            _say_sentences(f"  {loop.plant.sentence}")
-        if loop.with_effects is not None:
-            effects = ", ".join(loop.with_effects.effects) or "the law refitted"
-            _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
-        for metric in loop.metrics:
-            for one in (metric, in_degrees_or_decibels(metric)):
-                if one is not None:
-                    _say(one)
-        if (certificate := certificate_sentence(loop)) is not None:
-            say(f"  {certificate}")
-        if loop.tuning is not None:
-            _say_sentences(f"  {tuning_sentence(loop.tuning)}")
-        if loop.following is not None:
-            _say_sentences(f"  {loop.following.answer}")
-        if loop.verification is not None:
-            _say_verified(loop.verification)
+        write_mat(mat, computed.ensembles)
+    if computed.summary.law is not None:
+        _say_sentences(computed.summary.law.sentence)
+    happened = say_attention(computed.summary.attention, quiet=quiet)
+    for loop in computed.summary.loops:
+        _say_loop(loop)
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
@@ -207,6 +152,34 @@ def margins_into(
             for warning in loop.warnings:
                 say(f"warning: {loop.name}: {warning}", err=True)
     return happened
+
+
+def _say_loop(loop: "LoopMargins") -> None:
+    """Print what was found of a loop."""
+    from bayesfric.margins.terms import (
+        certificate_sentence,
+        in_degrees_or_decibels,
+        tuning_sentence,
+    )
+
+    _say_sentences(f"{loop.name}: {loop.answer}")
+    if loop.plant is not None:
+        _say_sentences(f"  {loop.plant.sentence}")
+    if loop.with_effects is not None:
+        effects = ", ".join(loop.with_effects.effects) or "the law refitted"
+        _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
+    for metric in loop.metrics:
+        for shown in (metric, in_degrees_or_decibels(metric)):
+            if shown is not None:
+                _say_metric(shown)
+    if (certificate := certificate_sentence(loop)) is not None:
+        say(f"  {certificate}")
+    if loop.tuning is not None:
+        _say_sentences(f"  {tuning_sentence(loop.tuning)}")
+    if loop.following is not None:
+        _say_sentences(f"  {loop.following.answer}")
+    if loop.verification is not None:
+        _say_verified(loop.verification)
 
 
 def _say_sentences(text: str) -> None:
@@ -219,7 +192,7 @@ def _say_sentences(text: str) -> None:
         say(f"  {sentence}")
 
 
-def _say(metric: "Metric") -> None:
+def _say_metric(metric: "Metric") -> None:
     """Print a figure that is asked for."""
     from bayesfric.margins.terms import chance_of_missing
 
@@ -234,25 +207,25 @@ def _say(metric: "Metric") -> None:
     )
 
 
-def _say_verified(found: "Verification") -> None:
+def _say_verified(verification: "Verification") -> None:
     """Print in how many draws each figure holds against the simulated elastic cable."""
-    say(f"  on an elastic cable, within {found.tolerance:.0%}:")
-    for one in found.held:
-        if one.share is None:
-            say(f"    {one.what}: not held against it, {one.share_why}")
+    say(f"  on an elastic cable, within {verification.tolerance:.0%}:")
+    for figure in verification.held:
+        if figure.share is None:
+            say(f"    {figure.what}: not held against it, {figure.share_why}")
         else:
-            say(f"    {one.what}: holds in {one.share * one.draws:.0f} of {one.draws} draws")
+            held = f"{figure.share * figure.draws:.0f} of {figure.draws} draws"
+            say(f"    {figure.what}: holds in {held}")
 
 
 def _to_begin_with(template: Path | None, list_loops: bool, loops: list[Path] | None) -> None:
     """Write the template, list the bundled loops."""
-    from bayesfric.errors import Fault, InputError
     from bayesfric.margins import read_loop
     from bayesfric.resources import bundled_loops, loop_template
 
     if loops:
         expected = "no loop beside --template and --list-loops"
-        raise InputError([Fault("command line", expected, value=str(loops[0]))])
+        raise options.unusable(expected, value=str(loops[0]))
     if template is not None:
         write_new(template, loop_template().read_text(encoding="utf-8"))
         say(f"{template}: change it, then bayesfric margins {template} --draws DRAWS")

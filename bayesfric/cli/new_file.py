@@ -4,8 +4,6 @@ from pathlib import Path
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["write_new"]
-
 
 def write_new(path: Path, text: str) -> None:
     """Write a file that is not there yet.

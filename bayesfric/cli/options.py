@@ -8,85 +8,73 @@ import typer
 from bayesfric.cli.exits import CAN_HAPPEN
 from bayesfric.errors import Fault, InputError, one_of
 
-__all__ = [
-    "Baseline",
-    "Cases",
-    "Config",
-    "Folder",
-    "Junit",
-    "Quiet",
-    "Rigs",
-    "Scheduler",
-    "Seed",
-    "Workers",
-    "fails",
-    "named_rigs",
-    "no_folder",
-]
 
-Folder = Annotated[
-    Path, typer.Option("-o", "--output", metavar="PATH", help="Folder for the results.")
-]
+def path(*names_and_help: str) -> Any:
+    """Return an option whose value is a path; the last word given is its help."""
+    *names, said = names_and_help
+    return typer.Option(*names, metavar="PATH", help=said)
+
+
+def whole(name: str, least: int, said: str) -> Any:
+    """Return an option whose value is an integer of at least so much."""
+    return typer.Option(name, metavar="INTEGER", min=least, help=said)
+
+
+def worded(name: str, shown: str, said: str) -> Any:
+    """Return an option whose value is a text; `shown` stands for it in the help."""
+    return typer.Option(name, metavar=shown, help=said)
+
+
+def switch(name: str, said: str) -> Any:
+    """Return an option without a value."""
+    return typer.Option(name, help=said)
+
+
+def unusable(expected: str, option: str | None = None, value: str | None = None) -> InputError:
+    """Return the error of an option, or of options together, that cannot be followed."""
+    return InputError([Fault("command line", expected, column=option, value=value)])
+
+
+Folder = Annotated[Path, path("-o", "--output", "Folder for the results.")]
 Junit = Annotated[
-    Path | None,
-    typer.Option(
-        "--junit", metavar="PATH", help="Also write the claims as a JUnit test report, for CI."
-    ),
+    Path | None, path("--junit", "Also write the claims as a JUnit test report, for CI.")
 ]
 Seed = Annotated[
     int | None,
-    typer.Option(
+    whole(
         "--seed",
-        metavar="INTEGER",
-        min=0,
-        help="Seed of everything random. Without it, `seed` of --config; 2015 if that has none.",
+        0,
+        "Seed of everything random. Without it, `seed` of --config; 2015 if that has none.",
     ),
 ]
-Config = Annotated[
-    Path | None,
-    typer.Option("--config", metavar="PATH", help="Settings of the analysis: an analysis.toml."),
-]
+Config = Annotated[Path | None, path("--config", "Settings of the analysis: an analysis.toml.")]
 Rigs = Annotated[
     str | None,
-    typer.Option(
+    worded(
         "--rigs",
-        metavar="NAME,…",
-        help="Rigs whose data enter (bayesfric info lists them). Without it a fit takes the first "
+        "NAME,…",
+        "Rigs whose data enter (bayesfric info lists them). Without it a fit takes the first "
         "that the recording has, and claims take all.",
     ),
 ]
 Baseline = Annotated[
     str,
-    typer.Option(
+    worded(
         "--baseline",
-        metavar="LAW",
-        help="Friction law. Of pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
+        "LAW",
+        "Friction law. Of pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
         "proportional (no constant), constant (nothing else). Of an axis: coulomb-viscous "
         "(inertia, Coulomb, viscous, offset; the default), coulomb (inertia, Coulomb, offset), "
         "none (inertia, offset).",
     ),
 ]
-Workers = Annotated[
-    int,
-    typer.Option(
-        "--workers", metavar="INTEGER", min=1, help="Processes; any number gives the same result."
-    ),
-]
-Cases = Annotated[
-    int,
-    typer.Option(
-        "--n", metavar="INTEGER", min=1, help="Cases; with more, a campaign is continued."
-    ),
-]
+Workers = Annotated[int, whole("--workers", 1, "Processes; any number gives the same result.")]
+Cases = Annotated[int, whole("--n", 1, "Cases; with more, a campaign is continued.")]
 Scheduler = Annotated[
     str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="Of a Dask cluster that runs the cases: tcp://host:8786.",
-    ),
+    worded("--scheduler", "ADDRESS", "Of a Dask cluster that runs the cases: tcp://host:8786."),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
+Quiet = Annotated[bool, switch("--quiet", "No progress and no chatter.")]
 
 
 def fails(verb: str) -> Any:
@@ -97,7 +85,7 @@ def fails(verb: str) -> Any:
         if named
         else "Taken like everywhere; nothing that it can name happens here."
     )
-    return typer.Option("--fail-on", metavar="NAME,…", help=said)
+    return worded("--fail-on", "NAME,…", said)
 
 
 def named_rigs(text: str | None) -> list[str] | None:
@@ -112,11 +100,11 @@ def named_rigs(text: str | None) -> list[str] | None:
         return None
     from bayesfric.rigs import all_rigs
 
-    known, names = all_rigs(), [name.strip() for name in text.split(",")]
+    rigs_by_name, names = all_rigs(), [name.strip() for name in text.split(",")]
     faults = [
-        Fault("command line", one_of(known, name), column="--rigs", value=name)
+        Fault("command line", one_of(rigs_by_name, name), column="--rigs", value=name)
         for name in names
-        if name not in known
+        if name not in rigs_by_name
     ]
     if len(set(names)) < len(names):
         faults.append(Fault("command line", "each rig once", column="--rigs", value=text))
@@ -135,4 +123,4 @@ def no_folder(path: Path | None, option: str) -> None:
     """
     if path is not None and path.is_dir():
         expected = "the name of a file to write; this is a folder"
-        raise InputError([Fault("command line", expected, column=option, value=str(path))])
+        raise unusable(expected, option, str(path))

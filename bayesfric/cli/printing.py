@@ -9,8 +9,6 @@ import typer
 from bayesfric.characters import legible
 from bayesfric.progress import LOGGER
 
-__all__ = ["say", "say_attention", "show_log"]
-
 
 def say(text: str, *, err: bool = False) -> None:
     """Print one line, on standard error if asked.
@@ -39,7 +37,7 @@ class _Said(logging.Handler):
 
 
 def show_log() -> None:
-    """Have the package's log said; nothing but the command line decides that."""
+    """Print the package's log; only the command line turns that on."""
     if not any(isinstance(handler, _Said) for handler in LOGGER.handlers):
         LOGGER.addHandler(_Said())
     LOGGER.setLevel(logging.INFO)

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into, diagnosed
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
-from bayesfric.cli.options import Quiet, Workers, fails
 from bayesfric.cli.printing import say
+from bayesfric.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -27,57 +28,46 @@ if TYPE_CHECKING:
 
     Read = TypeVar("Read", bound=BaseModel)
 
-__all__ = ["rerun"]
-
 
 @exit_status
 def rerun(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of a run.")],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="PATH",
-            help="Folder that keeps the new results. Without it, they are not kept.",
+        options.path(
+            "-o", "--output", "Folder that keeps the new results. Without it, they are not kept."
         ),
     ] = None,
     recording: Annotated[
         Path | None,
-        typer.Option(
-            "--recording",
-            metavar="PATH",
-            help="Folder of the recording. Without it, where the run had it.",
-        ),
+        options.path("--recording", "Folder of the recording. Without it, where the run had it."),
     ] = None,
-    workers: Workers = 2,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("rerun")] = "",
-) -> None:
+    workers: options.Workers = 2,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("rerun")] = "",
+) -> set[str]:
     """Repeat what was run into a folder, with its settings and seed, and say what differs.
 
     Example: bayesfric rerun my-results --fail-on changed
     """
     from bayesfric.campaign import processes
     from bayesfric.comparing import compare, comparison_text
-    from bayesfric.errors import Fault, InputError
 
-    check_fail_on(fail_on_list, "rerun")
     if output is not None and output.resolve() == folder.resolve():
         expected = "a folder other than that of the run"
-        raise InputError([Fault("command line", expected, column="--output")])
+        raise options.unusable(expected, "--output")
     stored = _stored(folder)
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
         with hold(again, "rerun"), processes(workers) as executor:
             _repeat(folder, stored, again, recording, executor, quiet)
-        found = compare(folder, again)
-        for line in comparison_text(found):
+        comparison = compare(folder, again)
+        for line in comparison_text(comparison):
             say(line)
         for path in sorted(again.glob("*.nc")):
             same = path.read_bytes() == (folder / path.name).read_bytes()
             say(f"{path.name}: {'the same bytes' if same else 'other bytes'}")
-    fail_on(fail_on_list, set() if found.same else {"changed"})
+    return set() if comparison.same else {"changed"}
 
 
 @dataclass(frozen=True)
@@ -92,12 +82,13 @@ class _Stored:
     @property
     def records(self) -> "list[Provenance]":
         """All of it that is there."""
-        return [one for one in (self.fitted, self.claims, self.diagnosis) if one is not None]
+        return [
+            record for record in (self.fitted, self.claims, self.diagnosis) if record is not None
+        ]
 
 
 def _stored(folder: Path) -> _Stored:
     """Read what was run into a folder."""
-    from bayesfric.errors import Fault, InputError
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, TimingsFile
 
@@ -169,7 +160,8 @@ def _repeat(
         )
         diagnose_into(again, compute, quiet=quiet)
     if _has(folder, "margins") and fitted is not None:
-        _repeat_margins(folder, again, [folder / path for path in inputs.get("loops", ())], quiet)
+        loops = [folder / path for path in inputs.get("loops", ())]
+        _repeat_margins(folder, again, loops, quiet)
 
 
 def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -> None:
@@ -182,27 +174,27 @@ def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -
 
     stored = read_json(MarginsFile, folder / "margins.json")
     there = [*bundled_loops().values(), *(path for path in loops if path.is_file())]
-    known = {loop_sha256(read_loop(path)): path for path in there}
-    if unknown := [one.name for one in stored.loops if one.loop_sha256 not in known]:
+    path_of_loop = {loop_sha256(read_loop(path)): path for path in there}
+    if unknown := [loop.name for loop in stored.loops if loop.loop_sha256 not in path_of_loop]:
         names = ", ".join(unknown)
         say(f"margins.json is not repeated: the loop files of {names} are not known", err=True)
         return
     used = "fitted" if stored.law is None else stored.law.used
-    beside = any(one.with_effects is not None for one in stored.loops)
+    beside = any(loop.with_effects is not None for loop in stored.loops)
     diagnosed = beside or used == "refitted"
     if diagnosed and not _has(again, "diagnosis"):
         say("margins.json is not repeated: its diagnosis is not in the folder", err=True)
         return
     margins_into(
-        [known[one.loop_sha256] for one in stored.loops],
+        [path_of_loop[loop.loop_sha256] for loop in stored.loops],
         again / "draws.nc",
         again,
         _settings(stored, "margins.json"),
         diagnosis=again / "diagnosis.json" if diagnosed else None,
         law=used,
-        verify=max(one.verification.draws if one.verification else 0 for one in stored.loops),
-        tune=any(one.tuning is not None for one in stored.loops),
-        ensembles=any(one.following is not None for one in stored.loops),
+        verify=max(loop.verification.draws if loop.verification else 0 for loop in stored.loops),
+        tune=any(loop.tuning is not None for loop in stored.loops),
+        ensembles=any(loop.following is not None for loop in stored.loops),
         quiet=quiet,
     )
 
@@ -213,7 +205,6 @@ def _has(folder: Path, name: str) -> bool:
 
 def _settings(record: "Provenance", name: str) -> "Analysis":
     from bayesfric.analysis import checked_analysis
-    from bayesfric.errors import Fault, InputError
 
     if record.analysis is None:
         expected = "every setting of the analysis; this file is of an earlier version"
@@ -228,18 +219,16 @@ def _boards(
     inputs: dict[str, tuple[str, ...]],
 ) -> list[Path]:
     """Return where the recordings of a fit of several are; none where it is of one."""
-    from bayesfric.errors import Fault, InputError
-
     if fitted is None or fitted.pooled is None:
         return []
-    found = [folder / path for path in inputs.get("recording", ())]
-    if given is not None or not found or not all(path.is_dir() for path in found):
+    folders = [folder / path for path in inputs.get("recording", ())]
+    if given is not None or not folders or not all(path.is_dir() for path in folders):
         expected = (
             f"the {len(fitted.pooled.boards)} recordings of this fit where it had them; "
             "else `bayesfric fit` with all of them"
         )
-        raise InputError([Fault("command line", expected, column="--recording")])
-    return found
+        raise options.unusable(expected, "--recording")
+    return folders
 
 
 def _recording(
@@ -249,7 +238,6 @@ def _recording(
     record: "Provenance",
 ) -> Path:
     """Return where the recording of a run is."""
-    from bayesfric.errors import Fault, InputError
     from bayesfric.recording import read_recording
     from bayesfric.resources import bundled_recording
 
@@ -261,4 +249,4 @@ def _recording(
     if read_recording(bundled_recording()).sha256 == record.recording.sha256:
         return bundled_recording()
     expected = f"the folder of the recording {record.recording.name}: --recording FOLDER"
-    raise InputError([Fault("command line", expected, column="--recording")])
+    raise options.unusable(expected, "--recording")

@@ -5,36 +5,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into, diagnosed
-from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
-from bayesfric.cli.options import (
-    Baseline,
-    Config,
-    Folder,
-    Junit,
-    Quiet,
-    Rigs,
-    Seed,
-    Workers,
-    fails,
-    named_rigs,
-    no_folder,
-)
 from bayesfric.cli.printing import say
-from bayesfric.progress import stage
+from bayesfric.cli.report import report_into
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
 
     from bayesfric.analysis import Analysis
     from bayesfric.cli.stages import Stages
-    from bayesfric.diagnosis.diagnosing import Diagnosed
-
-__all__ = ["run"]
+    from bayesfric.diagnosis.diagnosed import Diagnosed
 
 REPORT = ("report.pdf", "report.html", "summary.md")
 TIMINGS = "timings.json"
@@ -45,24 +31,23 @@ def run(
     recording: Annotated[
         Path | None, typer.Argument(help="Folder of the recording. Without it, the bundled one.")
     ] = None,
-    output: Folder = Path("bayesfric-run"),
+    output: options.Folder = Path("bayesfric-run"),
     loop: Annotated[
         list[Path] | None,
-        typer.Option(
+        options.path(
             "--loop",
-            metavar="PATH",
-            help="A loop file, or the name of a bundled loop; its margins are computed.",
+            "A loop file, or the name of a bundled loop; its margins are computed.",
         ),
     ] = None,
-    junit: Junit = None,
-    rigs: Rigs = None,
-    baseline: Baseline = "paper",
-    workers: Workers = 2,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("run")] = "",
-) -> None:
+    junit: options.Junit = None,
+    rigs: options.Rigs = None,
+    baseline: options.Baseline = "paper",
+    workers: options.Workers = 2,
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("run")] = "",
+) -> set[str]:
     """Fit a recording, judge the claims, diagnose the gap, write the report, in one go.
 
     Example: bayesfric run my-board -o my-results --loop elbow.toml
@@ -72,12 +57,11 @@ def run(
     from bayesfric.margins import loop_path, read_loop
     from bayesfric.resources import bundled_recording
 
-    check_fail_on(fail_on_list, "run")
-    no_folder(junit, "--junit")
-    analysis, chosen = read_analysis(config, seed=seed), named_rigs(rigs)
-    loops = [loop_path(path) for path in loop or []]
-    for path in loops:  # a fault in one, likewise
-        read_loop(path)
+    options.no_folder(junit, "--junit")
+    analysis, chosen = read_analysis(config, seed=seed), options.named_rigs(rigs)
+    loops = [loop_path(file) for file in loop or []]
+    for file in loops:  # a fault in one, likewise
+        read_loop(file)
     with hold(output, "run"), processes(workers) as executor:
         happened = run_into(
             recording if recording is not None else bundled_recording(),
@@ -93,7 +77,7 @@ def run(
         )
     if not quiet:
         say(f"{output / 'report.pdf'}", err=True)
-    fail_on(fail_on_list, happened)  # what was asked about has its report by now
+    return happened
 
 
 def run_into(
@@ -138,14 +122,12 @@ def run_into(
     elsewhere: dict[str, float] = {}
 
     def diagnosis() -> "Diagnosed":
-        found = (begun or begin()).result()
-        elsewhere["diagnosis"] = found.seconds
-        return found
+        result = (begun or begin()).result()
+        elsewhere["diagnosis"] = result.seconds
+        return result
 
     happened |= stages.after(
-        "diagnosis",
-        lambda: diagnose_into(output, diagnosis, quiet=quiet),
-        elsewhere=elsewhere,
+        "diagnosis", lambda: diagnose_into(output, diagnosis, quiet=quiet), elsewhere=elsewhere
     )
     if loops:
         happened |= stages.after(
@@ -154,7 +136,7 @@ def run_into(
         )
     stages.after(
         "report",
-        lambda: _write_report(output, quiet),
+        lambda: report_into(output, None, quiet),
         read=digest_of_results(output, *REPORT, TIMINGS),
     )
     if stages.computed:
@@ -164,16 +146,6 @@ def run_into(
             f"nothing has changed: to compute all anew, empty {output} or name another -o", err=True
         )
     return happened
-
-
-def _write_report(output: Path, quiet: bool) -> set[str]:
-    """Write the report; nothing that ``--fail-on`` can name happens in it."""
-    from bayesfric.campaign import processes
-    from bayesfric.report.writing import write_report
-
-    with stage("writing the report", quiet=quiet), processes(1) as helper:
-        write_report(output, executor=helper)
-    return set()
 
 
 def _add_timings(path: Path, stages: "Stages") -> None:

@@ -7,12 +7,10 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import check_fail_on, exit_status
-from bayesfric.cli.options import Config, Quiet, Seed, fails
+from bayesfric.cli import options
+from bayesfric.cli.exits import exit_status
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
-
-__all__ = ["simulate"]
 
 
 class ProtocolName(StrEnum):
@@ -36,16 +34,16 @@ def simulate(
     ] = ProtocolName.paper,
     effect: Annotated[
         list[str] | None,
-        typer.Option(
+        options.worded(
             "--effect",
-            metavar="NAME[=STRENGTH]",
-            help="What acts beside the law; 1 changes friction by 10 % rms. May be repeated.",
+            "NAME[=STRENGTH]",
+            "What acts beside the law; 1 changes friction by 10 % rms. May be repeated.",
         ),
     ] = None,
-    seed: Seed = None,
-    config: Config = None,
-    quiet: Quiet = False,
-    fail_on_list: Annotated[str, fails("simulate")] = "",
+    seed: options.Seed = None,
+    config: options.Config = None,
+    quiet: options.Quiet = False,
+    fail_on_list: Annotated[str, options.fails("simulate")] = "",
 ) -> None:
     """Simulate the paper's two boards with Table I, or another rig, and write the recording.
 
@@ -56,7 +54,6 @@ def simulate(
     from bayesfric.results import created_date
     from bayesfric.simulate import simulate_recording
 
-    check_fail_on(fail_on_list, "simulate")
     analysis = read_analysis(config, seed=seed)
     check_free(folder)
     strengths = _strengths(effect or [])
@@ -79,8 +76,6 @@ def simulate(
 
 def _strengths(given: list[str]) -> dict[str, float]:
     """Return the strength of each effect by name; 1 where none is given."""
-    from bayesfric.errors import Fault, InputError
-
     strengths: dict[str, float] = {}
     for text in given:
         name, equals, number = text.partition("=")
@@ -90,6 +85,6 @@ def _strengths(given: list[str]) -> dict[str, float]:
             strength = float("nan")
         if not math.isfinite(strength) or name in strengths:
             expected = "NAME or NAME=STRENGTH, a finite number, and each name once"
-            raise InputError([Fault("command line", expected, column="--effect", value=text)])
+            raise options.unusable(expected, "--effect", text)
         strengths[name] = strength
     return strengths

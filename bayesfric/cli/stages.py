@@ -15,8 +15,6 @@ from pydantic import BaseModel, ValidationError
 from bayesfric.cli.printing import say
 from bayesfric.results import json_bytes
 
-__all__ = ["Stages", "digest", "digest_of_results"]
-
 LIST = ".stages.json"
 
 
@@ -74,11 +72,11 @@ class Stages:
 
     def stands(self, name: str, read: str = "") -> bool:
         """Return whether a stage is done, of what it would read now, and its files stand."""
-        known = self._listed.stages.get(name)
+        kept_stage = self._listed.stages.get(name)
         return (
-            known is not None
-            and known.read == read
-            and all(digest(Path(path)) == kept for path, kept in known.files.items())
+            kept_stage is not None
+            and kept_stage.read == read
+            and all(digest(Path(path)) == kept for path, kept in kept_stage.files.items())
         )
 
     def after(

@@ -12,8 +12,6 @@ from pathlib import Path
 
 from bayesfric.source_date import SOURCE_DATE_EPOCH, source_date
 
-__all__ = ["prepare"]
-
 
 def prepare() -> None:
     """Set variables of the environment aside that no result depends on, before any import.
@@ -42,8 +40,8 @@ def _folders() -> dict[str, Path | None]:
     config = os.environ.get("XDG_CONFIG_HOME") or (home and home / ".config")
     figures = os.environ.get("MPLCONFIGDIR") or (config and Path(config) / "matplotlib")
     cache = os.environ.get("XDG_CACHE_HOME") or (home and home / ".cache")
-    found = {"MPLCONFIGDIR": figures, "XDG_CACHE_HOME": cache}
-    folders = {name: None if path is None else Path(path) for name, path in found.items()}
+    places = {"MPLCONFIGDIR": figures, "XDG_CACHE_HOME": cache}
+    folders = {name: None if path is None else Path(path) for name, path in places.items()}
     return folders if home is not None else {"HOME": None, **folders}
 
 
@@ -52,7 +50,7 @@ def _can_write(folder: Path | None) -> bool:
     if folder is None:
         return False
     try:
-        nearest = next(one for one in (folder, *folder.parents) if one.exists())
+        nearest = next(parent for parent in (folder, *folder.parents) if parent.exists())
         Path(tempfile.mkdtemp(prefix=".bayesfric-", dir=nearest)).rmdir()
     except OSError:
         return False

@@ -5,20 +5,18 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli import options
 from bayesfric.cli.exits import exit_status
-from bayesfric.cli.options import Config
 from bayesfric.cli.printing import say
-
-__all__ = ["validate"]
 
 
 @exit_status
 def validate(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
     power: Annotated[
-        bool, typer.Option("--power", help="What its conditions can tell, whatever was measured.")
+        bool, options.switch("--power", "What its conditions can tell, whatever was measured.")
     ] = False,
-    config: Config = None,
+    config: options.Config = None,
 ) -> None:
     """Check a recording, and print what it holds or all of its faults.
 
@@ -29,20 +27,20 @@ def validate(
     from bayesfric.rigs.opening import remarks_of
 
     analysis = read_analysis(config)
-    found = read_recording(recording)
-    for label, text in describe_recording(found):
+    read = read_recording(recording)
+    for label, text in describe_recording(read):
         say(f"{label:<16} {text}")
-    for label, text in remarks_of(found):
+    for label, text in remarks_of(read):
         say(f"{label:<16} {text}")
     from bayesfric.rigs.opening import left_out
 
-    for fault in left_out(found):
+    for fault in left_out(read):
         say(f"note: left out: {fault}", err=True)
-    for note in found.notes:
+    for note in read.notes:
         say(f"note: {note}", err=True)
     if power:
         from bayesfric.planning import power as power_of
 
         say("")
-        for line in str(power_of(found, analysis)).splitlines():
+        for line in str(power_of(read, analysis)).splitlines():
             say(line)

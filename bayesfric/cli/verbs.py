@@ -28,8 +28,6 @@ from bayesfric.cli.run import run
 from bayesfric.cli.simulate import simulate
 from bayesfric.cli.validate import validate
 
-__all__ = ["app"]
-
 app = typer.Typer(
     name="bayesfric",
     help="Bayesian uncertainty analysis of cable-pulley friction.",

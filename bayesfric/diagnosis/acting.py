@@ -11,8 +11,6 @@ from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
 
-__all__ = ["Acting", "At", "Law", "lawbook", "merged", "phase_name"]
-
 
 @dataclass(frozen=True)
 class Law:

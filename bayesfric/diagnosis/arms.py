@@ -14,8 +14,6 @@ from bayesfric.inference.symmetric import eigen_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["Arms", "Fitted"]
-
 ALIKE = 0.05  # of the square of what a cause does, that clocks leave of it
 
 

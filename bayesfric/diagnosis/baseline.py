@@ -17,8 +17,6 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import beside_simulator, diagnosed_law, left_out
 from bayesfric.simulators import SimulatorCalls
 
-__all__ = ["data_of", "fitted_baseline"]
-
 
 def data_of(
     recording: Recording, baseline: str, simulator: SimulatorCalls | None

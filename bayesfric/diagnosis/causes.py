@@ -16,8 +16,6 @@ from bayesfric.effects import EffectParameter
 from bayesfric.inference.priors import describe
 from bayesfric.schemas import Cause, EffectNumber, Inclusion
 
-__all__ = ["causes_of", "inclusion_of", "known_of"]
-
 LN10 = float(np.log(10))
 
 

@@ -21,8 +21,6 @@ from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.proposals import StudentT
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-__all__ = ["Checked", "factor_error", "noise_checked"]
-
 DRAWS = 64
 FREEDOM, INFLATION = 5.0, 1.3  # of the Student-t that is drawn from, and of its covariance
 TOLD = 8.0  # curvature by the logarithm of a noise that the data tell to a third

@@ -4,8 +4,6 @@ from bayesfric.analysis import Analysis
 from bayesfric.invariants import broken, check_record
 from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["looked_at", "not_followed"]
-
 
 def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     """Return a diagnosis with what must hold of it, and no verdict where something does not.

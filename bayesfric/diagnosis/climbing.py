@@ -12,8 +12,6 @@ from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.symmetric import eigen_of
 
-__all__ = ["at_bounds", "climb", "curvature_at"]
-
 STEP = 0.005  # of a logarithm, for differences of the gradient
 LONGEST = 1.0  # step of a logarithm in a climb
 ENOUGH = 0.02  # nat that a further step of a climb would gain

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examinable, examined_effects, no_effects, widened
 from bayesfric.diagnosis.forms import other_forms
@@ -61,14 +61,12 @@ from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import identified, provenance
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts, model_errors
 from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
-
-__all__ = ["Diagnosed", "diagnose"]
 
 NOTHING_TOLD = "these data tell no number of the model"
 MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
@@ -77,51 +75,6 @@ LN10 = float(np.log(10))
 SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
 FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
-
-
-@dataclass(frozen=True)
-class Diagnosed:
-    """A diagnosis, ready to be written.
-
-    Parameters
-    ----------
-    summary : DiagnosisFile
-        What ``diagnosis.json`` says.
-    curves : DataTree
-        What ``diagnosis.nc`` holds: ``residuals``, ``law``, and where there are any
-        ``trajectories`` and ``amplitudes``.
-    seconds : float
-        Wall time.
-    amounts : ModelAmounts or None
-        How wrong the machine's model is.
-    own_sentence : str
-        The verdict in words, without what it says of that model.
-    """
-
-    summary: DiagnosisFile
-    curves: xr.DataTree
-    seconds: float
-    amounts: ModelAmounts | None = None
-    own_sentence: str = ""
-
-    def write(self, folder: Path | str) -> None:
-        """Write ``diagnosis.json`` and ``diagnosis.nc``.
-
-        Parameters
-        ----------
-        folder : Path or str
-            Created if it is not there; other files in it are left alone.
-
-        Raises
-        ------
-        InputError
-            The folder cannot be written.
-        """
-        writers: dict[str, Callable[[Path], object]] = {
-            "diagnosis.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
-            "diagnosis.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-        }
-        replace_outputs(Path(folder), writers)
 
 
 def diagnose(
@@ -290,7 +243,7 @@ def _diagnose(
     others = data.rigs[0].other_joints
     rivals = [name for effects in sets_of_one(chances, known, named) for name in effects]
     amounts = amounts_of(model, best)
-    elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
+    elsewhere = looks_like_others(named, rivals, examined, others, gap, amounts)
     why = None
     if remainder is not None:
         why = why_overruled(gap, practical, told_as_remainder=remainder.significant)

@@ -16,8 +16,6 @@ from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["Discrepancy", "Wide", "discrepancy_share", "relative_rms"]
-
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 PART, LEAST = 0.25, 0.0025  # of the practical share; at least, as a share of friction
 SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.base import Effect, State
 
-__all__ = ["DrawnEffect", "drawn_effect"]
-
 
 @dataclass(frozen=True)
 class DrawnEffect:

@@ -13,8 +13,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import ExaminedEffect
 
-__all__ = ["examinable", "examined_effects", "no_effects", "widened"]
-
 APART = "a model of the machine, or other joints that are still"
 LN10 = float(np.log(10))
 

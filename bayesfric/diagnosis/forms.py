@@ -22,8 +22,6 @@ from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["AS_IT_IS", "SHARES", "Form", "FormShare", "other_forms"]
-
 FORCE_AXES = (
     "speed_m_s",
     "tension_n",

@@ -20,8 +20,6 @@ from bayesfric.diagnosis.systematic import interval
 from bayesfric.rigs.linear import Run
 from bayesfric.schemas import GapRow, Interval
 
-__all__ = ["HeldOut", "Squares", "extrapolated", "folds_of", "gap_row", "measure_gap"]
-
 FOLDS = 5
 DRAWS = 400
 SURE = 0.95  # probability that the gap before is above the floor

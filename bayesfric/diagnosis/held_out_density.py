@@ -18,8 +18,6 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
 
-__all__ = ["BlockDensities", "block_densities", "blocks_of"]
-
 MOST_BLOCKS = 20
 FEWEST_BLOCKS = 4  # below, the differences of blocks tell no error of their sum
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import comb
 
 import numpy as np
 from scipy.special import logsumexp
@@ -15,11 +14,10 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.probabilities import normalised, total
 
-__all__ = ["NONE", "UNKNOWN", "Search"]
-
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 CONTRADICTED = 0.95  # of causes whose held-out shrink lies below the model's by its 90 % interval
+MOSTLY = 0.5  # probability, from which on effects beside the largest are none
 BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 
 
@@ -46,6 +44,9 @@ class Search:
     foreign : mapping of frozenset of str to float
         By effects that act together: the probability, given that they do, that they leave so
         much that an unknown force acts. That share of theirs counts as ``unknown``.
+    minor : tuple of (frozenset of str, float), or None
+        Effects that make most of the gap, and the probability that they leave a force that is like
+        what all other effects take: that share of hypotheses with others is theirs alone.
     unheard : bool
         Whether an unknown force was asked for and nothing varied along which it could show: the
         data say of it what they say of none.
@@ -59,6 +60,7 @@ class Search:
     inverse: Array
     volume: float
     foreign: Mapping[frozenset[str], float] = field(default_factory=dict)
+    minor: tuple[frozenset[str], float] | None = None
     unheard: bool = False
 
     @property
@@ -74,9 +76,9 @@ class Search:
             return float(np.log(prior.none if none is None else none))
         if name == UNKNOWN:
             return float(np.log(rest * prior.unknown))
-        number = name.count("+") + 1
-        mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
-        return float(np.log(rest * mass / comb(len(self.classes.members), number)))
+        names = name.split("+")
+        mass = {1: prior.one, 2: prior.two}.get(len(names), prior.more)
+        return float(np.log(rest * mass)) + self.classes.log_prior_among(names)
 
     def with_unknown(self, alone: Unknown, beside: Unknown, name: str) -> "Search":
         """Return these with an unknown force, alone or beside the effects of a hypothesis.
@@ -110,6 +112,7 @@ class Search:
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
         found = normalised({name: float(chances[name]) for name in ranked})
         found.setdefault(UNKNOWN, 0.0)
+        found = self._without_minor(found)
         return self._with_foreign(found) if self.foreign else found
 
     def overruled(self, effects: frozenset[str]) -> "Search":
@@ -117,6 +120,20 @@ class Search:
         before = self.foreign.get(effects, 0.0)
         share = 1 - (1 - before) * (1 - CONTRADICTED)
         return replace(self, foreign={**self.foreign, effects: share})
+
+    def _without_minor(self, chances: dict[str, float]) -> dict[str, float]:
+        """Return probabilities, those of effects beside the largest moved to the largest alone."""
+        if self.minor is None:
+            return chances
+        largest, share = self.minor
+        alone = "+".join(sorted(largest))
+        found = {alone: 0.0, **chances}
+        for name, chance in chances.items():
+            if largest < set(name.split("+")):
+                found[name] -= share * chance
+                found[alone] += share * chance
+        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+        return dict(ranked)
 
     def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
         found = chances.copy()
@@ -136,4 +153,7 @@ class Search:
 
     def best(self) -> Weighed:
         """Return the most probable hypothesis of those with names, none among them."""
-        return max(self.weighed.values(), key=self.worth)
+        weighed = list(self.weighed.values())
+        if self.minor is not None and self.minor[1] >= MOSTLY:
+            weighed = [one for one in weighed if not self.minor[0] < set(one.names)]
+        return max(weighed, key=self.worth)

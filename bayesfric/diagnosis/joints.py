@@ -3,20 +3,15 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.diagnosis.other_joints import model_error_words
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
 from bayesfric.rigs.model_amounts import model_errors
-
-if TYPE_CHECKING:
-    from bayesfric.diagnosis.diagnosing import Diagnosed
-
-__all__ = ["diagnosed_together"]
 
 ORDER = ("unknown", "unseparated", "named", "undecided", "no-gap")
 """Of verdicts: that of a machine is the first that any of its joints has."""
@@ -24,9 +19,9 @@ ORDER = ("unknown", "unseparated", "named", "undecided", "no-gap")
 
 def diagnosed_together(
     parted: Mapping[str, Recording],
-    diagnosed: Callable[[Recording, Path | None], "Diagnosed"],
+    diagnosed: Callable[[Recording, Path | None], Diagnosed],
     checkpoint: Path | None,
-) -> "Diagnosed":
+) -> Diagnosed:
     """Diagnose each joint by itself, and say what that makes of the machine.
 
     Parameters

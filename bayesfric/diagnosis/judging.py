@@ -33,9 +33,8 @@ from bayesfric.effects.candidates import SHAPE_NODES
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["Judged", "judge"]
-
 FOREIGN = 0.15  # of the squared gap, beyond which it is not made by the effects that are named
+SMALL = 0.1  # of the squared gap, that effects leave which make most of it
 RARE = 0.003  # probability of that, below which it is left out
 PASSES = 2  # over shapes of several causes, one at a time
 
@@ -102,6 +101,10 @@ def judge(
         Source of randomness.
     """
     judged = _judged(model, search, shipped, practical, rng)
+    minor = _largest_alone(model, search, judged, practical)
+    if minor is not None:
+        search = replace(search, minor=minor)
+        judged = _judged(model, search, shipped, practical, rng)
     if not judged.named or search.unknown is None:
         return judged
 
@@ -233,6 +236,48 @@ def _leaves_too_much(
         found = (left > FOREIGN) & (np.sqrt(left) * gap >= practical)
         too_much.append(found[labels == label])
     return float(np.concatenate(too_much).mean()) if too_much else 0.0
+
+
+def _largest_alone(
+    model: LinearModel, search: Search, judged: Judged, practical: float
+) -> tuple[frozenset[str], float] | None:
+    """Return the effects that make most of the gap, where others only imitate what is left.
+
+    Beside gravity of many times friction all else is a small part of the gap. So the others are
+    asked what they take of the gap that the largest leave: where a force stays that no effect
+    makes, and is no small part of that, it is like them, and they are none of its causes.
+
+    Returns
+    -------
+    tuple of (frozenset of str, float), or None
+        The largest effects, and how probably the others imitate; None where there are no others.
+    """
+    best, residuals, posterior = search.best(), judged.residuals, judged.posterior
+    names = [law.effect for law in best.acting.laws]
+    drawn = posterior.hypothesis == best.label
+    if len(names) < 2 or not drawn.any() or best.acting.phases:
+        return None
+    arms = _around_causes(model, best.acting.laws, best.acting.shapes, (), judged.arms)
+    own = residuals.without_law(arms.of_causes(residuals_of(arms.plain, arms.psi)))
+
+    def left(places: list[int]) -> Array:
+        taken = best_of(residuals, own[:, places], posterior.force)
+        return np.asarray((left_of(residuals, posterior, taken) + posterior.unresolved2)[drawn])
+
+    whole = float((posterior.gap**2 + posterior.unresolved2)[drawn].mean())
+    large: list[int] = []
+    others = list(range(len(names)))
+    while others and (not large or left(large).mean() > SMALL * whole):
+        nearest = min(others, key=lambda place: float(left([*large, place]).mean()))
+        large.append(nearest)
+        others.remove(nearest)
+    alone = frozenset(names[place] for place in large)
+    if not others or "+".join(sorted(alone)) not in search.weighed:
+        return None
+    stays, before = left([*large, *others]), left(large)
+    imitated = (stays > FOREIGN * before) & (np.sqrt(stays) >= practical * residuals.friction_rms)
+    share = float(imitated.mean())
+    return (alone, share) if share >= RARE else None
 
 
 def _own_force(model: LinearModel, search: Search, judged: Judged, label: str) -> Array | None:

@@ -8,9 +8,8 @@ from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Interval, LawNumber
-
-__all__ = ["law_of_diagnosis"]
 
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
@@ -39,7 +38,6 @@ def law_of_diagnosis(
     called = {MASS: ARMATURE if has_model else INERTIA}
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
-    fitted = alone.fitted_laws(at)
     found = {}
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
@@ -48,10 +46,12 @@ def law_of_diagnosis(
                 continue
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])
-            mean = float(np.asarray(fitted[size][column]))
+            moved = float(at.mean[number]) * float(alone.scales[column])
+            mean = float(np.asarray(alone.laws[size][column])) + moved
+            least = float(alone.least(size, drawn=True)[column])
             found[called.get(name, name)] = LawNumber(
                 unit=unit,
-                before=_normal(mean, sd),
+                before=_normal(mean, sd) if mean - sd * HIGH > least else _above(mean, sd, least),
                 after=interval(posterior.law.coefficients[:, place, column]),
             )
     return found | _beside_the_law(alone, at, posterior)
@@ -78,3 +78,9 @@ def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[st
 
 def _normal(mean: float, sd: float) -> Interval:
     return Interval(mean=mean, sd=sd, q05=mean + LOW * sd, q50=mean, q95=mean + HIGH * sd)
+
+
+def _above(mean: float, sd: float, least: float) -> Interval:
+    """Return a number that a bound holds up, of which data alone may have some below it."""
+    mean, sd, (low, middle, high) = normal_above(mean, sd, least)
+    return Interval(mean=mean, sd=sd, q05=float(low), q50=float(middle), q95=float(high))

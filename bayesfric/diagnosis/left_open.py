@@ -16,8 +16,6 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.inference.group_sizes import Group, drawn_in_groups
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["drawn_numbers"]
-
 # Of the rms that is listed; the smaller, the likelier: most effects leave no trace.
 SIZES = np.array([0.1, 0.3, 1.0])
 

@@ -28,13 +28,13 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, LinearRig
 
-__all__ = ["LinearModel"]
-
 # Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
-LEAST = {"c1": 2e-4, "c2": 5e-5, "c3": -np.inf}
+LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}
 # The same where a machine's own prior says how large it may be: all is counted in friction of the
 # law, and a law that gravity leaves none has a hundredth of what the drive gives.
 LEAST_OWN = {"c1": 0.01, "c2": 0.01, "c3": -np.inf}
+# A rotor beside gravity may have less: what is told of a number has a bound of its own.
+LEAST_DRAWN = {"c1": 1e-4, "c2": 1e-4, "c3": -np.inf}
 
 
 class LinearModel:
@@ -388,21 +388,22 @@ class LinearModel:
         """
         origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
-        least = np.array([self._least(size) for size in self.layout.sizes])
-        scale = self.scales[: least.shape[1]]
-        moved = origin + moves * scale
+        least = np.array([self.least(size, drawn=drawn) for size in self.layout.sizes])
+        moved = origin + moves * self.scales[: least.shape[1]]
         if drawn:
-            moved = drawn_above(moved, least * scale)
-        return np.asarray(np.where(self.free, np.maximum(moved, least * scale), origin))
+            moved = drawn_above(moved, least)
+        return np.asarray(np.where(self.free, np.maximum(moved, least), origin))
 
-    def _least(self, size: str) -> list[float]:
-        """Return the least of each coefficient of a size, in its scale."""
+    def least(self, size: str, *, drawn: bool) -> Array:
+        """Return the least of each coefficient of a size, of draws or of a law, shape (3,)."""
         own = self.analysis.priors.pulleys.get(size)
         priors: list[Prior | None] = [getattr(own, name, None) for name in Coefficients._fields]
-        return [
-            (LEAST if prior is None or not is_positive(prior) else LEAST_OWN)[name]
+        of_machine = LEAST_DRAWN if drawn else LEAST_OWN
+        shares = [
+            (LEAST if prior is None or not is_positive(prior) else of_machine)[name]
             for name, prior in zip(Coefficients._fields, priors, strict=True)
         ]
+        return np.asarray(np.array(shares) * self.scales[: len(shares)])
 
     def candidate(self, law: Law, shape: float) -> Candidate:
         """Return the candidate of a law at a shape."""

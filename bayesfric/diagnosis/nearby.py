@@ -14,8 +14,6 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import Candidate
 from bayesfric.physics.friction import Coefficients
 
-__all__ = ["around_nearby"]
-
 FARTHEST = 1.5  # times friction of the last law, or as small a part of it
 STEPS = (1.0, 0.5, 0.25)  # shares of the way that are tried
 ROUNDING = 1e-300

@@ -22,8 +22,6 @@ from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
-__all__ = ["condition_of", "next_experiment"]
-
 Places = Whole
 RIVAL = 0.05  # probability of a hypothesis that is still in question
 RIVALS = 3

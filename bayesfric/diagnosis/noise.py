@@ -9,8 +9,6 @@ from bayesfric.analysis import Prior
 from bayesfric.arrays import Array
 from bayesfric.rigs.linear import NoiseParameter, log_prior_of_logarithm
 
-__all__ = ["Noise"]
-
 QUIET = 0.015  # relative scatter of a good rig
 STEP = 1e-5  # of a logarithm, for derivatives
 

@@ -9,15 +9,6 @@ from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import Known, sort_effects
 from bayesfric.schemas import Gap, HeldOutDensity, Interval
 
-__all__ = [
-    "Overruled",
-    "contradicts",
-    "density_of",
-    "leaves_too_much",
-    "overruled",
-    "why_overruled",
-]
-
 MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
 ERRORS = 2.0  # of a difference of log densities, by which causes have to predict better
 NO_CAUSE = "no cause is named, so nothing is compared"

@@ -10,8 +10,6 @@ from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["Refit", "recalibrated", "refit_of"]
-
 
 @dataclass(frozen=True)
 class Refit:

@@ -13,8 +13,6 @@ from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Interval, Remainder
 
-__all__ = ["all_left", "left_matters", "remainder_of"]
-
 LN10 = float(np.log(10))
 LEFT = 0.025  # of the squared gap, that the causes leave with probability 0.95
 SIGNIFICANT = 1.0  # log10 Bayes factor

@@ -14,16 +14,6 @@ from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
 from bayesfric.rigs.rotary import rotary_unit
 
-__all__ = [
-    "AXES",
-    "CATEGORIES",
-    "Residuals",
-    "numbers_of_laws",
-    "residuals_of",
-    "spread_numbers",
-    "used_of",
-]
-
 AXES = {
     "velocity": "m/s",
     "tension": "N",
@@ -82,7 +72,7 @@ class Residuals:
     time_s : ndarray, shape (R,), or None
         Of each window within its run; nan where nobody recorded it, None where nowhere.
     counts : ndarray, shape (R,), or None
-        How much each counts, 1 but for strays; None where there is none.
+        How much each counts, 1 but for strays and for windows that overlap; None where all are 1.
     shared : tuple of int
         Columns of the law's numbers that all sizes share, such as an offset.
     """
@@ -117,6 +107,11 @@ class Residuals:
     def variance(self) -> Array:
         """Of each window's measurement error, shape (R,) [N²]."""
         return np.concatenate([np.diag(part) for part in self.covariance])
+
+    @property
+    def independent(self) -> int:
+        """How many windows there are, those that overlap counted as what they cover."""
+        return self.size.size if self.counts is None else round(float(self.counts.sum()))
 
     @cached_property
     def spread2(self) -> Array:

@@ -8,8 +8,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.inference.information import Information
 
-__all__ = ["Said"]
-
 KEPT = 4  # noises
 
 

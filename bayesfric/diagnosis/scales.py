@@ -4,14 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bayesfric.analysis import Prior, Priors
+from bayesfric.analysis import Priors
 from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate, prior_moments
 from bayesfric.inference.smooths import Smooth
+from bayesfric.observation.coefficients import coefficient_prior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.linear import LinearRows
-
-__all__ = ["coefficient_moments", "rms_friction", "scales_of_numbers"]
 
 
 def coefficient_moments(
@@ -45,20 +44,15 @@ def coefficient_moments(
     sd = np.ones_like(mean)
     for row, (size, law) in enumerate(zip(sizes, laws, strict=True)):
         for column, name in enumerate(Coefficients._fields):
-            centre, width = prior_moments(_coefficient_prior(priors, name, size))
+            prior, whole = coefficient_prior(priors, name, size)
+            # A share is one of the reference law's own coefficient.
+            unit = 1.0 if whole is None else float(np.asarray(getattr(law, whole)))
+            centre, width = (unit * moment for moment in prior_moments(prior))
             held = bool({name, f"{name}[{size}]"} & fixed)
             at = float(np.asarray(law[column]))
             mean[row, column] = 0.0 if held else (centre - at) / scale[column]
             sd[row, column] = 0.0 if held else width / scale[column]
     return mean, sd
-
-
-def _coefficient_prior(priors: Priors, name: str, size: str) -> Prior:
-    """Return the prior of a coefficient of one size, which may have its own."""
-    own = priors.pulleys.get(size)
-    chosen: Prior | None = None if own is None else getattr(own, name)
-    shared: Prior = getattr(priors, name)
-    return shared if chosen is None else chosen
 
 
 def _width(priors: Priors, name: str, sizes: Sequence[str]) -> float:
@@ -67,11 +61,12 @@ def _width(priors: Priors, name: str, sizes: Sequence[str]) -> float:
     It is that of the prior that all sizes share, or the widest of their own where each has one:
     a machine in other units has its numbers in other units, and no other digits.
     """
-    own = [getattr(priors.pulleys.get(size), name, None) for size in sizes]
-    chosen: list[Prior] = [prior for prior in own if prior is not None]
-    if len(chosen) < len(own):
-        chosen = [getattr(priors, name)]
-    return max(prior_moments(prior)[1] for prior in chosen)
+    own = [priors.pulleys.get(size) for size in sizes]
+    if any(section is None or getattr(section, name) is None for section in own):
+        prior, whole = coefficient_prior(priors, name, "")
+        unit = 1.0 if whole is None else _width(priors, whole, sizes)
+        return unit * prior_moments(prior)[1]
+    return max(prior_moments(getattr(section, name))[1] for section in own)
 
 
 def scales_of_numbers(

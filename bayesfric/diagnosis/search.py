@@ -24,8 +24,6 @@ from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume
 
-__all__ = ["Steps", "compare", "search"]
-
 MOST = 4  # effects at a time
 BEAM = 3  # hypotheses of each number that are gone on from
 TRIED = 5  # of those with an effect more, by a first look

@@ -7,8 +7,6 @@ from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
 
-__all__ = ["Statement", "held_out_words", "sentence_of"]
-
 ALL_BUT = 0.999
 LEAST = 0.001  # of friction, below which a gap has no figure
 RARELY = 0.05  # probability that the gap is not above the floor, up to which data can tell

@@ -19,8 +19,6 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import is_positive, prior_moments
 from bayesfric.inference.information import Reduced
 
-__all__ = ["Choice", "Quadratic", "choose", "log_orthant"]
-
 WIDEST = 2.4  # normal quantile of a shape
 COARSE, FINE, ZOOMS = 49, 13, 3
 SWEEPS = 2  # over the shapes of effects that act together

@@ -16,8 +16,6 @@ from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.inference.shapley import Block, explained_by_subsets, shapley_values
 from bayesfric.inference.smooths import BROAD, NARROW, Span, smooth_along
 
-__all__ = ["AxisFunctions", "Shares", "functions_along", "shares_of"]
-
 DRAWS = 300  # of the force: a 5 % quantile of a share is known to a tenth of its width
 PLAYERS = 12  # axes that compete; the rest of more are taken together
 RIDGE = 1e-3  # of a smooth's own variance: shrinks what a hundredth of the windows tells
@@ -109,7 +107,12 @@ def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> A
     return AxisFunctions(name, known, columns.T, grid, smooth.columns({name: grid}).T)
 
 
-def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) -> Shares:
+def shares_of(
+    residuals: Residuals,
+    force: Array,
+    hidden2: Mapping[str, Array],
+    waves: Sequence[tuple[frozenset[str], Array]] = (),
+) -> Shares:
     """Return which part of a systematic force each axis explains.
 
     Parameters
@@ -120,6 +123,9 @@ def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) 
         Draws of it, the law recalibrated [N].
     hidden2 : mapping of str to ndarray, shape (S,)
         Mean square of forces along an axis whose phases nobody recorded, by that axis [N²].
+    waves : sequence of (frozenset of str, ndarray of shape (R,))
+        Forces that come back along a path, each with the axes that they lie along [N]. They are
+        finer than the smooth functions of these axes, and join them.
 
     Returns
     -------
@@ -143,7 +149,7 @@ def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) 
         name: explained_by_subsets([Block((0,), columns)], 1, response, RIDGE)[1]
         for name, columns in weighted.items()
     }
-    share = _competing(residuals, weighted, alone, response)
+    share = _competing(residuals, weighted, alone, response, waves)
     for name, values in hidden2.items():
         share[name] = share.get(name, 0.0) + values
         alone[name] = alone.get(name, 0.0) + values
@@ -171,6 +177,12 @@ def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, 
         # An assembly stands for all that it is made of and for its day: what it is beyond these.
         rest = [columns for name, columns in found.items() if name != "setup"]
         found["setup"] = _beyond(found["setup"], rest)
+    if "travel_since_reversal" in found:
+        # Between two ends it is the position, once the direction is known.
+        state = [name for name in ("displacement", "direction") if name in found]
+        rest = [found[name] for name in state]
+        rest += [block.columns for block in _products(residuals, state)]
+        found["travel_since_reversal"] = _beyond(found["travel_since_reversal"], rest)
     return found
 
 
@@ -195,7 +207,11 @@ def _beyond(columns: Array, others: Sequence[Array]) -> Array:
 
 
 def _competing(
-    residuals: Residuals, weighted: Mapping[str, Array], alone: Mapping[str, Array], response: Array
+    residuals: Residuals,
+    weighted: Mapping[str, Array],
+    alone: Mapping[str, Array],
+    response: Array,
+    waves: Sequence[tuple[frozenset[str], Array]],
 ) -> dict[str, Array]:
     """Return what each axis adds in the mean over all orders, by name, (S,) [N²]."""
     order = sorted(weighted, key=lambda name: (-float(alone[name].mean()), name))
@@ -206,6 +222,7 @@ def _competing(
     single = sorted(single, key=lambda name: (-weighted[name].shape[1], name))
     blocks = [Block((place,), weighted[name]) for place, name in enumerate(single)]
     blocks += _products(residuals, single)
+    blocks += _waves_along(residuals, waves, single)
     if together:
         rest = np.concatenate([weighted[name] for name in together], axis=1)
         blocks.append(Block((len(single),), rest))
@@ -233,6 +250,20 @@ def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
             columns = np.where(known, product, 0.0)[:, None]
             found.append(Block((first, second), _ready(residuals, columns, known)))
     return found
+
+
+def _waves_along(
+    residuals: Residuals, waves: Sequence[tuple[frozenset[str], Array]], names: Sequence[str]
+) -> list[Block]:
+    """Return each wave, in all of whose axes that vary it enters."""
+    blocks = []
+    for axes, wave in waves:
+        players = tuple(place for place, name in enumerate(names) if name in axes)
+        column = np.sqrt(residuals.weight) * residuals.without_law(wave)
+        size = np.sqrt(column @ column)
+        if players and size > 0:
+            blocks.append(Block(players, column[:, None] / size))
+    return blocks
 
 
 def _standardised(values: Array) -> Array:

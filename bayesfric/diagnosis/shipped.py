@@ -10,8 +10,6 @@ from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 
-__all__ = ["Shipped", "held_of", "shipped_numbers", "shipped_of"]
-
 Shipped = Mapping[str, Coefficients] | Mapping[str, float]
 """Laws by pulley size, or numbers by name as ``fit.json`` has them."""
 

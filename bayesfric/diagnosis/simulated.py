@@ -9,8 +9,6 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.schemas import EffectNumber, SimulatorUsed
 
-__all__ = ["own_law_of", "simulator_used"]
-
 FIVE = 1.6448536269514722  # standard deviations from the median to the 95th of 100
 
 

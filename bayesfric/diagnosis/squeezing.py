@@ -13,8 +13,6 @@ from bayesfric.diagnosis.said import Said
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["squeezed"]
-
 SEEN = 0.02  # information beside a prior of 1, below which a number is left out
 
 

@@ -17,8 +17,6 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
 from bayesfric.diagnosis.verdict import HALF
 
-__all__ = ["far_rows", "few_strays", "without_strays"]
-
 FREEDOM = 4.0  # of the Student-t distribution
 FAR = 5.0  # robust standard deviations, from which on a row is a stray: one of a million is not
 FEW = 0.05  # of the rows, of which more are no strays but a force

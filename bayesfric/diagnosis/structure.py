@@ -17,8 +17,6 @@ from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.schemas import Gap
 
-__all__ = ["TIME", "Together", "goes_together", "unlike_scatter"]
-
 TIME = "time"
 """The order in which windows were recorded, an axis that every recording has."""
 DRAWS = 400

@@ -27,8 +27,6 @@ from bayesfric.inference.priors import from_normal
 from bayesfric.probabilities import total
 from bayesfric.schemas import Interval
 
-__all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior_of", "shrink_of"]
-
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
@@ -60,6 +58,9 @@ class Posterior:
         mean.
     amplitudes, shapes : dict of str to ndarray
         By effect, of the draws in which it acts.
+    waves : dict of str to list of ndarray, shape (R,)
+        By effect that comes back along the path: its force at amplitude 1, at the best period
+        under each hypothesis [N].
     law : RefittedLaw
         Coefficients and amplitudes, drawn together.
     """
@@ -73,6 +74,7 @@ class Posterior:
     left: dict[str, float]
     amplitudes: dict[str, Array]
     shapes: dict[str, Array]
+    waves: dict[str, list[Array]]
     law: RefittedLaw
 
 
@@ -108,6 +110,7 @@ def posterior_of(
     lefts: dict[str, list[float]] = {}
     amplitudes: dict[str, list[Array]] = {}
     shapes: dict[str, list[Array]] = {}
+    waves: dict[str, list[Array]] = {}
     refitted = RefittedLaw(model.layout.sizes, DRAWS)
     start = 0
     for name, count in zip(names, counts, strict=True):
@@ -146,6 +149,8 @@ def posterior_of(
                 @ model.mixing(acting)[:, column]
             )
             strength, felt = _strength(residuals, mixed)
+            if "period" in model.candidates[law.places[0]].effect.needs:
+                waves.setdefault(law.effect, []).append(mixed)
             strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength * np.abs(values)
             lefts.setdefault(law.effect, []).append(felt * float(np.abs(values).mean()))
             scale = model.amplitude_scale(law)
@@ -179,6 +184,7 @@ def posterior_of(
         {name: float(np.mean(values)) for name, values in lefts.items()},
         {name: np.concatenate(values) for name, values in amplitudes.items()},
         {name: np.concatenate(values) for name, values in shapes.items()},
+        waves,
         refitted,
     )
 

@@ -23,8 +23,6 @@ from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.schemas import ConditionAsked, FrictionAsked, LawNumber
 
-__all__ = ["check_target", "conditions_of", "friction_at", "target_lines"]
-
 RECORDED = {
     "n_pulleys": "n_pulleys",
     "wrap_angle_deg": "wrap_angle",

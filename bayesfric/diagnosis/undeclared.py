@@ -5,8 +5,6 @@ from collections.abc import Collection, Iterator, Mapping
 from bayesfric.effects import Effect
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["undeclared"]
-
 COMMANDED = "commanded-force"
 LIMITED = "limit"
 BY_LOAD = frozenset({"load-friction", "load-quadratic", "load-stribeck"})

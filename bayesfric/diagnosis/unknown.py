@@ -17,8 +17,6 @@ from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.weighing import Weighed, log_volume, over_amplitudes
 from bayesfric.inference.information import Information
 
-__all__ = ["Unknown", "unknown_force"]
-
 LIKELY = 50.0  # nat from the best, of an unknown force that is looked at again
 QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
 

@@ -9,16 +9,6 @@ from bayesfric.effects import Effect
 from bayesfric.probabilities import total
 from bayesfric.schemas import Unseparated
 
-__all__ = [
-    "Known",
-    "Verdict",
-    "decide",
-    "measures",
-    "sets_of_one",
-    "sort_effects",
-    "unseparated_of",
-]
-
 Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
 HALF, SURE, POSSIBLE = 0.5, 0.9, 0.1
 FELT = 0.003  # of friction: an error of readings or of a current below it is not named

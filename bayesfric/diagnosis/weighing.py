@@ -15,8 +15,6 @@ from bayesfric.diagnosis.forms import AS_IT_IS, SHARES, FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
-__all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "over_amplitudes", "weigh"]
-
 NONE = "none"
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
 SETTLED = 0.05  # of a shape, in normal quantiles

@@ -20,8 +20,6 @@ from bayesfric.effects import Effect
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Axis, Interval, Shape
 
-__all__ = ["where_it_lies"]
-
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction
 ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded
@@ -69,7 +67,10 @@ def where_it_lies(
     found = (functions_along(residuals, name) for name in residuals.axes)
     designs = {axis.name: axis for axis in found if axis is not None}
     hidden2 = _hidden2(windows, posterior, effects) if designs else {}
-    shares = shares_of(windows, posterior.force, hidden2)
+    waves = [
+        (effects[name].axes, wave) for name, columns in posterior.waves.items() for wave in columns
+    ]
+    shares = shares_of(windows, posterior.force, hidden2, waves)
     relative = before / residuals.friction_n
     precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)

@@ -31,6 +31,7 @@ EFFECT = Effect(
         reference="argued: at the top speed it changes friction by no more than friction itself; "
         "polynomial laws of joints are in Simoni et al., Modelling the temperature in "
         "joint friction of industrial manipulators, Robotica (2017)",
+        joint_prior=Normal(mean=0.0, sd=0.45),  # at the top speed as much as `air-drag`
     ),
     laws={"cubic": _cubic},
     along_path=True,

@@ -1,6 +1,7 @@
 """Friction that changes as the axis warms up: by a temperature that was logged, or by work done.
 
-Grease thins as it warms. Where temperature only rises it is confounded with ``wear-drift``.
+Grease thins as it warms. Where temperature only rises it is confounded with ``wear-drift``; of
+friction points with no temperature beside them the two are one.
 """
 
 from collections.abc import Mapping
@@ -33,6 +34,6 @@ EFFECT = Effect(
     ),
     laws={"warmth": _warm},
     along_path=True,
-    needs=frozenset({"direction", "warmth"}),
+    needs=frozenset({"warmth"}),
     axes=frozenset({"temperature", "time", "order"}),
 )

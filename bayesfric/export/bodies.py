@@ -6,8 +6,6 @@ from bayesfric.export.digits import by_error
 from bayesfric.export.joint_friction import joint_friction
 from bayesfric.export.stored_law import StoredLaw
 
-__all__ = ["TEXTS", "mjcf_text", "sdf_text", "urdf_text"]
-
 HEAD = """<!-- Friction of {name}, calibrated and diagnosed by bayesfric. Causes: {causes}.
      {law}
      {said}

@@ -2,8 +2,6 @@
 
 import math
 
-__all__ = ["by_error", "rounded"]
-
 SURE = 6  # significant digits of a number whose error nobody knows
 LONGEST = 12  # decimals that are written out; smaller numbers have a power of ten
 

@@ -5,8 +5,6 @@ from collections.abc import Iterator, Sequence
 from bayesfric.export.digits import by_error
 from bayesfric.schemas import DiagnosisFile, Enter
 
-__all__ = ["COLUMNS", "entered_lines", "entered_remarks", "entered_rows"]
-
 CALLED = {
     "mujoco": "MuJoCo",
     "isaaclab": "Isaac Lab",

@@ -13,8 +13,6 @@ from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
 from bayesfric.schemas import Enter
 
-__all__ = ["FilledModel", "filled_model"]
-
 LARGEST_FILE = 16_777_216  # bytes of a model
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
 WRITTEN = {
@@ -163,8 +161,8 @@ def _values(
         if number is None:
             return None
         if number.value.mean < 0:
-            told = by_error(number.value.mean, number.value.sd)
-            remarks.append(f"{place}: {number.parameter} is below zero ({told}): 0 is entered")
+            printed = by_error(number.value.mean, number.value.sd)
+            remarks.append(f"{place}: {number.parameter} is below zero ({printed}): 0 is entered")
             return "0"
         return by_error(number.value.mean, number.value.sd)
 
@@ -172,7 +170,7 @@ def _values(
     if model.kind == "mjcf":
         further = [text("air-drag.coefficient"), text("cubic-drag.coefficient")]
         if any(further):
-            damping = " ".join(one or "0" for one in (damping, *further))
+            damping = " ".join(term or "0" for term in (damping, *further))
     delay = joint.numbers.get("delay.time")
     late = delay is not None and delay.value.mean > 0
     values = JointValues(
@@ -210,8 +208,8 @@ def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
     for name, number in joint.numbers.items():
         field = number.fields.get(simulator)
         if field is not None and name not in WRITTEN[model.kind]:
-            told = by_error(number.value.mean, number.value.sd)
-            remarks.append(f"{place}: not set: {name} {told} {number.unit} ({field.field})")
+            printed = by_error(number.value.mean, number.value.sd)
+            remarks.append(f"{place}: not set: {name} {printed} {number.unit} ({field.field})")
     driven = {"delay.time", "torque-saturation.limit"} & set(joint.numbers)
     if driven and model.kind == "mjcf" and not model.actuators(place):
         remarks.append(

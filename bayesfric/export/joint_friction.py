@@ -8,8 +8,6 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.export.stored_law import StoredLaw
 
-__all__ = ["JointFriction", "joint_friction"]
-
 
 @dataclass(frozen=True)
 class JointFriction:

@@ -12,8 +12,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile, Enter
 
-__all__ = ["INERTIAS", "ExportedJoint", "joints_of", "read_joints"]
-
 INERTIAS = ("inertia", "armature", "mass")
 """Names that the law may have for what is accelerated."""
 OF_LAW = (*INERTIAS, "coulomb", "viscous")
@@ -146,7 +144,7 @@ def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
             continue
         amplitude = law["amplitude"].to_numpy()[:, places[cause.effect]]
         drawn[f"{cause.effect}.{next(iter(cause.parameters))}"] = amplitude
-        damping = next((one for one in block.enter if one.parameter == "viscous"), None)
+        damping = next((number for number in block.enter if number.parameter == "viscous"), None)
         acts = amplitude != 0
         if cause.effect == "viscous" and damping is not None and acts.any():
             # The amplitude is a share of a Coulomb friction that all draws have in common.

@@ -14,8 +14,6 @@ from bayesfric.results import read_tree
 from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
 from bayesfric.stored_names import name_of
 
-__all__ = ["Number", "drawn_numbers", "law_said", "numbers_of"]
-
 MOST_DRAWS = 200
 OF_FIT = {"inertia": "mass", "armature": "mass"}  # by its name in a diagnosis
 OF_AXIS = ("mass", "coulomb", "viscous")  # in the places of c1, c2 and c3
@@ -28,18 +26,18 @@ class Number(NamedTuple):
     unit: str
 
 
-def law_said(fit: FitFile, found: DiagnosisFile) -> str:
+def law_said(fit: FitFile, diagnosis: DiagnosisFile) -> str:
     """Return in a sentence which law the numbers are of."""
-    if not found.causes:
+    if not diagnosis.causes:
         return "Numbers of the law as it was fitted: diagnosis.json names no cause."
-    names = ", ".join(cause.effect for cause in found.causes)
+    names = ", ".join(cause.effect for cause in diagnosis.causes)
     said = f"Numbers of the law refitted with what diagnosis.json names: {names}."
-    if alone := [name for name in _fitted(fit) if name not in _told_by_refit(fit, found)]:
+    if alone := [name for name in _fitted(fit) if name not in _told_by_refit(fit, diagnosis)]:
         said += f" Of the law alone, since the refit does not tell it apart: {', '.join(alone)}."
     return said
 
 
-def numbers_of(fit: FitFile, found: DiagnosisFile) -> dict[str, Number]:
+def numbers_of(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
     """Return the numbers of the law by name, of the refit where the diagnosis names a cause.
 
     A number that a diagnosis holds, or that the refit does not tell, is that of the fit.
@@ -48,38 +46,38 @@ def numbers_of(fit: FitFile, found: DiagnosisFile) -> dict[str, Number]:
     ----------
     fit : FitFile
         Of the law alone.
-    found : DiagnosisFile
+    diagnosis : DiagnosisFile
         Of the same recording and law.
     """
-    return _fitted(fit) | _told_by_refit(fit, found)
+    return _fitted(fit) | _told_by_refit(fit, diagnosis)
 
 
 def _fitted(fit: FitFile) -> dict[str, Number]:
     entries = dict(fit.parameters)
     for size, coefficients in fit.pulleys.items():
-        entries |= {coefficient_name(name, size): one for name, one in coefficients.items()}
+        entries |= {coefficient_name(name, size): entry for name, entry in coefficients.items()}
     return {name: Number(entry, entry.unit) for name, entry in entries.items()}
 
 
-def _told_by_refit(fit: FitFile, found: DiagnosisFile) -> dict[str, Number]:
+def _told_by_refit(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
     """Return the numbers that the refit tells; none without causes.
 
     Where two numbers do the same in a recording, as c1 and c2 under one load, the fit has one of
     them, and the refit, which has both, tells neither.
     """
     alone = _fitted(fit)
-    law = _law_by_fit(found)
+    law = _law_by_fit(diagnosis)
     apart = {_size(name) for name in law if name not in alone}
     return {
         name: Number(number.after, number.unit)
         for name, number in law.items()
-        if found.causes and name in alone and _size(name) not in apart
+        if diagnosis.causes and name in alone and _size(name) not in apart
     }
 
 
-def _law_by_fit(found: DiagnosisFile) -> dict[str, LawNumber]:
+def _law_by_fit(diagnosis: DiagnosisFile) -> dict[str, LawNumber]:
     """Return the numbers of a diagnosis by the names that a fit has for them."""
-    return {OF_FIT.get(name, name): number for name, number in found.law.items()}
+    return {OF_FIT.get(name, name): number for name, number in diagnosis.law.items()}
 
 
 def _size(name: str) -> str:
@@ -87,7 +85,7 @@ def _size(name: str) -> str:
     return name.partition("[")[2]
 
 
-def drawn_numbers(folder: Path, fit: FitFile, found: DiagnosisFile) -> dict[str, list[float]]:
+def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, list[float]]:
     """Return draws of the numbers, in step: some of the posterior's.
 
     Parameters
@@ -96,12 +94,14 @@ def drawn_numbers(folder: Path, fit: FitFile, found: DiagnosisFile) -> dict[str,
         With ``draws.nc`` and ``diagnosis.nc``.
     fit : FitFile
         Of that folder.
-    found : DiagnosisFile
+    diagnosis : DiagnosisFile
         Likewise. Where it tells numbers with causes the draws are those of the refit, over all
         hypotheses; an amplitude is 0 in draws of those without its effect.
     """
-    if told := _told_by_refit(fit, found):
-        flat = _of_refit(read_tree(folder / "diagnosis.nc")["law"].to_dataset(), found, told)
+    if by_refit := _told_by_refit(fit, diagnosis):
+        flat = _of_refit(
+            read_tree(folder / "diagnosis.nc")["law"].to_dataset(), diagnosis, by_refit
+        )
     else:
         flat = _of_fit(read_tree(folder / "draws.nc")["posterior"].to_dataset())
     count = next(iter(flat.values())).size
@@ -109,23 +109,25 @@ def drawn_numbers(folder: Path, fit: FitFile, found: DiagnosisFile) -> dict[str,
     return {name: values[chosen].tolist() for name, values in flat.items()}
 
 
-def _of_refit(table: xr.Dataset, found: DiagnosisFile, told: Collection[str]) -> dict[str, Array]:
+def _of_refit(
+    table: xr.Dataset, diagnosis: DiagnosisFile, wanted: Collection[str]
+) -> dict[str, Array]:
     """Return all draws of the refit by name; of an axis the columns are its own numbers."""
     flat: dict[str, Array] = {}
     for size in map(str, table["pulley"].to_numpy()):
         columns = [table[name].sel(pulley=size).to_numpy() for name in Coefficients._fields]
         names = [coefficient_name(name, size) for name in Coefficients._fields]
-        law = _law_by_fit(found)
+        law = _law_by_fit(diagnosis)
         if not law.keys() & set(names):
             names = [name for name in OF_AXIS if name in law]
         flat |= dict(zip(names, columns, strict=False))
-    flat = {name: values for name, values in flat.items() if name in told}
+    flat = {name: values for name, values in flat.items() if name in wanted}
     scatter = [str(name) for name in table.data_vars if str(name).startswith("omega")]
     flat |= {name: table[name].to_numpy() for name in scatter}
     drawn: Mapping[str, int] = {}
     if "effect" in table.coords:
         drawn = {str(name): place for place, name in enumerate(table["effect"].to_numpy())}
-    for cause in found.causes:
+    for cause in diagnosis.causes:
         if cause.effect in drawn:
             values = table["amplitude"].isel(effect=drawn[cause.effect]).to_numpy()
             flat[f"amplitude[{cause.effect}]"] = values

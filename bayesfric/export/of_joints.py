@@ -9,8 +9,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.export.digits import by_error, rounded
 from bayesfric.export.joints import ExportedJoint
 
-__all__ = ["TEXTS_OF_JOINTS", "draws_table"]
-
 ISAACLAB = '''"""Actuators of Isaac Lab with friction and armature of joints, from Isaac Sim 5.0 on.
 {whole}
 Friction is a torque or a force, viscous friction per rad/s or m/s. Gains of the drive are not a

@@ -9,8 +9,6 @@ from bayesfric.export.stored_law import StoredLaw
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.laws import BASELINES
 
-__all__ = ["Correction", "correction", "python_text"]
-
 BINS = 48  # of the factor; fewer values are taken one by one
 AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 TEXT = '''"""Friction of {name}, calibrated and diagnosed by bayesfric.
@@ -54,7 +52,7 @@ def correction(law: StoredLaw, by_law: Array) -> Correction:
         Friction by the coefficients alone.
     """
     ratio = law.friction / by_law
-    found = []
+    fits = []
     for axis in AXES:
         place = np.abs(law.place(axis))
         values, bins = np.unique(place.round(9), return_inverse=True)
@@ -63,8 +61,8 @@ def correction(law: StoredLaw, by_law: Array) -> Correction:
         count = np.bincount(bins)
         at, factor = np.bincount(bins, place) / count, np.bincount(bins, ratio) / count
         off = law.friction - by_law * np.interp(place, at, factor)
-        found.append(Correction(axis, at, factor, float(np.sqrt((off**2).mean()))))
-    return min(found, key=lambda one: one.error)
+        fits.append(Correction(axis, at, factor, float(np.sqrt((off**2).mean()))))
+    return min(fits, key=lambda fit: fit.error)
 
 
 def python_text(law: StoredLaw) -> str:
@@ -86,7 +84,7 @@ def python_text(law: StoredLaw) -> str:
     return TEXT.format(
         name=_in_docstring(law.name),
         law=_in_docstring(law.said),
-        causes=_in_docstring(", ".join(one.effect for one in law.causes) or "none"),
+        causes=_in_docstring(", ".join(cause.effect for cause in law.causes) or "none"),
         axis=made.axis.replace("_", " "),
         error=made.error,
         share=made.error / rms,
@@ -96,12 +94,12 @@ def python_text(law: StoredLaw) -> str:
         coefficients={
             name: tuple(
                 rounded(float(np.asarray(part)), law.error_of(coefficient_name(key, name)))
-                for key, part in each._asdict().items()
+                for key, part in numbers._asdict().items()
             )
-            for name, each in law.coefficients.items()
+            for name, numbers in law.coefficients.items()
         },
-        at=[rounded(float(one), None) for one in made.at],
-        factor=[rounded(float(one), None) for one in made.factor],
+        at=[rounded(float(value), None) for value in made.at],
+        factor=[rounded(float(value), None) for value in made.factor],
         size=size,
         of={
             "velocity": "np.abs(speed)",

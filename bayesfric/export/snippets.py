@@ -5,8 +5,6 @@ from collections.abc import Mapping
 from bayesfric.export.digits import by_error
 from bayesfric.export.joints import ExportedJoint
 
-__all__ = ["LOAD_FRICTION_FILE", "load_friction_text"]
-
 SHARE = "load-friction.share"
 LOAD_FRICTION_FILE = "load_friction.py"
 LOAD_FRICTION = '''"""Friction that grows with load, for MuJoCo: share times what a gear carries.

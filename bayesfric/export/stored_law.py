@@ -16,8 +16,6 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.results import read_beside, read_json, refuse_mixed
 from bayesfric.schemas import Cause, DiagnosisFile, FitFile
 
-__all__ = ["StoredLaw", "read_law"]
-
 ABSENT = {
     "velocity": 0.0,
     "tension": 0.0,
@@ -82,8 +80,8 @@ class StoredLaw:
 
         The constant of a law without pulleys is its Coulomb friction.
         """
-        known = name if name in self.numbers else "coulomb" if name == "c2" else ""
-        return self.numbers[known].value.sd if known in self.numbers else None
+        entry = name if name in self.numbers else "coulomb" if name == "c2" else ""
+        return self.numbers[entry].value.sd if entry in self.numbers else None
 
     @property
     def tested(self) -> dict[str, tuple[float, float]]:
@@ -92,8 +90,8 @@ class StoredLaw:
 
     def place(self, name: str) -> Array:
         """Return where friction was measured; of what the rig has not, what makes no difference."""
-        found = self.places.get(name)
-        return np.full(self.friction.size, ABSENT[name]) if found is None else np.nan_to_num(found)
+        place = self.places.get(name)
+        return np.full(self.friction.size, ABSENT[name]) if place is None else np.nan_to_num(place)
 
 
 def read_law(folder: Path) -> StoredLaw:
@@ -117,12 +115,12 @@ def read_law(folder: Path) -> StoredLaw:
     if missing:
         raise InputError(missing)
     fit = read_json(FitFile, folder / "fit.json")
-    found = read_json(DiagnosisFile, folder / "diagnosis.json")
-    if (fit.recording.sha256, fit.baseline) != (found.recording.sha256, found.baseline):
+    diagnosis = read_json(DiagnosisFile, folder / "diagnosis.json")
+    if (fit.recording.sha256, fit.baseline) != (diagnosis.recording.sha256, diagnosis.baseline):
         expected = "a diagnosis of the recording and with the law of fit.json"
         raise InputError([Fault("diagnosis.json", expected)])
     refuse_mixed(fit, folder / "fit.json")
-    rows = read_beside(found, folder / "diagnosis.nc")["residuals"].to_dataset()
+    rows = read_beside(diagnosis, folder / "diagnosis.nc")["residuals"].to_dataset()
     if "diagnosed_n" not in rows:
         expected = f"friction by the causes: run `bayesfric diagnose RECORDING -o {folder}` again"
         raise InputError([Fault("diagnosis.nc", expected)])
@@ -131,16 +129,16 @@ def read_law(folder: Path) -> StoredLaw:
     every = {name: np.asarray(rows[name].to_numpy(), dtype=np.float64) for name in names}
     places = {name: at for name, at in every.items() if np.isfinite(at).all()}
     friction = np.asarray(rows["diagnosed_n"].to_numpy(), dtype=np.float64)
-    numbers = numbers_of(fit, found)
+    numbers = numbers_of(fit, diagnosis)
     return StoredLaw(
         name=fit.recording.name,
         baseline=fit.baseline,
-        unit=found.gap.unit,
+        unit=diagnosis.gap.unit,
         numbers=numbers,
-        said=law_said(fit, found),
+        said=law_said(fit, diagnosis),
         coefficients=_coefficients(fit, numbers, friction),
-        draws=drawn_numbers(folder, fit, found),
-        causes=found.causes,
+        draws=drawn_numbers(folder, fit, diagnosis),
+        causes=diagnosis.causes,
         places=places,
         friction=friction,
         measured=np.asarray(rows["measured_n"].to_numpy(), dtype=np.float64),

@@ -12,8 +12,6 @@ from bayesfric.export.python_law import python_text
 from bayesfric.export.stored_law import StoredLaw
 from bayesfric.observation.coefficients import coefficient_name
 
-__all__ = ["FORMATS", "export_text"]
-
 
 def _json(law: StoredLaw) -> str:
     joint = joint_friction(law)

@@ -10,8 +10,6 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import quantile
 from bayesfric.inference.sampling import Draws, Progress, sample
 
-__all__ = ["draw_posterior"]
-
 VANISHED = 1e-9  # over the median of a noise's prior; smaller values are rounding
 SCATTER = (
     "readings that scatter about the law, or their standard errors; these fit it exactly, so "

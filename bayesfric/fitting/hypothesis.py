@@ -10,8 +10,6 @@ from bayesfric.inference.proposals import Chart
 from bayesfric.physics.laws import BASELINES, RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
-__all__ = ["Hypothesis", "chart_of", "model_of"]
-
 LAWS = BASELINES | RIVAL_LAWS
 
 

@@ -22,12 +22,10 @@ from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.coverage import CELL
 from bayesfric.fitting.predictive.left_out import LeftOut
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import LOG_2PI, log_density
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.observation.coefficients import sizes_of
 from bayesfric.results import draws_tree
 from bayesfric.stored_names import name_of
-
-__all__ = ["Stored", "draws_of_fit", "flat_attributes", "write_csv"]
 
 MOST_DRAWS = 4000
 MOST_NUMBERS = 2_400_000  # draws times trials: a file of 15 to 20 MB
@@ -135,10 +133,7 @@ def draws_of_fit(
     ]
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
     whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
-    priors = np.stack(
-        [log_density(p.prior, stored.theta[..., k]) for k, p in enumerate(model.parameters)],
-        axis=-1,
-    )
+    priors = model.log_priors(stored.theta)
     posterior, sizes = _variables(model, stored.theta), sizes_of(model.names)
     table, setups = _trials_and_setups(
         model, [f"{name}/" if len(rigs) > 1 else "" for name in rigs]

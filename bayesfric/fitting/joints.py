@@ -11,8 +11,6 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
 from bayesfric.schemas import FitFile, JointFit, ParameterSummary
 
-__all__ = ["fitted_together"]
-
 OFFSET = "offset"
 
 

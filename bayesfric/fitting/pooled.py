@@ -48,8 +48,6 @@ from bayesfric.schemas import (
     TimingsFile,
 )
 
-__all__ = ["PooledFit", "board_folder", "check_boards", "pool"]
-
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "
     "deviation between them"

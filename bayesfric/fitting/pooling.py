@@ -14,8 +14,6 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import Parameter, quantile
 from bayesfric.inference.sampling import Progress
 
-__all__ = ["BETWEEN", "PooledDraws", "Population", "draw_pooled"]
-
 BETWEEN = "between_"
 MOST_DRAWS = 4000
 TRIES = 4  # boards for each draw of the population

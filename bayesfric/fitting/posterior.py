@@ -33,8 +33,6 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas import RecordingId, WithoutExclusions
 
-__all__ = ["fit", "model_of_law", "opened"]
-
 
 def fit(
     recording: Recording,

@@ -10,8 +10,6 @@ from bayesfric.fitting.inference_data import write_csv
 from bayesfric.results import json_bytes, replace_outputs, write_netcdf
 from bayesfric.schemas import FitFile, TimingsFile
 
-__all__ = ["Fit"]
-
 
 @dataclass(frozen=True)
 class Fit:

@@ -10,7 +10,7 @@ from bayesfric.attention import Coverage, of_fit
 from bayesfric.inference.diagnostics import Convergence, diagnose_all, power_scaling
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import LOG_2PI, Kind, Parameter, describe, prior_sd
+from bayesfric.inference.priors import LOG_2PI, Kind, Parameter
 from bayesfric.inference.sampling import Draws
 from bayesfric.observation.coefficients import sizes_of
 from bayesfric.recording.tables import Recording
@@ -23,13 +23,6 @@ from bayesfric.schemas import (
     SamplerSummary,
     WithoutExclusions,
 )
-
-__all__ = [
-    "interval_of",
-    "parameter_summary",
-    "summarise",
-    "summarise_without_exclusions",
-]
 
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"
@@ -168,11 +161,11 @@ def parameter_summary(
     parameter: Parameter, draws: Array, figures: Convergence, informed: bool
 ) -> ParameterSummary:
     """Summarise draws of a parameter, in any shape."""
-    sd = prior_sd(parameter.prior)
+    sd = parameter.sd()
     return ParameterSummary(
         **interval_of(draws).model_dump(),
         unit=parameter.unit,
-        prior=describe(parameter.prior),
+        prior=parameter.described(),
         mcse_mean=figures.mcse_mean,
         ess_bulk=figures.ess_bulk,
         ess_tail=figures.ess_tail,

@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import ParameterSummary
 
-__all__ = ["tested_conditions"]
-
 AXES = ("n_pulleys", "wrap_angle_deg")
 
 

@@ -25,20 +25,6 @@ from scipy.special import logsumexp, ndtri
 from bayesfric.arrays import Array
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-__all__ = [
-    "Convergence",
-    "batch_means_ess",
-    "diagnose_all",
-    "diagnose_draws",
-    "mean_ess",
-    "multivariate_r_hat",
-    "power_scaling",
-    "rank_counts",
-    "smooth_weights",
-    "walkers_r_hat",
-]
-
-
 BATCHES = 10  # of an ensemble
 LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
 POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
@@ -296,7 +282,11 @@ def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
         return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
-    normalised, k = _of_arrays().psislw(-weights, r_eff=1.0)
+    # Quantiles of a tail that spans the range of doubles overflow; they are cut to the largest.
+    with np.errstate(over="ignore", invalid="ignore"):
+        normalised, k = _of_arrays().psislw(-weights, r_eff=1.0)
+    if not (np.isfinite(k) and np.isfinite(normalised).all()):
+        return log_weights, float("inf")
     # The library normalises the weights: undo it by the smallest, which smoothing leaves.
     smallest = np.argmin(weights)
     smoothed = log_weights.copy()

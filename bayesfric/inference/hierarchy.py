@@ -22,9 +22,6 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import from_normal, log_density, prior_width
-
-__all__ = ["NormalBoard", "second_stage"]
 
 LEAST_PRECISION = 0.01  # of a direction that a board leaves open, its prior's being 1
 FREEDOM, INFLATION = 6.0, 1.3  # of the proposals of a board, whose tails may be heavy
@@ -74,9 +71,8 @@ class NormalBoard:
         places = np.array(first + [k for k in range(len(model.names)) if k not in first])
         x = model.coordinates(model.sampling(theta))[:, places]
         centre, covariance = x.mean(axis=0), np.atleast_2d(np.cov(x, rowvar=False))
-        priors = [model.parameters[place].prior for place in first]
-        middle = np.array([float(from_normal(prior, 0.0)) for prior in priors])
-        width = np.array([prior_width(prior) for prior in priors])
+        middle = model.natural(np.zeros(len(places)))[first]
+        width = np.array([model.parameters[place].width() for place in first])
         count = len(first)
         # In units of the prior, whose precision is then 1 in every direction.
         variance, axes = np.linalg.eigh(covariance[:count, :count] / np.outer(width, width))
@@ -174,9 +170,8 @@ class NormalBoard:
             z = self.model.from_coordinates(points)
             density = self.model.log_posterior(z) - self.model.coordinates_log_slope(z)
             theta = self.model.natural(z)
-            for place in self.places[: len(self.likely)]:
-                prior = self.model.parameters[place].prior
-                density = density - log_density(prior, theta[:, place])
+            coefficients = self.places[: len(self.likely)]
+            density = density - self.model.log_priors(theta)[:, coefficients].sum(axis=1)
         return theta, np.where(np.isfinite(density), density, -np.inf)
 
 

@@ -19,8 +19,6 @@ from bayesfric.inference.priors import (
     to_normal,
 )
 
-__all__ = ["GivenRest", "Model", "RigLikelihood"]
-
 START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
 BATCH = 24_000  # trials times walkers: more at once fall out of the processor's cache
 
@@ -124,6 +122,13 @@ class Model:
         self.parameters = (*named.values(), *more)
         everywhere = range(len(self.parameters))
         self._priors = self._by_family(everywhere)
+        places = {parameter.name: place for place, parameter in enumerate(self.parameters)}
+        self._shares = [
+            (place, places[parameter.share_of.name])
+            for place, parameter in enumerate(self.parameters)
+            if parameter.share_of is not None
+        ]
+        """Places of parameters whose prior is of a share, and of what they are shares of."""
         self._straight = [
             (places, prior, np.array([self.parameters[k].power for k in places], dtype=np.float64))
             for places, prior in self._by_family(
@@ -149,14 +154,26 @@ class Model:
         theta = np.empty_like(z)
         for places, prior in self._priors:
             theta[..., places] = from_normal(prior, z[..., places])
+        for part, whole in self._shares:
+            theta[..., part] *= theta[..., whole]
         return theta
 
     def sampling(self, theta: Array) -> Array:
         """Return sampling-space points from parameters in their units, shape (…, D)."""
         z = np.empty_like(theta)
+        shares = self._as_shares(theta)
         for places, prior in self._priors:
-            z[..., places] = to_normal(prior, theta[..., places])
+            z[..., places] = to_normal(prior, shares[..., places])
         return z
+
+    def _as_shares(self, theta: Array) -> Array:
+        """Return what the priors are densities of, shape (…, D)."""
+        if not self._shares:
+            return theta
+        values = theta.copy()
+        for part, whole in self._shares:
+            values[..., part] /= theta[..., whole]
+        return values
 
     def coordinates(self, z: Array) -> Array:
         """Return points in which the posterior is nearer to a normal one, shape (W, D).
@@ -166,14 +183,23 @@ class Model:
         x = z.copy()
         for places, prior, power in self._straight:
             x[:, places] = from_normal(prior, z[:, places]) ** power
+        for part, whole in self._shares:
+            x[:, part] *= self._natural_at(whole, z)
         return x
+
+    def _natural_at(self, place: int, z: Array) -> Array:
+        """Return one parameter in its unit, which is no share of another, shape (W,)."""
+        return np.asarray(from_normal(self.parameters[place].prior, z[:, place]))
 
     def from_coordinates(self, x: Array) -> Array:
         """Return the points of :meth:`coordinates`; not finite where there is no such point."""
         z = x.copy()
-        with np.errstate(invalid="ignore"):  # no power of a negative number
+        with np.errstate(all="ignore"):  # no power of a negative number, and no share of nothing
+            values = x.copy()
+            for part, whole in self._shares:
+                values[:, part] /= x[:, whole]  # of power 1: it is its own coordinate
             for places, prior, power in self._straight:
-                value = x[:, places]
+                value = values[:, places]
                 z[:, places] = to_normal(prior, value ** (1 / power))
                 z[:, places] = np.where((power == 1) | (value > 0), z[:, places], np.nan)
         return z
@@ -191,6 +217,8 @@ class Model:
             positive = np.maximum(value[:, bent], np.finfo(np.float64).tiny)
             raised = np.log(positive) * (power[bent] - 1) + np.log(power[bent])
             slope += raised.sum(axis=1)
+        for _, whole in self._shares:
+            slope += np.log(np.maximum(self._natural_at(whole, z), np.finfo(np.float64).tiny))
         return slope
 
     def by_name(self, theta: Array) -> dict[str, Array]:
@@ -199,8 +227,20 @@ class Model:
 
     def log_prior(self, theta: Array) -> Array:
         """Return the log prior density in the parameters' units, shape (W,)."""
-        terms = [log_density(prior, theta[:, places]).sum(axis=1) for places, prior in self._priors]
-        return np.asarray(np.sum(terms, axis=0))
+        return np.asarray(self.log_priors(theta).sum(axis=-1))
+
+    def log_priors(self, theta: Array) -> Array:
+        """Return the log prior density of each parameter, shape (…, D).
+
+        That of a share is given the parameter of which it is one.
+        """
+        shares = self._as_shares(theta)
+        density = np.empty_like(theta)
+        for places, prior in self._priors:
+            density[..., places] = log_density(prior, shares[..., places])
+        for part, whole in self._shares:
+            density[..., part] -= np.log(theta[..., whole])
+        return density
 
     def log_likelihood(self, theta: Array) -> Array:
         """Return the log density of the raw data, shape (W,)."""
@@ -252,4 +292,7 @@ class Model:
 
     def draw_prior(self, size: int, rng: np.random.Generator) -> Array:
         """Return independent prior draws in the parameters' units, shape (size, D)."""
-        return np.stack([draw(p.prior, size, rng) for p in self.parameters], axis=1)
+        theta = np.stack([draw(p.prior, size, rng) for p in self.parameters], axis=1)
+        for part, whole in self._shares:
+            theta[:, part] *= theta[:, whole]
+        return theta

@@ -29,22 +29,9 @@ from bayesfric.families import (
 )
 from bayesfric.inference.tails import from_tails, to_tails
 
-__all__ = [
-    "Kind",
-    "Parameter",
-    "describe",
-    "draw",
-    "from_normal",
-    "joined",
-    "log_density",
-    "prior_sd",
-    "prior_width",
-    "quantile",
-    "to_normal",
-]
-
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_2 = float(np.log(2))
+QUANTILES = 1000  # of a parameter of which another is a share
 FARTHEST_Z = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
 
 
@@ -71,6 +58,9 @@ class Parameter:
         Of the parameter, whose posterior is near to a normal one in that power: 1 for what the
         data are linear in, 1/2 for a standard deviation that may vanish. None is the sampling
         space.
+    share_of : Parameter or None
+        The positive parameter, of power 1, of which `prior` says the share: it is the density
+        of this parameter over that one, and independent of it.
     """
 
     name: str
@@ -78,6 +68,51 @@ class Parameter:
     prior: Prior
     kind: Kind = "other"
     power: float | None = None
+    share_of: "Parameter | None" = None
+
+    def sd(self) -> float:
+        """Return the standard deviation of its marginal prior; infinite where it has none."""
+        if self.share_of is None:
+            return prior_sd(self.prior)
+        priors = (self.prior, self.share_of.prior)
+        if not all(np.isfinite(prior_sd(prior)) for prior in priors):
+            return np.inf
+        square = np.prod([_frozen(prior).moment(2) for prior in priors])
+        mean = np.prod([_frozen(prior).mean() for prior in priors])
+        return float(np.sqrt(square - mean**2))
+
+    def width(self) -> float:
+        """Return that standard deviation, or half its interval of 68 % where it has none."""
+        sd = self.sd()
+        if np.isfinite(sd):
+            return sd
+        middle = 1.0 if self.share_of is None else float(quantile(self.share_of.prior, 0.5))
+        return middle * prior_width(self.prior)
+
+    def density(self, value: ArrayLike) -> NDArray[np.float64]:
+        """Return its marginal prior density.
+
+        Parameters
+        ----------
+        value : array_like
+            In the parameter's unit.
+
+        Returns
+        -------
+        ndarray
+            Of a share the mean over quantiles of that of which it is one.
+        """
+        x = np.asarray(value, dtype=np.float64)
+        if self.share_of is None:
+            return np.exp(log_density(self.prior, x))
+        whole = quantile(self.share_of.prior, (np.arange(QUANTILES) + 0.5) / QUANTILES)
+        densities = np.exp(log_density(self.prior, x[..., None] / whole)) / whole
+        return np.asarray(densities.mean(axis=-1))
+
+    def described(self) -> str:
+        """Return its prior in words, as in ``normal(mean=0, sd=0.005) of c1[small]``."""
+        whole = "" if self.share_of is None else f" of {self.share_of.name}"
+        return describe(self.prior) + whole
 
 
 def joined(priors: Sequence[Prior]) -> list[tuple[list[int], Prior]]:

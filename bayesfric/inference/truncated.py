@@ -1,4 +1,9 @@
-"""Draws of normal numbers that a bound holds up: those below it are drawn anew above it."""
+"""Normal numbers that a bound holds up: what data have below it lies above it.
+
+Where data have a number far below what it can be, something else is wrong by as much, and the
+number's own standard deviation says nothing of that: it is widened until the bound is within
+:data:`FARTHEST` of the mean.
+"""
 
 import numpy as np
 import scipy
@@ -6,10 +11,8 @@ from scipy.special import ndtr, ndtri
 
 from bayesfric.arrays import Array
 
-__all__ = ["drawn_above"]
-
 LEAST_DRAWS = 3  # draws, of which a standard deviation is told
-FARTHEST = 30.0  # standard deviations of a bound above the mean: beyond, all are at the bound
+FARTHEST = 4.0  # standard deviations of a bound above the mean, at the most
 
 
 def drawn_above(draws: Array, least: Array) -> Array:
@@ -39,8 +42,35 @@ def drawn_above(draws: Array, least: Array) -> Array:
         if not below.any() or len(column) < LEAST_DRAWS or column.std() == 0:
             continue
         mean, sd = float(column.mean()), float(column.std())
-        start = min(float((bound[place] - mean) / sd), FARTHEST)
+        sd = _widened(mean, sd, float(bound[place]))
+        start = (float(bound[place]) - mean) / sd
         share = (scipy.stats.rankdata(column[below]) - 0.5) / below.sum()
         # Beyond `start`, by the upper tail: a density far below its bound has little above it.
         drawn[(below, *place)] = mean - sd * ndtri(share * ndtr(-start))
     return np.maximum(drawn, bound)
+
+
+def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Array]:
+    """Return what is known of a normal number that is cut off at a bound.
+
+    Parameters
+    ----------
+    mean, sd : float
+        Without the bound.
+    least : float
+        The bound; −∞ is none.
+
+    Returns
+    -------
+    mean, sd : float
+    quantiles : ndarray, shape (3,)
+        At 5, 50 and 95 %.
+    """
+    sd = _widened(mean, sd, least)
+    cut = scipy.stats.truncnorm((least - mean) / sd, np.inf, loc=mean, scale=sd)
+    return float(cut.mean()), float(cut.std()), np.asarray(cut.ppf([0.05, 0.5, 0.95]))
+
+
+def _widened(mean: float, sd: float, least: float) -> float:
+    """Return a standard deviation by which a bound is no farther above than :data:`FARTHEST`."""
+    return max(sd, (least - mean) / FARTHEST)

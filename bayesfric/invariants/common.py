@@ -5,8 +5,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-__all__ = ["COMMON", "Rule", "places"]
-
 ROUNDING = 1e-9
 PROBABILITY = re.compile(r"(^|_)probability(_|$)|^p_value$|^below_floor$|^p$")
 NOT_ONE = re.compile(r"_(se|why|max)$")

@@ -6,8 +6,6 @@ from typing import Any
 
 from bayesfric.invariants.common import Rule
 
-__all__ = ["DIAGNOSIS"]
-
 SUM, SHARES = 1e-9, 1e-6
 SURE, HALF, POSSIBLE = 0.9, 0.5, 0.1
 ABOVE_FLOOR = 0.95  # probability that a gap is above the floor, from which on it can shrink

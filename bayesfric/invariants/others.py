@@ -5,8 +5,6 @@ from typing import Any
 
 from bayesfric.invariants.common import Rule, places
 
-__all__ = ["CLAIMS", "FIT", "MARGINS", "SCORECARD"]
-
 ROUNDING = 1e-9
 LEAST_R_HAT = 0.95  # chains agree no better than as if they were one
 SHARES = 1e-6

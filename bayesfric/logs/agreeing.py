@@ -5,8 +5,6 @@ import numpy as np
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.ordering import Series
 
-__all__ = ["check_velocity"]
-
 LIKE = 0.9  # correlation from which two velocities are of the same motion
 OFF = 1.25  # factor by which they may differ: filters take something away
 FEWEST = 20

@@ -17,8 +17,6 @@ from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.units import SECONDS
 
-__all__ = ["DECIMALS", "Stamps", "seconds_since", "stamps_of"]
-
 DECIMALS = 9  # of a time in seconds that are kept
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 OF_DAY = r"(\d{1,2}):(\d\d):(\d\d(?:[.,]\d{1,12})?)"
@@ -85,24 +83,24 @@ def stamps_of(
     elif ISO.fullmatch(sample):
         read, periods = _iso, ()
     scale = Decimal(repr(SECONDS[unit])) if read is _number else Decimal(1)
-    found: list[Decimal | None] = []
+    stamps: list[Decimal | None] = []
     wrong: list[int] = []
     for row, text in enumerate(texts):
         value = read(text) if text and len(text) <= LONGEST else None
         if text and value is None:
             wrong.append(row)
-        found.append(None if value is None else value * scale)
+        stamps.append(None if value is None else value * scale)
     if wrong:
         place, like = wrong[0] + first_row, len(wrong) - 1
         raise InputError([Fault(file, EXPECTED, place, column, texts[wrong[0]], like)])
     if read is _number:
-        _check_unit(found, unit, file, column)
-    return Stamps(tuple(found), periods)
+        _check_unit(stamps, unit, file, column)
+    return Stamps(tuple(stamps), periods)
 
 
 def seconds_since(stamps: Stamps, origin: Decimal) -> Array:
     """Return seconds since a stamp, rounded to nanoseconds; NaN where a cell is blank, (N,)."""
-    since = [float("nan") if one is None else float(one - origin) for one in stamps.seconds]
+    since = [float("nan") if stamp is None else float(stamp - origin) for stamp in stamps.seconds]
     return np.asarray(np.round(np.array(since, dtype=np.float64), DECIMALS))
 
 
@@ -150,9 +148,9 @@ def _iso(text: str) -> Decimal | None:
     return DAY_S * days + since - ahead
 
 
-def _check_unit(found: Sequence[Decimal | None], unit: str, file: str, column: str) -> None:
+def _check_unit(stamps: Sequence[Decimal | None], unit: str, file: str, column: str) -> None:
     """Refuse a unit in which a clock is beyond the year 2100, or ticks like no logger."""
-    there = [stamp for stamp in found if stamp is not None]
+    there = [stamp for stamp in stamps if stamp is not None]
     if len(there) < 2:
         return
     first = float(there[0])

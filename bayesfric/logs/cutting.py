@@ -13,8 +13,6 @@ from bayesfric.logs.clock import DECIMALS
 from bayesfric.logs.mapping import Run
 from bayesfric.logs.ordering import Series, gaps_of
 
-__all__ = ["Window", "cut", "span_of"]
-
 COLUMNS = {"force": "force_n", "known_force": "known_force_n", "temperature": "temperature_c"}
 """What is put at the times of the positions by a straight line, and its column."""
 LEADS = ("force", "command")

@@ -8,8 +8,6 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.logs.ordering import Series
 
-__all__ = ["Delay", "delay_between"]
-
 LATEST_S = 0.1  # looked at, either way
 COARSE = 401
 
@@ -43,20 +41,20 @@ def delay_between(command: Series, measured: Series) -> Delay | None:
 
     def rest(delay: float) -> tuple[Array, Array]:
         columns = np.stack([np.ones_like(time), path(time - delay)], axis=1)
-        found = np.linalg.lstsq(columns, value, rcond=None)[0]
-        return value - columns @ found, found
+        coefficients = np.linalg.lstsq(columns, value, rcond=None)[0]
+        return value - columns @ coefficients, coefficients
 
     tried = np.linspace(-LATEST_S, LATEST_S, COARSE)
-    squares = [float(np.sum(rest(one)[0] ** 2)) for one in tried]
+    squares = [float(np.sum(rest(shift)[0] ** 2)) for shift in tried]
     best, step = tried[int(np.argmin(squares))], tried[1] - tried[0]
-    found = scipy.optimize.minimize_scalar(
-        lambda one: float(np.sum(rest(one)[0] ** 2)),
+    least = scipy.optimize.minimize_scalar(
+        lambda shift: float(np.sum(rest(shift)[0] ** 2)),
         bounds=(best - step, best + step),
         method="bounded",
         options={"xatol": 1e-7},
     )
-    left, (_, gain) = rest(float(found.x))
-    slope = -gain * path(time - found.x, 1)
+    left, (_, gain) = rest(float(least.x))
+    slope = -gain * path(time - least.x, 1)
     slope = slope - slope.mean()
     # The variance of a sum of products whose neighbours hang together (Newey and West).
     product, lags = slope * left, int(np.ceil(4 * (time.size / 100) ** (2 / 9)))
@@ -64,4 +62,4 @@ def delay_between(command: Series, measured: Series) -> Delay | None:
     for lag in range(1, lags + 1):
         total += 2 * (1 - lag / (lags + 1)) * float(product[lag:] @ product[:-lag])
     information = float(slope @ slope)
-    return Delay(float(found.x), float(np.sqrt(max(total, 0.0))) / information)
+    return Delay(float(least.x), float(np.sqrt(max(total, 0.0))) / information)

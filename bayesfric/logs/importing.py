@@ -20,8 +20,6 @@ from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_column
 from bayesfric.logs.table import Log, texts_of
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
-__all__ = ["Imported", "import_log"]
-
 MOST_RUNS = 10_000
 
 

@@ -14,8 +14,6 @@ from bayesfric.logs.readers.csv import lines_of, split
 from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 from bayesfric.logs.units import SECONDS
 
-__all__ = ["ROWS", "Belief", "believed", "csv_form", "name_of_joint"]
-
 ROWS = 5000  # that are looked at
 LINES = 200
 SEPARATORS = (",", ";", "\t", "|", "space")

@@ -27,20 +27,6 @@ from bayesfric.logs.units import (
 )
 from bayesfric.recording.package import ForceIs
 
-__all__ = [
-    "FORCE_IS",
-    "PAGE",
-    "SIGNALS",
-    "CsvForm",
-    "Mapping",
-    "Run",
-    "Signal",
-    "Time",
-    "checked_mapping",
-    "read_mapping",
-    "scale_of",
-]
-
 PAGE = "docs/howto/log.md"
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what begins one in a cell
 FORCE_IS: tuple[str, ...] = get_args(ForceIs)

@@ -12,8 +12,6 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["Ordered", "Series", "gaps_of", "in_order", "unwrapped"]
-
 GAP = 3.0  # intervals without a sample that are said
 BEHIND = 50  # rows, and intervals, by which a row may be out of order
 ACROSS = 0.001  # of a period, in which no sample came while a counter began again, at the most
@@ -77,11 +75,11 @@ def unwrapped(
         # Rows that are out of order about such a place go there and back.
         turns = np.cumsum(begins_again.astype(int) - (np.abs(steps - period) <= across))
         turns = np.maximum(turns, 0)
-        found = time_s.copy()
-        found[there[1:]] += turns * period
+        unwrapped_s = time_s.copy()
+        unwrapped_s[there[1:]] += turns * period
         times, row = int(turns.max(initial=0)), int(there[1:][np.argmax(begins_again)]) + first_row
         often = "once" if times == 1 else f"{times} times"
-        return found, (
+        return unwrapped_s, (
             f"its clock begins again after {period:.10g} s, {often} (first at row {row}): "
             "it is unwrapped",
         )

@@ -11,8 +11,6 @@ from bayesfric.logs.readers.csv import decoded
 from bayesfric.logs.relating import related
 from bayesfric.logs.units import needs_factor
 
-__all__ = ["SAY", "Proposal", "propose_mapping"]
-
 SAY = "SAY"
 """What stands where a user has to say something; it is refused until it is replaced."""
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
@@ -72,7 +70,7 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     lines = [f"# Proposed for {_plain(path.name)}. Nothing is imported: look at each line, and put"]
     lines += [f"# what is right where {SAY} stands.", "#"]
     lines += [f"# {note}" for note in log.notes]
-    lines += _told(beliefs)
+    lines += _belief_lines(beliefs)
     chosen = _chosen(beliefs, joint)
     if any(belief.column == LEROBOT_RUN for belief in beliefs):
         lines += ["", f'run = "{LEROBOT_RUN}"  # a run for each episode']
@@ -95,7 +93,7 @@ def _plain(text: str) -> str:
     return "".join(sign if sign.isprintable() and sign not in '"\\' else "?" for sign in text)
 
 
-def _told(beliefs: list[Belief]) -> list[str]:
+def _belief_lines(beliefs: list[Belief]) -> list[str]:
     lines = ["# Columns, what each is believed to be, and why:"]
     for place, belief in enumerate(beliefs[:MOST_SHOWN], start=1):
         what = belief.kind or "not used"

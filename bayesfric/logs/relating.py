@@ -11,8 +11,6 @@ from bayesfric.logs.looking import ROWS, Belief
 from bayesfric.logs.table import Cells, Log, numbers_of
 from bayesfric.logs.units import LENGTHS, ROTARY, SECONDS, SPEEDS
 
-__all__ = ["related"]
-
 LIKE = 0.9  # correlation of a velocity with how fast a position changes
 OFF = 0.15  # relative, by which the size of a velocity may differ from that of its unit
 STEPS = 4  # rows of a difference

@@ -10,8 +10,6 @@ from bayesfric.logs.mapping import RobotModel
 from bayesfric.recording.robot_file import LARGEST_MODEL, faults_of_model, files_of_model
 from bayesfric.recording.tables import Robot
 
-__all__ = ["robot_of"]
-
 
 def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> Robot:
     """Return a model with what it includes, and what it calls the joints.

@@ -15,8 +15,6 @@ from bayesfric.logs.mapping import JOINT, Mapping, Signal, scale_of
 from bayesfric.logs.ordering import Ordered, Series, in_order, unwrapped
 from bayesfric.logs.table import Log, numbers_of, texts_of
 
-__all__ = ["Signals", "joints_of", "signals_of", "wanted_columns"]
-
 ALL = "all"
 LISTED = 12
 

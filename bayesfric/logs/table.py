@@ -12,19 +12,6 @@ import numpy.typing as npt
 from bayesfric.arrays import Array, Whole
 from bayesfric.errors import Fault, InputError, near
 
-__all__ = [
-    "LARGEST_FILE",
-    "MOST_CELLS",
-    "MOST_COLUMNS",
-    "Cells",
-    "Log",
-    "check_cells",
-    "columns_of_array",
-    "damaged_is_told",
-    "numbers_of",
-    "texts_of",
-]
-
 LARGEST_FILE = 512 * 1024**2  # bytes, of a file and of what is unpacked from it
 MOST_CELLS = 64_000_000  # as doubles, 512 MiB
 MOST_COLUMNS = 10_000

@@ -9,8 +9,6 @@ import pandas as pd
 from bayesfric.arrays import Array
 from bayesfric.recording.tables import Axis
 
-__all__ = ["Telemetry", "telemetry_of"]
-
 GAP = 3.0  # intervals without a sample that are a gap
 HELD = 0.5  # of the stretches of equal values that have one length: fewer, and it is chance
 JITTER = 0.05  # of an interval, rms, from which on it is worth a word

@@ -2,18 +2,6 @@
 
 import math
 
-__all__ = [
-    "ELECTRIC",
-    "FORCES",
-    "LENGTHS",
-    "ROTARY",
-    "SECONDS",
-    "SPEEDS",
-    "STRAIGHT",
-    "TORQUES",
-    "needs_factor",
-]
-
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 ROTARY = {
     "rad": 1.0,

@@ -21,9 +21,6 @@ from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.margins.quantities import central, is_uncertain
 from bayesfric.physics.friction import Coefficients
 
-__all__ = ["Assembly", "draw_assembly", "nominal_assembly"]
-
-
 COEFFICIENTS = "c1, c2, c3"
 NEW_ASSEMBLY = "new assembly and rig"
 

@@ -8,8 +8,6 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.schemas import Bode
 
-__all__ = ["bode_bands"]
-
 DRAWS = 100
 LOWEST, HIGHEST = 0.05, 50.0
 """Over the natural frequency; no higher than half the sample rate, where L(jω) ends."""

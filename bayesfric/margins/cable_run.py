@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
-from bayesfric.margins.loop_file import CableRun
+from bayesfric.margins.loop_cables import CableRun
 from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,
@@ -20,8 +20,6 @@ from bayesfric.physics.friction import (
     in_a_row,
     recursive_friction,
 )
-
-__all__ = ["Direction", "RunFriction", "losses", "run_friction"]
 
 Direction = Literal["driving", "overhauling"]
 DIRECTIONS: tuple[Direction, ...] = ("driving", "overhauling")

@@ -15,8 +15,6 @@ from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import RunFriction, run_friction
 from bayesfric.margins.loop_file import Loop
 
-__all__ = ["Stage", "in_series", "lost_motion", "stages_of", "train_modes"]
-
 
 @dataclass(frozen=True)
 class Stage:

@@ -41,9 +41,6 @@ from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.margins.verification import jeffreys
 from bayesfric.schemas import Certificate
 
-__all__ = ["certified_gain", "certify", "largest_slope", "not_applicable"]
-
-
 MOST_DRAWS = 200
 """Draws that are looked at."""
 POINTS = 1200

@@ -28,9 +28,6 @@ from bayesfric.schemas import FitFile, MarginsFile
 if TYPE_CHECKING:
     import control
 
-__all__ = ["Margins", "compute_margins"]
-
-
 SIMULATED = 200
 
 

@@ -23,17 +23,6 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 
-__all__ = [
-    "amplitude_margin",
-    "effective_damping",
-    "formula_conditions",
-    "formula_threshold",
-    "natural_frequency",
-    "necessary_gain",
-    "steady_error",
-    "swing_amplitude",
-]
-
 
 def natural_frequency(shaft: LoopAtShaft) -> Array:
     """Return ω_n = √(kp/J) with a stiff cable [rad/s], shape (draws,)."""

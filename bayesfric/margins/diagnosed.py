@@ -34,9 +34,6 @@ from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.stored_names import variable_of
 
-__all__ = ["Diagnosed", "read_diagnosed", "reflected", "with_effects"]
-
-
 LEAST_SPEED = 0.1
 """Cable speed up to which an effect is looked at where the file has no peak speed [m/s]."""
 SPEEDS = 60

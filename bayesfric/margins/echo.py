@@ -1,4 +1,4 @@
-"""A loop file's plant in numbers at the motor's shaft, in which a forgotten gearbox shows."""
+"""The plant of a loop file in numbers at the motor's shaft, where a wrong ratio shows."""
 
 import numpy as np
 
@@ -8,8 +8,6 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import RevoluteJoint
 from bayesfric.margins.quantities import central
 from bayesfric.schemas import Plant
-
-__all__ = ["plant_of"]
 
 
 def plant_of(shaft: LoopAtShaft) -> Plant:

@@ -16,8 +16,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 
-__all__ = ["Beyond", "Cable", "EncoderAt", "Ends"]
-
 EncoderAt = Literal["motor", "joint"]
 
 LARGEST_PHASE = 0.5

@@ -15,8 +15,6 @@ from bayesfric.margins.state_space import state_space
 if TYPE_CHECKING:
     import control
 
-__all__ = ["Ensemble"]
-
 
 @dataclass(frozen=True)
 class Ensemble:

@@ -25,9 +25,6 @@ from bayesfric.margins.scanning import speeds_of
 from bayesfric.margins.simulating import follow
 from bayesfric.schemas import Compensator, FollowedWith, Following, Trajectory
 
-__all__ = ["band_of", "follow_all", "needs_motion", "observers", "strokes", "with_compensator"]
-
-
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5
 """Of the disturbance observer's low-pass, over the loop's natural frequency √(kp/J)."""

@@ -27,16 +27,6 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import simulate
 
-__all__ = [
-    "EVERY_TENTH",
-    "LONGEST_S",
-    "RunLength",
-    "Thresholds",
-    "hunting_threshold",
-    "run_length",
-]
-
-
 SHORTEST_S, LONGEST_S = 0.5, 60.0
 TRIED_AT_ONCE = 4
 EVERY_TENTH = tuple(round(0.1 * step, 1) for step in range(31))

@@ -13,8 +13,6 @@ from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import Posterior
 from bayesfric.margins.quantities import central
 
-__all__ = ["beyond_the_draws", "refused"]
-
 Range = tuple[float, float]
 
 ROUNDING = 1e-6

@@ -12,8 +12,6 @@ from bayesfric.margins.posterior import Posterior
 from bayesfric.results import read_json
 from bayesfric.schemas import DiagnosisFile, LawNumber, LawUsed
 
-__all__ = ["ChosenLaw", "LawAsked", "choose_law"]
-
 LawAsked = Literal["fitted", "refitted"]
 NUMBERS_SHOWN = 3  # numbers of the law that are told as wrong
 

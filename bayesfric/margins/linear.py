@@ -19,8 +19,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Complex, Flags, Whole
 
-__all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_grid", "peaks"]
-
 Rows = Whole
 
 LARGEST_TURN = 1.5  # rad; a step of arg(1 + L) beyond this is looked at again, more finely

@@ -13,9 +13,6 @@ from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.wrist import Wrist
 
-__all__ = ["LoopAtShaft"]
-
-
 STIFF = 5.0
 """Phase of a cable's ringing in a sample above which it counts as stiff [rad]."""
 HEAVIER = 0.02

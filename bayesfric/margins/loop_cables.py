@@ -7,8 +7,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from bayesfric.margins.quantities import NonNegative, Positive, Quantity
 
-__all__ = ["Cable", "CableRun", "Coupling", "OtherJoint", "SecondStage", "Section"]
-
 Angle = Annotated[float, Field(ge=0, le=720)]
 Ratio = Annotated[float, Field(allow_inf_nan=False)]
 

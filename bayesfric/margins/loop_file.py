@@ -13,29 +13,10 @@ from bayesfric.margins.loop_cables import (
     Cable,
     CableRun,
     Coupling,
-    OtherJoint,
     SecondStage,
     Section,
 )
 from bayesfric.margins.quantities import NonNegative, Positive, Quantity
-
-__all__ = [
-    "Cable",
-    "CableRun",
-    "Compensation",
-    "Controller",
-    "Coupling",
-    "Drive",
-    "Kick",
-    "Loop",
-    "OtherJoint",
-    "PrismaticJoint",
-    "RevoluteJoint",
-    "SecondStage",
-    "Spec",
-    "Tool",
-    "loop_sha256",
-]
 
 Share = Annotated[float, Field(gt=0, lt=1)]
 Bound = Annotated[float, Field(gt=0, allow_inf_nan=False)] | None

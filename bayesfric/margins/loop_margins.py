@@ -39,8 +39,6 @@ from bayesfric.margins.warnings import loop_warnings
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas import HuntingMap, LoopMargins, Metric, WithEffects
 
-__all__ = ["Judged", "loop_margins"]
-
 SHARED = 1000  # draws for the shares of variance
 
 

@@ -11,8 +11,6 @@ from bayesfric.margins.loop_units import loop_in_other_units
 from bayesfric.margins.quantities import FAMILIES
 from bayesfric.resources import bundled_loops
 
-__all__ = ["loop_path", "read_loop"]
-
 TAGS = FAMILIES | {"revolute", "prismatic"}
 
 

@@ -7,8 +7,6 @@ from bayesfric.errors import Fault
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
 
-__all__ = ["loop_in_other_units"]
-
 DRUM_M = (1e-3, 1.0)  # of a joint that turns, on which its cable winds
 CABLE_PER_TRAVEL = (0.1, 10.0)  # of a joint that slides: a tackle has a few
 SLOWEST_SAMPLED_S = 0.1  # of a loop that holds a joint
@@ -18,7 +16,7 @@ LONGEST_M = 100.0  # cable, or lever to the tip
 
 
 def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
-    """Return the faults of a loop whose numbers contradict one another, or all joints.
+    """Return the faults of numbers that contradict each other, or that no joint has.
 
     Parameters
     ----------
@@ -34,7 +32,7 @@ def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
 
 
 def _ratio(loop: Loop) -> Iterator[tuple[str, float, str]]:
-    """Yield where gearbox, capstan and the joint's transmission do not go together."""
+    """Yield the fault of a gearbox, capstan and transmission that contradict each other."""
     joint, drive, stage = loop.joint, loop.drive, loop.second_stage
     if loop.coupling is not None:  # its matrix may have any number there
         return

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from bayesfric.rules import rule
 
-__all__ = ["MARGIN_RULES", "MarginRules"]
-
 
 @dataclass(frozen=True)
 class MarginRules:

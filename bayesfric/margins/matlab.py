@@ -15,9 +15,6 @@ from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.state_space import state_space
 from bayesfric.results import replace_outputs
 
-__all__ = ["COVERED", "checked_name", "uncertainty_weight", "write_mat"]
-
-
 COVERED = 0.95
 DRAWS = 200
 HEADER = b"MATLAB 5.0 MAT-file, written by bayesfric"  # SciPy's own has the date in it

@@ -15,8 +15,6 @@ from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.rules import PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.wrist import Wrist
 
-__all__ = ["Key", "Linear", "closed_forms", "linear_of", "missed_draws", "spec_of"]
-
 Key = tuple[str, Direction | None]
 
 

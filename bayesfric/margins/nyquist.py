@@ -8,8 +8,6 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.schemas import NyquistFan
 
-__all__ = ["nyquist_fans"]
-
 DRAWS = 12
 POINTS = 100
 DIGITS = 5

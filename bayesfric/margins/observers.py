@@ -17,8 +17,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["DisturbanceObserver", "LuGreObserver", "Observer"]
-
 
 class Observer(Protocol):
     """An estimator of the torque to add, sample by sample."""

@@ -15,9 +15,6 @@ from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.cable_stage import train_modes
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 
-__all__ = ["OpenLoop"]
-
-
 FREQUENCIES = 600
 NEAR_RESONANCE = 60  # of them, around each of resonance and antiresonance
 

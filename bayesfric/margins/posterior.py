@@ -18,18 +18,6 @@ from bayesfric.results import read_json, read_tree, refuse_mixed
 from bayesfric.schemas import ClaimsFile, FitFile, RecordingId
 from bayesfric.stored_names import name_of
 
-__all__ = [
-    "Posterior",
-    "RigDiscrepancy",
-    "coefficients_of",
-    "effective_draws",
-    "read_posterior",
-    "recording_of",
-    "rig_discrepancy",
-    "thinned",
-]
-
-
 MOST_DRAWS = 4000
 DEFAULT_DISCREPANCY = 0.05
 

@@ -11,8 +11,6 @@ from pydantic import AfterValidator, Discriminator, Tag
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Uniform
 from bayesfric.inference.priors import from_normal
 
-__all__ = ["NonNegative", "Positive", "Quantity", "central", "is_uncertain"]
-
 FAMILIES = {"number", "half-normal", "log-normal", "normal", "uniform"}
 """What a quantity may be; also the tags that pydantic puts into the place of an error."""
 WIDEST_NORMAL = 5.0  # standard deviations from 0: nothing negative in a million draws

@@ -7,8 +7,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = ["ConstantSpeed", "Reference", "Stroke"]
-
 
 class Reference(Protocol):
     """A trajectory, a draw each; times and what it returns are of shape (draws,)."""

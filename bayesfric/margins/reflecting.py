@@ -12,8 +12,6 @@ from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
 from bayesfric.margins.wrist import Wrist, wrist_of
 
-__all__ = ["at_shaft"]
-
 
 class _JointKeys(NamedTuple):
     """Keys of a loop file that describe a joint, in the units of its kind."""

@@ -14,9 +14,6 @@ from bayesfric.margins.rules import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Interval, Metric
 
-__all__ = ["LEVELS", "ROUNDING", "interval_of", "metric_rows", "standard_error"]
-
-
 LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
 """Probabilities at which a metric's quantiles are stored."""
 ROUNDING = 1e-9

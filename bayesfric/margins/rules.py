@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["HUNTING", "LINEAR", "PEAKS", "RULES", "TAUT", "Rule"]
-
 
 @dataclass(frozen=True)
 class Rule:

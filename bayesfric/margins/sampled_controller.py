@@ -7,9 +7,6 @@ from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
 
-__all__ = ["Controller"]
-
-
 SILENT = 1e-9
 """Share of breakaway below which what is left of the filtered speed counts as none."""
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 from bayesfric.arrays import Array, Whole
 from bayesfric.margins.elastic_cable import Cable, EncoderAt
 
-__all__ = ["AtRest", "CompensationSignal", "SampledLoop"]
-
 CompensationSignal = Literal["none", "reference", "measured", "error"]
 AtRest = Literal["off", "hold"]
 

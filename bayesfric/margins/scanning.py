@@ -16,9 +16,6 @@ from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.simulating import LoopMotion, simulate
 
-__all__ = ["GAMMAS", "REST", "Condition", "HuntingMap", "look", "run", "speeds_of"]
-
-
 COUNTS_A_SAMPLE = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 5.0, 10.0)
 """Reference speeds, besides rest, where the file has no range of its own."""
 GAMMAS = (0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)

@@ -14,9 +14,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 
-__all__ = ["Interval", "Shaft", "StiffShaft", "turn"]
-
-
 SERIES_BELOW = 0.1
 SERIES_TERMS = 9  # the next term is 0.1⁹/11! ≈ 3e-17 of the sum
 

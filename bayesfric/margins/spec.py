@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from bayesfric.margins.loop_file import Spec
 from bayesfric.schemas import Metric
 
-__all__ = ["HUNTS", "missed_specs"]
-
 HUNTS = "limit_cycle_probability"
 """What a miss of ``spec.limit_cycle_probability_max`` is called."""
 

@@ -16,8 +16,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.margins.open_loop import OpenLoop
 
-__all__ = ["DELAY_STATES", "Matrices", "state_space"]
-
 Matrices = tuple[Array, Array, Array, Array]
 
 DELAY_STATES = 6

@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
 
-__all__ = ["certificate_sentence", "chance_of_missing", "in_degrees_or_decibels", "tuning_sentence"]
-
 HALF_A_DRAW = float(np.sqrt(0.5))
 """The Monte Carlo error of what none or all of n draws have is this over n."""
 NORMAL_WIDTH = 3.29

@@ -30,9 +30,6 @@ from bayesfric.margins.scanning import (
     speeds_of,
 )
 
-__all__ = ["GAMMA_MAX", "Hunting", "find_hunting"]
-
-
 GAMMA_MAX = GAMMAS[-1]
 """The largest compensation gain that is looked at."""
 MAPPED = 30

@@ -6,8 +6,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["Record", "Traces"]
-
 
 @dataclass(frozen=True)
 class Traces:

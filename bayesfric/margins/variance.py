@@ -21,8 +21,6 @@ from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.metrics import Key
 from bayesfric.margins.rows import ROUNDING
 
-__all__ = ["variance_shares"]
-
 
 def variance_shares(
     evaluate: Callable[[Assembly], Mapping[Key, Array]], first: Assembly, second: Assembly

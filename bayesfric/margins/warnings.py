@@ -14,8 +14,6 @@ from bayesfric.margins.metrics import Linear
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.paper import paper
 
-__all__ = ["loop_warnings"]
-
 MEASURED_DIAMETER_MM = 0.61
 
 

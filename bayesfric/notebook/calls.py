@@ -28,8 +28,6 @@ from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Recording
 from bayesfric.report.stored import read_stored
 
-__all__ = ["check_claims", "compute_margins", "diagnose", "fit", "load", "power"]
-
 FilePath: TypeAlias = str | PathLike[str]
 Settings: TypeAlias = Analysis | FilePath | Mapping[str, Any]
 Priors: TypeAlias = Mapping[str, Prior | Mapping[str, Any]]

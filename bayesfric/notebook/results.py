@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from bayesfric.claims.checking import Checked
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.fitting.result import Fit
 from bayesfric.margins.computing import Margins
 from bayesfric.report.stored import StoredResults
@@ -16,8 +16,6 @@ from bayesfric.schemas import FitFile, Interval, ScorecardFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["ClaimsResult", "DiagnosisResult", "FitResult", "MarginsResult", "Results"]
 
 LINES_SHOWN = 9  # lines below the first
 
@@ -277,8 +275,8 @@ class Results:
         fitted, claims, diagnosis = stored.fitted, stored.claims, stored.diagnosis
         return cls(
             FitResult(fitted.fit, fitted.draws, fitted.predictive, {}) if fitted else None,
-            ClaimsResult(claims.found, claims.curves, 0.0) if claims else None,
-            DiagnosisResult(diagnosis.found, diagnosis.curves, 0.0) if diagnosis else None,
+            ClaimsResult(claims.record, claims.curves, 0.0) if claims else None,
+            DiagnosisResult(diagnosis.record, diagnosis.curves, 0.0) if diagnosis else None,
             MarginsResult(stored.margins) if stored.margins else None,
             stored.scorecard,
             stored.pooled,

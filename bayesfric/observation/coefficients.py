@@ -8,24 +8,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, Prior, Priors
 from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 
-__all__ = [
-    "NO_PULLEY",
-    "SizeIndex",
-    "coefficient_name",
-    "coefficient_parameters",
-    "coefficient_units",
-    "intercept_of",
-    "law_of",
-    "sizes_of",
-]
-
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
 FORCE = "c2"  # is one
+WRAP_SLOPE, WRAP_SHARE = "c3", "wrap_share"
 PAPER_SIZES = ("small", "medium", "large")
 LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
 MIDDLE_TENSION_N = 15.0
@@ -178,15 +168,44 @@ def coefficient_parameters(
     force_unit : str
         Newton, or newton metre on a rig that turns.
     """
-    priors = analysis.priors
-    parameters = []
-    for name, unit in UNITS.items():
+    parameters: dict[str, Parameter] = {}
+    for name, unit in coefficient_units(force_unit).items():
         if name in without:
             continue
         for size in sizes:
-            override = getattr(priors.pulleys.get(size), name, None)
-            prior = override or getattr(priors, name)
-            called = coefficient_name(name, size)
-            coefficient_unit = force_unit if name == FORCE else unit
-            parameters.append(Parameter(called, coefficient_unit, prior, "coefficient", power=1.0))
-    return tuple(parameters)
+            prior, whole = coefficient_prior(analysis.priors, name, size)
+            parameter = Parameter(
+                coefficient_name(name, size),
+                unit,
+                prior,
+                "coefficient",
+                power=1.0,
+                share_of=None if whole is None else parameters[coefficient_name(whole, size)],
+            )
+            parameters[parameter.name] = parameter
+    return tuple(parameters.values())
+
+
+def coefficient_prior(priors: Priors, name: str, size: str) -> tuple[Prior, str | None]:
+    """Return the prior of a coefficient of one size, and the coefficient of which it is a share.
+
+    Parameters
+    ----------
+    priors : Priors
+        Of all sizes, and those that a size has of its own.
+    name : str
+        Of the coefficient.
+    size : str
+        Of the pulley.
+
+    Returns
+    -------
+    Prior, str or None
+        None where the prior is of the coefficient itself.
+    """
+    for section in (priors.pulleys.get(size), priors):
+        if (prior := getattr(section, name, None)) is not None:
+            return prior, None
+        if name == WRAP_SLOPE and (share := getattr(section, WRAP_SHARE, None)) is not None:
+            return share, "c1"
+    raise KeyError(name)

@@ -25,8 +25,6 @@ from bayesfric.inference.priors import Parameter
 from bayesfric.inference.student import GroupedStudent
 from bayesfric.observation.scatter import ScatterLevels
 
-__all__ = ["AtRest", "ExactLikelihood", "ExactModel", "Shown"]
-
 _Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
 
 

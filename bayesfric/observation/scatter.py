@@ -12,8 +12,6 @@ from bayesfric.inference.grouped_normal import Groups
 from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex
 
-__all__ = ["ScatterLevels"]
-
 START = 0.02  # of friction, a place to climb from
 
 

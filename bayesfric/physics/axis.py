@@ -13,8 +13,6 @@ import numpy as np
 
 from bayesfric.physics.friction import Coefficients
 
-__all__ = ["AxisLaw"]
-
 
 class AxisLaw(NamedTuple):
     """The law's numbers.

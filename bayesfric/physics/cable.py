@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["LINEAR_DENSITY_KG_M", "Cable"]
-
 LINEAR_DENSITY_KG_M = 1.4e-3  # steel that fills 0.6 of a circle of 0.61 mm
 
 

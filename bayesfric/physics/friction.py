@@ -15,17 +15,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "REFERENCE_WRAP_ANGLE_DEG",
-    "Coefficients",
-    "TensionLoss",
-    "coulomb_friction",
-    "equal_pulleys",
-    "in_a_row",
-    "recursive_friction",
-    "tension_slope",
-]
-
 REFERENCE_WRAP_ANGLE_DEG = 85.0
 """Average individual wrap angle at which c3 has no effect, eq. (15) [deg]."""
 

@@ -19,18 +19,6 @@ from numpy.typing import ArrayLike
 from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients, coulomb_friction, equal_pulleys, tension_slope
 
-__all__ = [
-    "TRAVEL_M",
-    "Condition",
-    "Trajectory",
-    "board_friction",
-    "coulomb_acceleration",
-    "nominal_tension",
-    "recursive_board_friction",
-    "tension_feedback",
-    "trajectory",
-]
-
 TRAVEL_M = 0.6
 """Travel of the cable in a trial of the paper's board [m]."""
 

@@ -26,15 +26,6 @@ from bayesfric.physics.friction import (
 from bayesfric.physics.gravity import Condition, board_friction, recursive_board_friction
 from bayesfric.physics.motor import MotorCondition, motor_friction, recursive_motor_friction
 
-__all__ = [
-    "ALIASES",
-    "BASELINES",
-    "COULOMB_VISCOUS",
-    "OF_AXES",
-    "RIVAL_LAWS",
-    "FrictionLaw",
-]
-
 
 @dataclass(frozen=True)
 class FrictionLaw:

@@ -5,8 +5,6 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["behind", "on_spring", "taken_along", "through_play"]
-
 
 def taken_along(
     travel: ArrayLike, speed: ArrayLike, length: ArrayLike, sharp: float

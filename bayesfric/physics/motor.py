@@ -22,15 +22,6 @@ from bayesfric.physics.friction import (
     tension_slope,
 )
 
-__all__ = [
-    "MotorCondition",
-    "load_current",
-    "motor_friction",
-    "nominal_tension",
-    "recursive_motor_friction",
-    "tension_feedback",
-]
-
 
 class MotorCondition(NamedTuple):
     """What the experimenter chooses, as numbers or arrays of one length.

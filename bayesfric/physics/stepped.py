@@ -12,8 +12,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["SteppedMotion", "step_board"]
-
 NEWTON_STEPS = 6
 
 

@@ -11,8 +11,6 @@ from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, figure, key, size_styles
 
-__all__ = ["assemblies_left_out", "has_assemblies"]
-
 NAMED = 6  # far assemblies that carry their name
 CROWD = 100  # points that are drawn small
 CROWDED = 6  # conditions beyond which their names stand upright

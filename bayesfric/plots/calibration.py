@@ -9,8 +9,6 @@ from bayesfric.plots.labels import columns_of, parameter_label
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 from bayesfric.schemas import CalibrationFile
 
-__all__ = ["rank_differences"]
-
 
 def rank_differences(calibration: CalibrationFile) -> Figure:
     """Draw the difference of distribution functions, a panel a quantity.

@@ -10,8 +10,6 @@ from matplotlib.ticker import LogLocator, NullLocator
 from bayesfric.plots.labels import numbers
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 
-__all__ = ["against_rivals", "over_prior_width", "smallest_found"]
-
 FURTHEST = 8.0  # log10; what lies beyond is drawn there, with an arrow
 
 

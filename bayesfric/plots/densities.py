@@ -10,8 +10,6 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from bayesfric.plots.labels import CommonFactor, columns_of, parameter_label, powers
 from bayesfric.plots.style import COLORS, figure, key
 
-__all__ = ["prior_and_posterior"]
-
 
 def prior_and_posterior(predictive: xr.DataTree) -> Figure:
     """Draw both densities of each parameter on one logarithmic axis, a panel a parameter.

@@ -16,8 +16,6 @@ from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Inclusion, Interval
 from bayesfric.stored_names import RESIDUALS, variable_of
 
-__all__ = ["RARE", "what_acts", "where_it_lies"]
-
 BARS = 10  # axes whose share is drawn; the table has all
 FEW_BARS = 4  # a single bar is no wider than one of so many
 ALONE = {

@@ -6,8 +6,6 @@ from matplotlib.figure import Figure
 from bayesfric.plots.style import COLORS, LINES, NEUTRAL, figure, key
 from bayesfric.schemas import Following
 
-__all__ = ["errors_over_time"]
-
 SHADES = tuple(COLORS[name] for name in ("black", "blue", "vermilion", "green", "purple", "orange"))
 
 DASHES = (*LINES, (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)))

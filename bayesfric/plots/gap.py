@@ -11,8 +11,6 @@ from bayesfric.plots.labels import plain, rounded
 from bayesfric.plots.style import COLORS, figure, halves, key
 from bayesfric.schemas.diagnosis import Gap, GapRow
 
-__all__ = ["how_far"]
-
 BARS = {
     "as_shipped": ("as shipped", "#8c8c8c"),
     "before": ("recalibrated", COLORS["vermilion"]),

@@ -8,22 +8,6 @@ from functools import cache
 from matplotlib.font_manager import findfont, get_font
 from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
-__all__ = [
-    "SYMBOLS",
-    "CommonFactor",
-    "axis_words",
-    "columns_of",
-    "numbers",
-    "ordered_sizes",
-    "parameter_label",
-    "parts",
-    "plain",
-    "power_of_ten",
-    "powers",
-    "rounded",
-    "sizes_of",
-]
-
 SYMBOLS = {
     "c1": "c_1",
     "c2": "c_2",

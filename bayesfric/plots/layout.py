@@ -26,8 +26,6 @@ from matplotlib.textpath import text_to_path
 from matplotlib.ticker import NullFormatter
 from matplotlib.transforms import Bbox, ScaledTranslation
 
-__all__ = ["Room"]
-
 POINTS = 72.0  # in an inch; all lengths here are points
 ACROSS, UP = 5.0, 3.5  # free on each side of a panel with its words
 OFFSET_PAD = 3.0  # between the words of ticks and their common factor

@@ -9,8 +9,6 @@ from bayesfric.plots.labels import plain
 from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 
-__all__ = ["has_probabilities", "leave_one_out_probabilities"]
-
 
 def has_probabilities(predictive: xr.DataTree) -> bool:
     """Tell whether any rig's trials were left out one at a time."""

@@ -10,15 +10,6 @@ from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
-__all__ = [
-    "bode_bands",
-    "error_and_headroom",
-    "has_error_or_headroom",
-    "hunting_over_speed",
-    "limit_cycle_against_gain",
-    "nyquist_fan",
-]
-
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
 HEADROOMS = ("headroom_clip", "headroom_continuous")
 WORDS = {

@@ -13,8 +13,6 @@ from matplotlib.ticker import MaxNLocator
 from bayesfric.plots.labels import parameter_label, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, TEXT_WIDTH, figure, size_styles
 
-__all__ = ["PAIRS_SHARE", "coefficient_pairs", "coefficients_relative_to_paper"]
-
 SHOWN_DRAWS = 4000  # more points would not change the contours
 PAIRS_SHARE = 0.75
 """Width of the figure of pairs as a share of the text's."""

@@ -10,8 +10,6 @@ from matplotlib.patches import Patch
 from bayesfric.plots.labels import ordered_sizes, plain, powers
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 
-__all__ = ["friction_of_priors"]
-
 LEAST_FRICTION_N = 0.05  # of an axis that has room for frictions down to zero [N]
 
 

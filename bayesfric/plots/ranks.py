@@ -8,8 +8,6 @@ from matplotlib.lines import Line2D
 from bayesfric.plots.labels import columns_of, parameter_label
 from bayesfric.plots.style import COLORS, LINES, NEUTRAL, LineStyle, figure, key
 
-__all__ = ["rank_histograms"]
-
 SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple"))
 KEYS = 8  # more ensembles than that are not told apart
 

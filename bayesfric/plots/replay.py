@@ -7,8 +7,6 @@ from matplotlib.figure import Figure
 from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, figure, key
 
-__all__ = ["replayed_forces"]
-
 ROW_MM, REST_MM = 30.0, 16.0
 MOST = 4  # joints that are drawn
 ARMS = {

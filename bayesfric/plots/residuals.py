@@ -12,9 +12,6 @@ from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure, key, size_styles
 
-__all__ = ["residuals_by_order"]
-
-
 NAMED = 6  # outliers that carry their id; more would hide the points
 LINE = 0.9
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-__all__ = ["RigTable", "rig_tables"]
-
 
 @dataclass(frozen=True)
 class RigTable:

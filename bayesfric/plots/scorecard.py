@@ -10,8 +10,6 @@ from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
 from bayesfric.schemas import Confusion, Detected, ReliabilityBin, ScorecardFile, Target
 
-__all__ = ["confusion_matrix", "named_by_strength", "promises_and_reliability"]
-
 ROW_MM = 4.4
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
 MET = {True: COLORS["green"], False: COLORS["vermilion"], None: NEUTRAL}  # None: too few to tell

@@ -21,8 +21,6 @@ from bayesfric.plots.style import (
     size_styles,
 )
 
-__all__ = ["line_against_pulleys", "wrap_slopes"]
-
 MARKER_SIZE = 3.6
 
 

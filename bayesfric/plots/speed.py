@@ -7,8 +7,6 @@ from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.rig_tables import RigTable
 from bayesfric.plots.style import MARKERS, figure, size_styles
 
-__all__ = ["friction_against_speed", "has_speeds"]
-
 VARIED = (
     ("hanging_mass_kg", "{:g} kg", "weight"),
     ("wrap_angle_deg", "{:g}°", "wrap angle"),

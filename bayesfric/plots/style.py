@@ -21,25 +21,6 @@ from matplotlib.legend import Legend
 
 from bayesfric.plots.layout import Room
 
-__all__ = [
-    "COLORS",
-    "LINES",
-    "MARKERS",
-    "NEUTRAL",
-    "NORMAL_90",
-    "PAPER_DASHES",
-    "SHADES",
-    "TEXT_WIDTH",
-    "LineStyle",
-    "SizeStyle",
-    "figure",
-    "halves",
-    "key",
-    "size_styles",
-    "svg_of",
-    "to_svg",
-]
-
 TEXT_WIDTH = 160.0
 """Width of the report's text in mm: a figure so wide is shown at its own size."""
 

@@ -20,8 +20,6 @@ from bayesfric.plots.style import (
     size_styles,
 )
 
-__all__ = ["friction_against_tension"]
-
 ASIDE = 0.025  # of the greatest tension, between numbers of pulleys in the lower panels
 
 

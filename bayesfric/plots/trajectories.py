@@ -10,8 +10,6 @@ from matplotlib.patches import Patch
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
 
-__all__ = ["measured_and_predicted"]
-
 COLUMNS = 3
 SHOWN_EVENTS = 15  # of a trial's travel, so that the line stays visible; residuals show all
 

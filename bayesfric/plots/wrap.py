@@ -10,8 +10,6 @@ from matplotlib.patches import Patch
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, key, size_styles
 
-__all__ = ["friction_against_wrap"]
-
 
 def friction_against_wrap(predictive: xr.DataTree) -> Figure:
     """Draw friction against the wrap angle, a row for each n and a column for each size.

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable
 
-__all__ = ["advice_for"]
-
 ADVICE = {
     "load-both-ways": "lift and lower at the same pose, and again with a second load",
     "test": "runs with another load, of role test",

@@ -15,8 +15,6 @@ from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.opening import left_out, remarks_of
 
-__all__ = ["Part", "Readiness", "readiness_of", "refuse_untold"]
-
 OF_OTHERS = {"pulleys", "law-without-coulomb", "law-without-offset"}
 """Needs of effects of other rigs, and of numbers that the law has already."""
 UNTOLD = "these data leave every number of the law to its prior"

@@ -4,8 +4,6 @@ from bayesfric.recording.csv_text import LISTED
 from bayesfric.recording.held import released
 from bayesfric.recording.tables import Axis, RigConstants
 
-__all__ = ["notes_on_axis"]
-
 UNUSED_COLUMNS = (
     "command_m",
     "command_time_s",

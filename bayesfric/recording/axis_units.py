@@ -8,8 +8,6 @@ from bayesfric.recording.joint_rules import joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["axis_in_other_units"]
-
 COARSEST_S = 1.0  # between samples: what a drive does in between is not to be seen
 FARTHEST_M = 100.0  # of an axis that slides, unless its limits say more
 

@@ -11,8 +11,6 @@ from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.frames import typed
 from bayesfric.recording.schemas import check_cells
 
-__all__ = ["read_conditions"]
-
 FORMAT = TableFormat("conditions.csv", STEADY_CONDITION, keeps_covariates=True)
 
 

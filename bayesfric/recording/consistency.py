@@ -11,10 +11,8 @@ from bayesfric.recording.frames import did_not_move, individual_angles, stands_i
 from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
-from bayesfric.recording.steady_signs import MANY, pushing
+from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
 from bayesfric.recording.tables import RigConstants
-
-__all__ = ["MINIMUM_EVENTS", "check_across"]
 
 MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
 LARGEST_WRAP_DEG = 180.0
@@ -28,7 +26,7 @@ CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 def check_across(
     tables: Mapping[str, Table], rig: RigConstants, unreadable: frozenset[str]
 ) -> list[Fault]:
-    """Faults of rows against rows and of tables against tables.
+    """Return the faults that show where rows, or tables, are compared with each other.
 
     Parameters
     ----------
@@ -187,7 +185,7 @@ def _events(events: Table, trials: Table | None, rig: RigConstants) -> list[Faul
 
 
 def _of_unknown_end(events: pd.DataFrame) -> "pd.Series[int]":
-    """Return how many rows at fault may be a row's neighbours: of its trial, or of any."""
+    """Return, for each event, how many unreadable rows may belong to the same train."""
     trial, endless = events["trial"], events["sensor"].isna()
     of_any = int(trial.isna().sum())
     if not endless.any():
@@ -202,7 +200,7 @@ def _conventions(points: Table) -> list[Fault]:
     if not points.has("friction_n") or complete.empty:
         return []
     push = pushing(complete)
-    if push.mean() <= MANY:
+    if push.mean() <= SYSTEMATIC_SHARE:
         return []
     expected = (
         "friction as its size, with the sign of velocity_m_s, or against it, in all rows alike: "
@@ -237,7 +235,7 @@ def _displacements(
     back = ~off & (counts <= previous)
     expected = f"a multiple of rig.hall_spacing_m, {spacing:g} m"
     most = LISTED
-    if off.sum() > FEW and off.sum() > MANY * (values != 0).sum():
+    if off.sum() > FEW and off.sum() > SYSTEMATIC_SHARE * (values != 0).sum():
         expected, most = f"{expected} (is that the spacing of these events?)", 1
     return (
         events.faults_where(not_zero, column, "0 at the first event of a trial and sensor")

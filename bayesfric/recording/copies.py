@@ -18,8 +18,6 @@ from bayesfric.recording.frames import stands_in
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import Axis, Gravity, Recording
 
-__all__ = ["without_copies"]
-
 SPREAD = 1e-3  # of a reading, by which honest repeats differ at the least
 SURE = 4.0  # digits by which readings agree: chance does so once in ten thousand
 LEAST_SAMPLES = 5  # of a trial and sensor or a run, that are never alike by chance
@@ -60,30 +58,32 @@ def without_copies(
         same, unlike = _of_trains(gravity)
         notes += _unlike("gravity_trials.csv", "events", unlike)
         copies |= same
-        trials = gravity.trials[~gravity.trials["trial"].isin(copies)].reset_index(drop=True)
-        events = gravity.events[~gravity.events["trial"].isin(copies)].reset_index(drop=True)
         notes += _said("gravity_trials.csv", "trial", copies)
-        recording = replace(recording, gravity=Gravity(trials, events) if copies else gravity)
-    if recording.motor is not None and (copies := _of_readings(tables, "motor_runs.csv")):
-        runs = recording.motor.runs
-        kept = runs[~runs["run"].isin(copies)].reset_index(drop=True)
-        recording = replace(recording, motor=replace(recording.motor, runs=kept))
+        trials = _counted_once(gravity.trials, "trial", copies)
+        events = _counted_once(gravity.events, "trial", copies)
+        recording = replace(recording, gravity=Gravity(trials, events))
+    if recording.motor is not None:
+        copies = _of_readings(tables, "motor_runs.csv")
         notes += _said("motor_runs.csv", "run", copies)
-    if recording.steady is not None and (copies := _of_readings(tables, "steady_friction.csv")):
-        points = recording.steady
-        kept = points[~points["run"].isin(copies)].reset_index(drop=True)
-        recording = replace(recording, steady=kept)
+        runs = _counted_once(recording.motor.runs, "run", copies)
+        recording = replace(recording, motor=replace(recording.motor, runs=runs))
+    if recording.steady is not None:
+        copies = _of_readings(tables, "steady_friction.csv")
         notes += _said("steady_friction.csv", "run", copies)
+        recording = replace(recording, steady=_counted_once(recording.steady, "run", copies))
     if recording.axis is not None:
         axis = recording.axis
         copies, unlike = _of_runs(axis)
         notes += _unlike("axis_runs.csv", "samples", unlike)
-        if copies:
-            runs = axis.runs[~axis.runs["run"].isin(copies)].reset_index(drop=True)
-            samples = axis.samples[~axis.samples["run"].isin(copies)].reset_index(drop=True)
-            recording = replace(recording, axis=Axis(runs, samples))
-            notes += _said("axis_runs.csv", "run", copies)
+        notes += _said("axis_runs.csv", "run", copies)
+        runs, samples = (_counted_once(part, "run", copies) for part in (axis.runs, axis.samples))
+        recording = replace(recording, axis=Axis(runs, samples))
     return recording, tuple(notes)
+
+
+def _counted_once(rows: pd.DataFrame, key: str, copies: Copies) -> pd.DataFrame:
+    """Return the rows that are not copies; all of them where nothing is a copy."""
+    return rows[~rows[key].isin(copies)].reset_index(drop=True) if copies else rows
 
 
 def _said(file: str, what: str, copies: Copies) -> Iterator[str]:
@@ -121,7 +121,7 @@ def _of_readings(tables: Mapping[str, Table], file: str) -> Copies:
 
 
 def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
-    """Return of which rows events are there, which are what was measured."""
+    """Return which rows have events: these, and not the reading, are what was measured."""
     events = tables.get("gravity_events.csv")
     if events is None or not (events.has("trial") and table.has("trial")):
         return pd.Series(False, index=table.frame.index)
@@ -129,7 +129,7 @@ def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
 
 
 def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
-    """Return how many digits of a reading agree by no chance where it is repeated, (N,).
+    """Return how many equal digits of each reading chance would not explain, (N,).
 
     Repeats that differ by a standard deviation s and are written in steps of δ are alike with
     probability δ / (2 √π s).
@@ -143,29 +143,31 @@ def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
 
 
 def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int]:
-    """Return the rows of stretches that repeat earlier ones row by row, with what they repeat."""
+    """Return each row of a stretch that repeats earlier rows in order, and the row repeated."""
     earlier: dict[int, list[int]] = {}
     first: dict[int, int] = {}
-    told: dict[int, tuple[float, int]] = {}  # by the earlier row: digits, length of the stretch
+    agreed_before: dict[
+        int, tuple[float, int]
+    ] = {}  # by the earlier row: digits, length of the stretch
     for row, of_row in enumerate(np.asarray(kind).tolist()):
         before = earlier.setdefault(of_row, [])
         now: dict[int, tuple[float, int]] = {}
         for other in before[-RECENT:] + before[:1]:
-            agreed, length = told.get(other - 1, (0.0, 0))
+            agreed, length = agreed_before.get(other - 1, (0.0, 0))
             now[other] = agreed + float(digits[row]), length + 1
         if now:
-            other, (agreed, length) = max(now.items(), key=lambda found: found[1][0])
+            other, (agreed, length) = max(now.items(), key=lambda item: item[1][0])
             if agreed >= SURE:
                 for back in range(length):
                     root = other - back
                     first.setdefault(row - back, first.get(root, root))
         before.append(row)
-        told = now
+        agreed_before = now
     return dict(sorted(first.items()))
 
 
 def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
-    """Return trials whose events are those of another, under its condition and under another."""
+    """Return trials whose events equal those of another: of its condition, and of another."""
     events, trials = gravity.events, gravity.trials
     if events.empty:
         return {}, {}
@@ -180,7 +182,7 @@ def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
 
 
 def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
-    """Return runs whose samples are those of another, likewise."""
+    """Return runs whose samples equal those of another: of its condition, and of another."""
     samples, runs = axis.samples, axis.runs
     names = [name for name in samples if name != "run"]
     columns = [
@@ -200,7 +202,7 @@ def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
 
 
 def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
-    """Return groups of rows that are those of an earlier one, on a clock that may begin anew.
+    """Return ids of row groups that equal an earlier group, wherever their clocks begin.
 
     Parameters
     ----------
@@ -218,7 +220,7 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
     # What lasts as long, and has as many rows, is looked at.
     groups = pd.DataFrame({"size": ends - starts, "lasting": lasting})
     chosen = groups.duplicated(keep=False) & (groups["size"] >= LEAST_SAMPLES)
-    found: Copies = {}
+    copies: Copies = {}
     seen: dict[bytes, str] = {}
     for group in np.flatnonzero(chosen).tolist():
         begin, end = int(starts[group]), int(ends[group])
@@ -233,12 +235,12 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
             digest.update(np.ascontiguousarray(column + 0.0).tobytes())
         first = seen.setdefault(digest.digest(), name)
         if first != name:
-            found[name] = first
-    return found
+            copies[name] = first
+    return copies
 
 
 def _by_condition(alike: Copies, ids: pd.Series, condition: pd.DataFrame) -> tuple[Copies, Copies]:
-    """Part what is alike by whether its condition is too."""
+    """Divide equal groups into those of one condition and those of two."""
     if not alike:
         return {}, {}
     if condition.columns.empty:

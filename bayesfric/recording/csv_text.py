@@ -17,8 +17,6 @@ import pandas as pd
 from bayesfric.arrays import Flags
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_more", "with_rest"]
-
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.object_]
 """A column as text."""
 Ragged: TypeAlias = dict[int, list[str]]
@@ -75,9 +73,9 @@ class TextTable:
     @cached_property
     def is_ragged(self) -> Flags:
         """Whether each row is one of `ragged`, shape (len(cells),)."""
-        found = np.zeros(len(self.cells), dtype=np.bool_)
-        found[list(self.ragged)] = True
-        return found
+        flags = np.zeros(len(self.cells), dtype=np.bool_)
+        flags[list(self.ragged)] = True
+        return flags
 
     def faults_at(
         self,
@@ -103,12 +101,12 @@ class TextTable:
 
 
 def with_rest(faults: list[Fault], rest: int) -> list[Fault]:
-    """Let the last fault stand for `rest` more that are like it."""
+    """Return the faults; the last one counts `rest` further faults of its kind."""
     return [*faults[:-1], replace(faults[-1], like=rest)] if faults and rest else faults
 
 
 def with_more(faults: list[Fault], more: int) -> list[Fault]:
-    """Let the last fault stand for `more` beyond those that it stands for already."""
+    """Return the faults; the last one counts `more` in addition to those it counts already."""
     return with_rest(faults, faults[-1].like + more) if faults and more else faults
 
 
@@ -124,11 +122,11 @@ def decode_utf8(file: str, data: bytes) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         row = error.object.count(b"\n", 0, error.start) + 1
-        found = error.object[error.start : error.start + 1].hex()
+        byte = error.object[error.start : error.start + 1].hex()
         expected = "UTF-8 text" + next(
             (f" ({hint})" for begin, hint in NOT_UTF8.items() if data.startswith(begin)), ""
         )
-        raise InputError([Fault(file, expected, row=row, value=f"byte 0x{found}")]) from None
+        raise InputError([Fault(file, expected, row=row, value=f"byte 0x{byte}")]) from None
     nul = text.find("\0")
     if nul >= 0:
         row = text.count("\n", 0, nul) + 1
@@ -175,7 +173,7 @@ def _is_comment(row: Sequence[str]) -> bool:
 
 
 def _blank_comments(columns: Sequence[Cells], ragged: Ragged) -> None:
-    """Empty the cells of comments, which are no id of anything."""
+    """Empty the cells of comment lines, so that none is read as an id."""
     for position in (place for place, row in ragged.items() if _is_comment(row)):
         for column in columns:
             column[position] = ""  # type: ignore[index]
@@ -241,7 +239,7 @@ def _check_header(file: str, header: list[str]) -> None:
 def _in_columns(
     file: str, data: bytes, text: str
 ) -> tuple[list[str], list[Cells], Sequence[int], Ragged] | None:
-    """Return what :func:`_split` returns, many times as fast, or None where it has to look.
+    """Return what :func:`_split` returns, many times faster; None where only that one can read.
 
     A table is plain where there are no quotation marks, each line has as many commas as the
     header, no line ends within the table but by a line feed, and no first cell is empty or that

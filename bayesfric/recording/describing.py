@@ -6,8 +6,6 @@ import pandas as pd
 from bayesfric.recording.frames import did_not_move, stands_in
 from bayesfric.recording.tables import Gravity, Motor, Recording
 
-__all__ = ["describe_recording"]
-
 
 def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
     """Summarise a recording.
@@ -57,7 +55,7 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
 
 
 def _log(samples: pd.DataFrame, rotary: bool) -> str:
-    """Return how long, how far and with which force: what shows a wrong unit at a glance."""
+    """Return duration, travel and force of a log, in which a wrong unit shows."""
     keys = [name for name in ("run", "joint") if name in samples]
     runs = samples.groupby(keys, sort=False)
     longest = (runs["time_s"].last() - runs["time_s"].first()).max()

@@ -3,8 +3,6 @@
 import hashlib
 from collections.abc import Mapping
 
-__all__ = ["tables_sha256"]
-
 
 def tables_sha256(tables: Mapping[str, bytes]) -> str:
     """Fingerprint of a recording's tables.

@@ -1,4 +1,4 @@
-"""Motions and forces that would need friction to push, or a cable to be pushed.
+"""Measurements in which friction would drive the motion or a cable would push.
 
 Noise, an outlier or an effect may do that to a row. Where it happens in many rows a unit, a
 sign or a constant of the rig is wrong.
@@ -9,10 +9,8 @@ import pandas as pd
 
 from bayesfric.errors import Fault
 from bayesfric.recording.schemas import Table
-from bayesfric.recording.steady_signs import MANY
+from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE
 from bayesfric.recording.tables import RigConstants
-
-__all__ = ["drops_the_weight", "gains_energy", "motor_pull", "pushes_a_cable", "tears_a_cable"]
 
 FRICTIONLESS = 1.25  # times its acceleration: more is no error of a sensor or a clock
 PUSHED = -0.1  # of the weight: a light cable may be slack, and a current has its noise
@@ -43,7 +41,7 @@ def gains_energy(
     drive, load = (trials.frame.loc[acceleration.index, mass] for mass in MASSES)
     most = rig.gravity_m_s2 * (drive - load) / (drive + load)
     wrong = (most > 0) & (acceleration > FRICTIONLESS * most)
-    if wrong.mean() <= MANY:
+    if wrong.mean() <= SYSTEMATIC_SHARE:
         return []
     first = wrong.idxmax()
     expected = (
@@ -116,7 +114,7 @@ def drops_the_weight(
     """
     raised = runs.frame["velocity_m_s"] > 0
     dropped = raised & (pull < HELD * weight)
-    if dropped.sum() <= MANY * raised.sum():
+    if dropped.sum() <= SYSTEMATIC_SHARE * raised.sum():
         return []
     expected = (
         "a current that holds the weight that it raises, beyond that of the motor alone (are it "
@@ -149,6 +147,6 @@ def tears_a_cable(points: Table) -> list[Fault]:
 
 def _where_many(table: Table, wrong: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
     """Return the fault of the first wrong row, where many are."""
-    if wrong.mean() <= MANY:
+    if wrong.mean() <= SYSTEMATIC_SHARE:
         return []
     return table.text.faults_at(np.flatnonzero(wrong), column, expected, most=1)

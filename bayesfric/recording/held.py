@@ -5,8 +5,6 @@ import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["held_for", "released", "renewed"]
-
 MOSTLY = 0.9  # of the times between two new readings, that are one number of samples
 BUSY = 0.9  # of the samples at which the position changes, that the force changes at too
 CAUGHT_UP = 1.5  # usual steps, that a position moves by after a row that was repeated
@@ -16,7 +14,7 @@ FEWEST = 10  # new readings, by which a rhythm is told
 
 
 def renewed(values: Array) -> Flags:
-    """Return at which samples a reading is a new one, (N,); the first is."""
+    """Return at which samples a reading differs from the one before, (N,); true at the first."""
     return np.concatenate([[True], np.diff(values) != 0])
 
 
@@ -108,7 +106,7 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
 
 
 def position_held_for(position: Array) -> int:
-    """Return how many samples each position is held for, which a coarse encoder does not do.
+    """Return how many samples each position is held for; 1 for a coarse encoder, which is not.
 
     Parameters
     ----------

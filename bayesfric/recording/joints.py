@@ -5,8 +5,6 @@ from dataclasses import replace
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Axis, Recording
 
-__all__ = ["joints_of", "parted_by_joint"]
-
 
 def joints_of(axis: Axis | None) -> tuple[str, ...]:
     """Return the joints of a log in the order in which they come; empty where none is named."""

@@ -10,8 +10,6 @@ from typing import Any
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.csv_text import decode_utf8
 
-__all__ = ["dotted", "parse_json_object", "shown"]
-
 CAPITALS = "; true, false and null are written in small letters"
 MEANT = re.compile(r"(true|false|null|none)\b", re.IGNORECASE)
 EMPTY_KEY = '""'  # so that its place can be told
@@ -37,18 +35,18 @@ def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Faul
     repeated: list[str] = []
 
     def unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) < len(pairs):
+        content_of_keys = dict(pairs)
+        if len(content_of_keys) < len(pairs):
             counts = Counter(key for key, _ in pairs)
             repeated.extend(key for key, count in counts.items() if count > 1)
-        return found
+        return content_of_keys
 
     try:
         content = json.loads(text, object_pairs_hook=unique_keys)
     except json.JSONDecodeError as error:
-        found = text[error.pos : error.pos + 20].split("\n")[0] or None
+        text_there = text[error.pos : error.pos + 20].split("\n")[0] or None
         why = error.msg + (CAPITALS if MEANT.match(text, error.pos) else "")
-        raise InputError([Fault(file, f"JSON ({why})", error.lineno, None, found)]) from None
+        raise InputError([Fault(file, f"JSON ({why})", error.lineno, None, text_there)]) from None
     except RecursionError:
         raise InputError([Fault(file, "JSON that is not nested so deeply")]) from None
     except ValueError:  # Python's limit of 4,300 digits

@@ -14,8 +14,6 @@ import pandas as pd
 
 from bayesfric.arrays import Array
 
-__all__ = ["cause_of", "is_decimal", "one_cause", "to_numbers", "to_numbers_apart"]
-
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _OF_DECIMALS = b"0123456789.eE+-"
 _BLANK = " \N{NO-BREAK SPACE}\N{THIN SPACE}\N{NARROW NO-BREAK SPACE}"
@@ -101,7 +99,7 @@ def cause_of(cell: str) -> str | None:
 
 
 def one_cause(hints: Iterable[str]) -> dict[str, str]:
-    """Return what to say for each of several causes: ``1,234`` is what its neighbours are.
+    """Return the hint for each cause; an ambiguous ``1,234`` takes that of the cells around it.
 
     Parameters
     ----------

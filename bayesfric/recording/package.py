@@ -16,8 +16,6 @@ from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
 from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, Robot
 
-__all__ = ["PACKAGE_FILE", "ForceIs", "Package", "Resource", "parse_package"]
-
 PACKAGE_FILE = "datapackage.json"
 ForceIs = Literal["commanded", "motor", "link", "measured", "unknown"]
 
@@ -276,21 +274,21 @@ def parse_package(data: bytes) -> Package:
 
 
 def _folded(faults: list[Fault]) -> list[Fault]:
-    """List the first faults of a kind, of which the last stands for the rest."""
+    """Return the first faults of each kind; the last of them counts the rest."""
     kinds: dict[str, list[Fault]] = {}
     for fault in faults:
         kinds.setdefault(fault.expected, []).append(fault)
     return [
         fault
-        for found in kinds.values()
-        for fault in with_rest(found[:LISTED], len(found[LISTED:]))
+        for faults_of_kind in kinds.values()
+        for fault in with_rest(faults_of_kind[:LISTED], len(faults_of_kind[LISTED:]))
     ]
 
 
 def _notes(unknown: list[str]) -> Iterator[str]:
-    known = [*OWN, *(f"rig.{key}" for key in _Rig.model_fields)]
+    known_keys = [*OWN, *(f"rig.{key}" for key in _Rig.model_fields)]
     for key in unknown[:LISTED]:
-        yield f"{PACKAGE_FILE}: unknown key {key} kept out{near(key, known)}"
+        yield f"{PACKAGE_FILE}: unknown key {key} kept out{near(key, known_keys)}"
     if len(unknown) > LISTED:
         yield f"{PACKAGE_FILE}: and {len(unknown) - LISTED:,} unknown keys more kept out"
 
@@ -298,26 +296,26 @@ def _notes(unknown: list[str]) -> Iterator[str]:
 def _checked(
     model: type[_Strict], raw: Any, place: tuple[str | int, ...], faults: list[Fault]
 ) -> dict[str, Any]:
-    """Keys of `raw` that obey the model; what does not goes to `faults`."""
+    """Return the keys of `raw` that obey the model; the others are added to `faults`."""
     try:
         return model.model_validate(raw).model_dump(exclude_none=True)
     except ValidationError as error:
         errors = error.errors(include_url=False)
-    for found in errors:
-        if found["type"] in ("finite_number", "string_unicode"):  # parse_json_object has them
+    for problem in errors:
+        if problem["type"] in ("finite_number", "string_unicode"):  # parse_json_object has them
             continue
-        rule = EXPECTED.get(found["type"])
-        expected = rule.format_map(found.get("ctx", {})) if rule else found["msg"]
-        value = None if found["type"] == "missing" else shown(found["input"])
-        column = dotted((*place, *(part for part in found["loc"] if part != "[key]")))
+        rule = EXPECTED.get(problem["type"])
+        expected = rule.format_map(problem.get("ctx", {})) if rule else problem["msg"]
+        value = None if problem["type"] == "missing" else shown(problem["input"])
+        column = dotted((*place, *(part for part in problem["loc"] if part != "[key]")))
         faults.append(Fault(PACKAGE_FILE, expected, column=column, value=value))
-    wrong = {found["loc"][0] for found in errors if found["loc"]}
+    wrong = {problem["loc"][0] for problem in errors if problem["loc"]}
     if not wrong or not isinstance(raw, dict):
         return {}
     good = {key: raw[key] for key in model.model_fields if key in raw and key not in wrong}
     return (
         good
-        if "missing" in {found["type"] for found in errors}
+        if "missing" in {problem["type"] for problem in errors}
         else _checked(model, good, place, [])
     )
 

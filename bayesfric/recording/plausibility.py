@@ -20,8 +20,6 @@ from bayesfric.recording.energy import (
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["implausible"]
-
 CABLE_BEARS_N = 311.0  # the paper's 0.61 mm 7×19 stainless cable
 MOST_PULLEYS, LEAST_WRAP_DEG = 19, 45.0  # of the paper; nobody has one for the other in all rows
 RADIANS_BELOW = 3.2  # wrap angles are tens of degrees, and never above π
@@ -35,7 +33,7 @@ STRAY = 3.0  # of g: a missed or doubled event makes an interval odd, and is no 
 def implausible(
     tables: Mapping[str, Table], rig: RigConstants, at_fault: Collection[str]
 ) -> list[Fault]:
-    """Return the faults of tables whose numbers no rig on earth can show.
+    """Return the faults of numbers that no rig can produce.
 
     Parameters
     ----------
@@ -78,7 +76,7 @@ def implausible(
     return faults
 
 
-def _one(table: Table, mask: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
+def _first_of(table: Table, mask: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
     return table.text.faults_at(np.flatnonzero(mask), column, expected, most=1)
 
 
@@ -90,18 +88,18 @@ def _radians(table: Table) -> list[Fault]:
     if angles.empty or not 0 < angles.max() < RADIANS_BELOW:
         return []
     expected = f"wrap angles in degrees; all are below {RADIANS_BELOW:g} (are they in radians?)"
-    return _one(table, table.frame[column].notna(), column, expected)
+    return _first_of(table, table.frame[column].notna(), column, expected)
 
 
 def _swapped(table: Table) -> list[Fault]:
-    """Pulleys in tens and angles of a few degrees: each is the other."""
+    """Return the fault of a table whose pulley counts and wrap angles are exchanged."""
     if not table.has("n_pulleys", "wrap_angle_deg"):
         return []
     numbers, angles = table.frame["n_pulleys"], table.frame["wrap_angle_deg"]
     if not (numbers.min() >= LEAST_WRAP_DEG and angles.max() <= MOST_PULLEYS):  # NaN: no entry
         return []
     expected = "a number of pulleys (are n_pulleys and wrap_angle_deg swapped?)"
-    return _one(table, table.frame["n_pulleys"].notna(), "n_pulleys", expected)
+    return _first_of(table, table.frame["n_pulleys"].notna(), "n_pulleys", expected)
 
 
 def _overloaded(
@@ -112,12 +110,12 @@ def _overloaded(
     over = tension_n > bears
     if not over.any():
         return []
-    found = float(tension_n[over].iloc[0])
+    tension = float(tension_n[over].iloc[0])
     expected = (
         f"a tension of at most {bears:g} N, what the cable bears (rig.limits.tension_n), "
-        f"and not {found:,.0f} N (are they {mistake}?)"
+        f"and not {tension:,.0f} N (are they {mistake}?)"
     )
-    return _one(table, over, column, expected)
+    return _first_of(table, over, column, expected)
 
 
 def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
@@ -130,11 +128,13 @@ def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
     )
     falling = trials.frame[column].abs() >= rig.gravity_m_s2
     measured = trials.frame[column].dropna()
-    return _one(trials, falling, column, expected) or gains_energy(trials, measured, rig, column)
+    return _first_of(trials, falling, column, expected) or gains_energy(
+        trials, measured, rig, column
+    )
 
 
 def _pulls(runs: Table, idle: Table | None, rig: RigConstants) -> list[Fault]:
-    """Faults of weights too heavy for the cable, and of currents that are not their motor's."""
+    """Return the faults of weights beyond the cable's strength, and of impossible currents."""
     weight = runs.frame["hanging_mass_kg"] * rig.gravity_m_s2
     faults = _overloaded(runs, "hanging_mass_kg", weight, rig, "grams")
     pull = motor_pull(runs, idle, rig) if idle else None
@@ -153,7 +153,7 @@ def _too_fast(table: Table) -> list[Fault]:
     if not table.has(column):
         return []
     expected = f"a speed of at most {FASTEST_M_S:g} m/s (is it in mm/s?)"
-    return _one(table, table.frame[column].abs() > FASTEST_M_S, column, expected)
+    return _first_of(table, table.frame[column].abs() > FASTEST_M_S, column, expected)
 
 
 def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fault]:
@@ -172,7 +172,7 @@ def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fau
     if first.empty:
         return []
     x, t = (
-        [one[column].to_numpy() for one in (first, middle, last)]
+        [events_at[column].to_numpy() for events_at in (first, middle, last)]
         for column in ("displacement_m", "time_s")
     )
     speed = (x[2] - x[0]) / (t[2] - t[0])
@@ -197,6 +197,6 @@ def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fau
     if faults or trials is None or not trials.has("trial"):
         return faults
     long = place.loc[first["index"], "size"].to_numpy() >= TRAIN
-    found = pd.Series(acceleration[long], index=first["trial"][long]).groupby(level=0).median()
-    of_row = trials.frame["trial"].map(found).dropna() if not found.empty else found
+    of_trial = pd.Series(acceleration[long], index=first["trial"][long]).groupby(level=0).median()
+    of_row = trials.frame["trial"].map(of_trial).dropna() if not of_trial.empty else of_trial
     return gains_energy(trials, of_row, rig, "mass_drive_kg")

@@ -23,8 +23,6 @@ from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
 from bayesfric.recording.tested_range import notes_on_range
 
-__all__ = ["read_recording"]
-
 Load = Callable[[str], bytes]  # a file of the recording, by its path in the folder
 
 LARGEST_FILE = 512 * 1024**2  # bytes; ten times a table of a million rows
@@ -150,11 +148,11 @@ def _read_inside(folder: Path, name: str) -> bytes:
         if not file.is_relative_to(folder.resolve()):
             raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
         if not file.is_file():  # a pipe or a device might never end
-            found = "a folder" if file.is_dir() else None
+            kind = "a folder" if file.is_dir() else None
             expected = "a file of this name in the folder" + _beside(file)
             if name == PACKAGE_FILE:
                 expected += f" ({WHAT_IT_IS})"
-            raise InputError([Fault(name, expected, value=found)])
+            raise InputError([Fault(name, expected, value=kind)])
         if (size := file.stat().st_size) > LARGEST_FILE:
             expected = f"a file of at most {LARGEST_FILE:,} bytes"
             raise InputError([Fault(name, expected, value=f"{size:,} bytes")])
@@ -165,11 +163,11 @@ def _read_inside(folder: Path, name: str) -> bytes:
 
 
 def _beside(file: Path) -> str:
-    """Return the question whether a file of nearly this name is meant."""
+    """Return hints at files in the folder that have nearly this name."""
     spreadsheets = [file.with_suffix(end) for end in (".xlsx", ".xls", ".ods", ".txt")]
-    hints = [f" (is {one.name} meant? save it as CSV)" for one in spreadsheets if one.is_file()]
+    hints = [f" (is {path.name} meant? save it as CSV)" for path in spreadsheets if path.is_file()]
     folder = sorted(file.parent.iterdir()) if file.parent.is_dir() else []
-    small = [one.name for one in folder if one.name.lower() == file.name.lower()]
+    small = [path.name for path in folder if path.name.lower() == file.name.lower()]
     return "".join(hints + [f" (is {name} meant? capital letters matter)" for name in small])
 
 

@@ -9,8 +9,6 @@ from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.tables import Robot
 
-__all__ = ["LARGEST_MODEL", "faults_of_joints", "faults_of_model", "files_of_model"]
-
 LARGEST_MODEL = 16 * 1024**2  # bytes; an arm with its meshes beside it has a few kilobytes
 LARGEST_IN_ALL = 64 * 1024**2  # bytes of all files that a model needs
 MOST_FILES = 200  # that a model needs
@@ -111,7 +109,11 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if root.tag == "robot":
         places = list(root.findall("joint"))
     else:
-        included = [_parsed(one) for name, one in robot.files.items() if name.endswith(".xml")]
+        included = [
+            _parsed(content_of_file)
+            for name, content_of_file in robot.files.items()
+            if name.endswith(".xml")
+        ]
         places = [
             joint for part in (root, *included) if part is not None for joint in part.iter("joint")
         ]
@@ -134,7 +136,7 @@ def _unknown(joints: Mapping[str, str], names: Collection[str], file: str) -> li
 
 
 def faults_of_joints(robot: Robot, joints: Collection[str] | None) -> list[Fault]:
-    """Return what is wrong between a model and the joints of the table.
+    """Return the joints of the table that the model lacks, and names that are missing.
 
     Parameters
     ----------

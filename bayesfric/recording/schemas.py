@@ -26,8 +26,6 @@ from bayesfric.recording.columns import (
 from bayesfric.recording.csv_text import LISTED, TextTable, with_more, with_rest
 from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
-__all__ = ["Table", "check_cells"]
-
 NOTED = 10  # columns that are named where more are kept out
 
 TYPOGRAPHIC = re.compile("[“”„‘’‚«»].*[“”„‘’‚«»]")
@@ -91,7 +89,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     text = _by_names_of(text, table)
     _check_header(text, table)
     _check_units(text, table)
-    known: dict[str, pd.Series] = {}
+    typed_columns: dict[str, pd.Series] = {}
     ragged = text.is_ragged
     for column in table.columns:
         if column.name in text.cells:
@@ -99,7 +97,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
             if ragged.any() and column.is_numeric:
                 cells = cells.mask(ragged, "")  # what stands in another's place says nothing
             if column.required or (cells != "").any():
-                known[column.name] = _typed(cells, column)
+                typed_columns[column.name] = _typed(cells, column)
     notes = []
     if text.unnamed:
         notes.append(f"{text.file}: {text.unnamed} column(s) without a name kept out")
@@ -109,7 +107,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     for name in text.cells.columns.difference(names, sort=False):
         numbers = to_numbers(text.cells[name]) if table.keeps_covariates else None
         if numbers is not None and ((numbers.abs() <= LARGEST) | ragged).all():
-            known[str(name)] = numbers
+            typed_columns[str(name)] = numbers
         else:
             kept_out.append(str(name))
     why = " (not a number in every row)" if table.keeps_covariates else ""
@@ -118,13 +116,13 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     if len(kept_out) > NOTED:
         rest = len(kept_out) - NOTED
         notes.append(f"{text.file}: and {rest:,} unknown columns more kept out{why}")
-    frame = pd.DataFrame(known, index=text.cells.index)
+    frame = pd.DataFrame(typed_columns, index=text.cells.index)
     frame, faults = _checked(frame, text, table)
     return Table(table, text, frame, (*text.faults, *faults), tuple(notes))
 
 
 def _check_names(text: TextTable) -> None:
-    """Refuse names of columns that hold what nobody sees, or that no file can hold."""
+    """Refuse column names that are too long or hold characters that cannot be seen."""
     faults = []
     for name in map(str, text.cells.columns):
         if len(name) > LONGEST_NAME:
@@ -206,7 +204,7 @@ def _typed(cells: pd.Series, column: Column) -> pd.Series:
 def _checked(
     frame: pd.DataFrame, text: TextTable, table: TableFormat
 ) -> tuple[pd.DataFrame, list[Fault]]:
-    """Blank the cells that break their column's rule, and say which they were."""
+    """Return the frame without the cells that break their column's rule, and their faults."""
     faults: list[Fault] = []
     slips: dict[str, list[tuple[int, Column]]] = {}
     names = {column.name for column in table.columns}
@@ -239,15 +237,15 @@ def _without_cause(
     column: Column,
     slips: dict[str, list[tuple[int, Column]]],
 ) -> npt.NDArray[np.intp]:
-    """Return which of these cells are wrong for no known cause; the others are added to `slips`."""
+    """Return the rows of unrecognised mistakes; recognised ones are added to `slips`."""
     wrong = cells.iloc[positions]
-    known = {cell: _cause(cell, column) for cell in wrong.unique()}
-    told = np.zeros(positions.size, dtype=np.bool_)
+    cause_of_cell = {cell: _cause(cell, column) for cell in wrong.unique()}
+    has_cause = np.zeros(positions.size, dtype=np.bool_)
     for place, (position, cell) in enumerate(zip(positions.tolist(), wrong, strict=True)):
-        if (cause := known[cell]) is not None:
+        if (cause := cause_of_cell[cell]) is not None:
             slips.setdefault(cause, []).append((position, column))
-            told[place] = True
-    return positions[~told]
+            has_cause[place] = True
+    return positions[~has_cause]
 
 
 def _cause(cell: str, column: Column) -> str | None:
@@ -257,7 +255,7 @@ def _cause(cell: str, column: Column) -> str | None:
 
 
 def _slips(text: TextTable, slips: Mapping[str, Sequence[tuple[int, Column]]]) -> list[Fault]:
-    """Return one fault for each cause: a file that has it in many cells was written so."""
+    """Return one fault for each recognised mistake, which a file often has in many cells."""
     joined: dict[str, list[tuple[int, Column]]] = {}
     for cause, cause_told in one_cause(slips).items():
         joined.setdefault(cause_told, []).extend(slips[cause])
@@ -272,7 +270,7 @@ def _slips(text: TextTable, slips: Mapping[str, Sequence[tuple[int, Column]]]) -
 def _unlike(
     text: TextTable, positions: npt.NDArray[np.intp], values: pd.Series, column: Column
 ) -> list[Fault]:
-    """Return the faults of cells that no cause is known for."""
+    """Return the faults of cells whose mistake is not recognised."""
     if column.is_text:
         return _unlike_names(text, positions, column)
     if column.name == "temperature_c" and (values > HOTTEST_C).mean() > 0.5:
@@ -284,7 +282,7 @@ def _unlike(
 
 
 def _unlike_names(text: TextTable, positions: npt.NDArray[np.intp], column: Column) -> list[Fault]:
-    """Return one fault for each name that is none, however many rows have it."""
+    """Return one fault for each unusable name, however many rows have it."""
     cells = text.cells[column.name].iloc[positions]
     first = ~cells.duplicated().to_numpy()
     rows = cells.value_counts()

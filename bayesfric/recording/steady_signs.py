@@ -10,10 +10,8 @@ import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["MANY", "against_motion", "notes_on_signs", "pushing"]
-
 NOISE = 3.0  # standard errors, within which a point does not say that it pushes
-MANY = 0.25  # of the points push by any convention: then there is none
+SYSTEMATIC_SHARE = 0.25  # of rows: what is odd in more of them is a convention or a unit
 
 
 def against_motion(table: pd.DataFrame) -> Array:
@@ -34,13 +32,16 @@ def against_motion(table: pd.DataFrame) -> Array:
     # Without a speed, a sign that changes only says which way it went.
     size = np.abs(friction)
     conventions: tuple[Array, ...] = (friction, -friction)
-    if (friction < 0).mean() > MANY and (friction > 0).mean() > MANY:
+    if (friction < 0).mean() > SYSTEMATIC_SHARE and (friction > 0).mean() > SYSTEMATIC_SHARE:
         conventions = (size,)
     if "velocity_m_s" in table:
         way = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64))
         signed = way * friction
-        conventions = (friction, *(np.where(way == 0, size, one) for one in (signed, -signed)))
-    return min(conventions, key=lambda one: -np.minimum(one, 0.0).sum()).copy()
+        conventions = (
+            friction,
+            *(np.where(way == 0, size, convention) for convention in (signed, -signed)),
+        )
+    return min(conventions, key=lambda convention: -np.minimum(convention, 0.0).sum()).copy()
 
 
 def pushing(table: pd.DataFrame) -> Flags:

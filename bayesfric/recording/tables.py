@@ -11,8 +11,6 @@ from typing import Any
 
 import pandas as pd
 
-__all__ = ["Axis", "Gravity", "Motor", "Pulley", "Recording", "RigConstants", "Robot"]
-
 STANDARD_GRAVITY = 9.80665  # m/s², used where a recording does not say
 
 

@@ -14,8 +14,6 @@ import pandas as pd
 
 from bayesfric.recording.tables import Gravity, Recording
 
-__all__ = ["notes_on_range"]
-
 SPEED_M_S = 1.3
 TENSION_N = 33.0
 PULLEYS = 19

@@ -22,8 +22,6 @@ from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
 from bayesfric.recording.tables import Recording, RigConstants
 
-__all__ = ["check_free", "write_recording"]
-
 # Of kinds 3 and 4 on a rotary rig.
 ROTARY_UNITS = {"m": "rad", "N": "N·m", "kg": "kg·m²", "m/s": "rad/s"}
 ROTARY_TABLES = ("steady_friction.csv", "axis_samples.csv")
@@ -189,10 +187,10 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
 
 
 def _resource(table: TableFormat, frame: pd.DataFrame, rotary: bool) -> dict[str, Any]:
-    known = {column.name: column for column in table.columns}
+    columns = {column.name: column for column in table.columns}
     schema = []
     for name in frame.columns:
-        column = known.get(name)
+        column = columns.get(name)
         kind = column.kind if column else "number"
         field = {"name": name, "type": kind if kind in ("number", "integer") else "string"}
         if column and column.unit:

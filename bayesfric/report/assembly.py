@@ -26,8 +26,6 @@ from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
 
-__all__ = ["build_document"]
-
 SUBTITLES = {
     "fit.json": "Bayesian analysis of",
     "diagnosis.json": "Sim-to-real diagnosis of",
@@ -67,12 +65,12 @@ def build_document(stored: StoredResults) -> Document:
 
 
 def _rigs(stored: StoredResults) -> tuple[str, ...]:
-    """Return the rigs of the results, those that were fitted first."""
+    """Return the rigs of the fit; where there is none, those of the diagnosis."""
     if stored.fitted is not None:
         return stored.fitted.fit.rigs
     if stored.pooled is not None:
         return stored.pooled.rigs
-    return () if stored.diagnosis is None else stored.diagnosis.found.rigs
+    return () if stored.diagnosis is None else stored.diagnosis.record.rigs
 
 
 def _blocks(stored: StoredResults) -> Iterator[Block]:
@@ -116,17 +114,17 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
 
 
 def _mentioned(details: Sequence[Block]) -> Iterator[Paragraph]:
-    """Yield what else the HTML page has, by its headings."""
+    """Yield a sentence that lists the details of the HTML page by their headings."""
     headings = [block.text for block in details if isinstance(block, Heading) and block.level > 1]
     if headings:
         yield Paragraph(["The details of ", Code("report.html"), f" add: {'; '.join(headings)}."])
 
 
 def _details(stored: StoredResults) -> Iterator[Block]:
-    """Yield what few readers look for: it stands at the end of the HTML page, and not on paper."""
+    """Yield the details, which stand at the end of the HTML page and not in the PDF."""
     chapters: list[Block] = []
     if stored.diagnosis is not None:
-        chapters += diagnosis_tables(stored.diagnosis.found)
+        chapters += diagnosis_tables(stored.diagnosis.record)
     if stored.claims is not None:
         chapters += further_claims(stored.claims)
     if stored.fitted is not None:

@@ -16,44 +16,15 @@ from functools import cached_property
 from typing import Literal, TypeAlias
 
 from bayesfric.report.quantities import MISSING
-from bayesfric.report.words import (
-    Code,
-    Emphasis,
-    Inline,
-    Link,
-    Math,
-    Reference,
-    Strong,
-    Text,
-    inlines,
-    require,
-    require_formula,
-    require_text,
-)
-
-__all__ = [
-    "Block",
-    "BulletList",
-    "Code",
-    "Column",
-    "Document",
-    "Emphasis",
-    "Equation",
-    "Figure",
-    "Heading",
-    "Inline",
-    "Link",
-    "Listing",
-    "Math",
-    "Notice",
-    "PageBreak",
-    "Paragraph",
-    "Reference",
-    "Strong",
-    "Table",
-    "Text",
-    "inlines",
-]
+from bayesfric.report.words import Code as Code
+from bayesfric.report.words import Emphasis as Emphasis
+from bayesfric.report.words import Inline as Inline
+from bayesfric.report.words import Math as Math
+from bayesfric.report.words import Reference as Reference
+from bayesfric.report.words import Strong as Strong
+from bayesfric.report.words import Text as Text
+from bayesfric.report.words import inlines as inlines
+from bayesfric.report.words import require, require_formula, require_text
 
 LISTED = 2  # levels of the table of contents
 SHORT = 12  # headings of a document that a reader leafs through
@@ -153,8 +124,20 @@ class Column:
     align: Literal["left", "right", "center", "decimal"] = "left"
 
     def __post_init__(self) -> None:
-        known = ("left", "right", "center", "decimal")
-        require(self.align in known, f"column: expected align in {known}, got {self.align!r}")
+        alignments = ("left", "right", "center", "decimal")
+        require(
+            self.align in alignments, f"column: expected align in {alignments}, got {self.align!r}"
+        )
+
+
+def decimal_columns(*titles: str) -> tuple[Column, ...]:
+    """Return columns of numbers whose decimal marks stand below one another."""
+    return tuple(Column(title, align="decimal") for title in titles)
+
+
+def right_columns(*titles: str) -> tuple[Column, ...]:
+    """Return columns whose cells end at their right edge."""
+    return tuple(Column(title, align="right") for title in titles)
 
 
 @dataclass(frozen=True)
@@ -252,14 +235,13 @@ class Figure:
         return drawn
 
 
-@dataclass(frozen=True)
-class PageBreak:
-    """What follows begins on a new page (on paper only)."""
+def from_file(file: str, *words: Inline) -> list[Inline]:
+    """Return a caption that ends with the stored file that its figure is drawn from."""
+    *others, last = words
+    return [*others, f"{last} From ", Code(file), "."]
 
 
-Block: TypeAlias = (
-    Heading | Paragraph | BulletList | Notice | Listing | Equation | Table | Figure | PageBreak
-)
+Block: TypeAlias = Heading | Paragraph | BulletList | Notice | Listing | Equation | Table | Figure
 
 
 @dataclass(frozen=True)
@@ -270,12 +252,9 @@ class Document:
     ----------
     title, subtitle : str
     blocks : sequence of Block
-    authors : sequence of str, optional
     date : datetime, optional
         Printed as a day, and set as the creation date; one without a time zone
         is taken as UTC.
-    language : str
-        Two- or three-letter code.
     details : sequence of Block
         What follows on the HTML page alone. On paper nothing refers to it.
 
@@ -289,18 +268,11 @@ class Document:
     title: str
     subtitle: str
     blocks: Sequence[Block]
-    authors: Sequence[str] | None = None
     date: datetime | None = None
-    language: str = "en"
     details: Sequence[Block] = ()
 
     def __post_init__(self) -> None:
         require_text(self.title, "document, title")
-        code = self.language
-        require(
-            code.isascii() and code.islower() and code.isalpha() and len(code) in (2, 3),
-            f"document: expected a language code such as 'en', got {code!r}",
-        )
         _check_labels(self.blocks)
         _check_labels(self.every_block)
         level = 0

@@ -5,8 +5,6 @@ from typing import Literal, TypeAlias
 from bayesfric.report.quantities import format_probability
 from bayesfric.schemas import Cause, DiagnosisFile
 
-__all__ = ["VERDICTS", "box", "has_gap", "listed"]
-
 VERDICTS = {
     "no-gap": "No gap",
     "named": "Named",
@@ -20,23 +18,26 @@ Kind: TypeAlias = Literal["attention", "good", "info"]
 def listed(effects: tuple[Cause, ...]) -> str:
     """Return effects, each with the probability that it acts."""
     return ", ".join(
-        f"{one.effect} ({format_probability(one.inclusion_probability)})" for one in effects
+        f"{effect.effect} ({format_probability(effect.inclusion_probability)})"
+        for effect in effects
     )
 
 
-def box(found: DiagnosisFile) -> Kind:
+def box(diagnosis: DiagnosisFile) -> Kind:
     """Return which box a verdict stands in: a green one only if nothing that it covers is open."""
-    if found.verdict == "named":
+    if diagnosis.verdict == "named":
         return "info"
-    if found.verdict != "no-gap":
+    if diagnosis.verdict != "no-gap":
         return "attention"
-    practical = found.practical_share * found.gap.friction_rms
+    practical = diagnosis.practical_share * diagnosis.gap.friction_rms
     open_ = (
-        found.gap.systematic.q50 > practical or found.remainder.significant or bool(found.causes)
+        diagnosis.gap.systematic.q50 > practical
+        or diagnosis.remainder.significant
+        or bool(diagnosis.causes)
     )
     return "info" if open_ else "good"
 
 
-def has_gap(found: DiagnosisFile) -> bool:
+def has_gap(diagnosis: DiagnosisFile) -> bool:
     """Tell whether there is, or may be, a gap to place along axes."""
-    return found.verdict != "no-gap"
+    return diagnosis.verdict != "no-gap"

@@ -8,8 +8,6 @@ from functools import partial
 
 from bayesfric.report.content import Block, Document, Figure
 
-__all__ = ["draw_figures", "get_ready"]
-
 
 def get_ready(executor: Executor) -> None:
     """Have a helper load what it draws with, while this process reads and writes text."""
@@ -31,14 +29,14 @@ def draw_figures(document: Document, executor: Executor) -> Document:
         Who helps.
     """
     figures = [block for block in document.every_block if isinstance(block, Figure)]
-    asked = {id(one): executor.submit(one.draw) for one in figures}
+    asked = {id(figure): executor.submit(figure.draw) for figure in figures}
     drawn: dict[int, bytes] = {}
-    for one in reversed(figures):
-        helped = asked[id(one)]
+    for figure in reversed(figures):
+        helped = asked[id(figure)]
         try:
-            drawn[id(one)] = one.svg if helped.cancel() else helped.result()
+            drawn[id(figure)] = figure.svg if helped.cancel() else helped.result()
         except BrokenExecutor:  # who helps has died: nothing is lost but time
-            drawn[id(one)] = one.svg
+            drawn[id(figure)] = figure.svg
 
     def shown(block: Block) -> Block:
         if not isinstance(block, Figure):

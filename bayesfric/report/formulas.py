@@ -6,8 +6,6 @@ are written here, so that no formula is ever parsed and none comes from a user.
 
 from dataclasses import dataclass
 
-__all__ = ["CURRENT", "FORMULAS", "LAW", "RECURSIVE", "SCATTER", "Formula"]
-
 
 @dataclass(frozen=True)
 class Formula:
@@ -74,12 +72,12 @@ def _equation(tex: str, spoken: str) -> str:
     """Add an equation, given as symbols and signs with blanks between, and return its name."""
     typst, mathml = [], []
     for sign in tex.replace(_LOAD, "LOAD").split():
-        known = FORMULAS.get(_LOAD if sign == "LOAD" else sign)
+        formula = FORMULAS.get(_LOAD if sign == "LOAD" else sign)
         number = sign.isdigit()
         # Browsers stretch brackets that need no stretching.
         plain = f"<mn>{sign}</mn>" if number else f'<mo stretchy="false">{sign}</mo>'
-        typst.append(known.typst if known else sign)
-        mathml.append(known.mathml if known else plain)
+        typst.append(formula.typst if formula else sign)
+        mathml.append(formula.mathml if formula else plain)
     FORMULAS[tex] = Formula(" ".join(typst), f"<mrow>{''.join(mathml)}</mrow>", spoken)
     return tex
 

@@ -20,8 +20,6 @@ from bayesfric.report import content
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_html"]
-
 
 def render_html(document: content.Document) -> str:
     """Write a document as a self-contained, accessible HTML page.
@@ -42,17 +40,15 @@ def render_html(document: content.Document) -> str:
         for block, place in zip(document.every_block, places, strict=True)
     ]
     listed = document.listed
-    heads = (i for i, one in enumerate(document.blocks) if isinstance(one, content.Heading))
+    heads = (i for i, block in enumerate(document.blocks) if isinstance(block, content.Heading))
     first = next(heads, len(shown))
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     template = resources.files(__package__).joinpath("template.html").read_text(encoding="utf-8")
     return environment.from_string(template).render(
-        language=document.language,
         title=legible(document.title),
         subtitle=legible(document.subtitle),
-        authors=", ".join(legible(author) for author in document.authors or ()),
         day=document.date.date().isoformat() if document.date else "",
         front=shown[:first],
         body=shown[first:],
@@ -107,8 +103,6 @@ def _block(block: content.Block, place: Place | None, labels: Mapping[str, Place
             )
         case content.Table() if place is not None:
             return _table(block, place, labels)
-        case content.PageBreak():
-            return Markup('<div class="page-break"></div>')
         case _:
             raise TypeError(f"not a block: {block!r}")
 
@@ -163,10 +157,10 @@ def _decimals(values: Sequence[content.Text], labels: Mapping[str, Place]) -> li
 
 def _split(value: content.Text) -> tuple[str, str]:
     """Part a number before its decimal point; no head where there is no number."""
-    found = re.match("[^0-9]*[0-9]+", value) if isinstance(value, str) else None
-    if found is None:
+    match = re.match("[^0-9]*[0-9]+", value) if isinstance(value, str) else None
+    if match is None:
         return "", ""
-    return found[0], found.string[found.end() :]
+    return match[0], match.string[match.end() :]
 
 
 def _text(text: content.Text, labels: Mapping[str, Place]) -> Markup:
@@ -185,8 +179,6 @@ def _inline(inline: content.Inline, labels: Mapping[str, Place]) -> Markup:
             return Markup("<code>{}</code>").format(legible(text))
         case content.Math(source):
             return _formula(source)
-        case content.Link(text, url):
-            return Markup('<a href="{}">{}</a>').format(url, legible(text))
         case content.Reference(label):
             return Markup('<a class="reference" href="#{}">{}</a>').format(
                 labels[label].anchor, labels[label].name
@@ -194,7 +186,9 @@ def _inline(inline: content.Inline, labels: Mapping[str, Place]) -> Markup:
 
 
 def _formula(source: str, block: bool = False) -> Markup:
-    known = FORMULAS[source]
+    formula = FORMULAS[source]
     # A symbol alone may name a row, whose name assistive technology takes from the label.
-    more = Markup(' display="block"' if block else ' aria-label="{}"').format(known.spoken)
-    return Markup('<math alttext="{}"{}>{}</math>').format(known.spoken, more, Markup(known.mathml))
+    more = Markup(' display="block"' if block else ' aria-label="{}"').format(formula.spoken)
+    return Markup('<math alttext="{}"{}>{}</math>').format(
+        formula.spoken, more, Markup(formula.mathml)
+    )

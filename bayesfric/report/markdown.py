@@ -13,7 +13,6 @@ from bayesfric.report.content import (
     Figure,
     Heading,
     Inline,
-    Link,
     Math,
     Notice,
     Paragraph,
@@ -24,8 +23,6 @@ from bayesfric.report.content import (
     inlines,
 )
 from bayesfric.report.numbering import Place, label_places, number_blocks
-
-__all__ = ["render_summary"]
 
 _RULES = {"left": "---", "center": ":-:", "right": "--:", "decimal": "--:"}
 
@@ -47,11 +44,8 @@ def render_summary(document: Document) -> str:
     parts = [f"# {_escape(document.title)}"]
     if document.subtitle:
         parts.append(_guard(_escape(document.subtitle)))
-    made = [_escape(author) for author in document.authors or ()]
     if document.date:
-        made.append(document.date.date().isoformat())
-    if made:
-        parts.append(_guard(", ".join(made)))
+        parts.append(document.date.date().isoformat())
     for block, place in zip(document.every_block, number_blocks(document), strict=True):
         if isinstance(block, Heading):
             break
@@ -112,10 +106,6 @@ def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
             return shown.replace("|", "\\|") if in_table else shown
         case Math(source):
             return f"$`{source}`$"
-        case Link(text, url):
-            # Brackets and blanks would end the address.
-            address = re.sub(r"[\s()<>|\\]", lambda found: f"%{ord(found[0]):02X}", url)
-            return f"[{_escape(text)}]({address})"
         case Reference(label):
             return labels[label].name
 

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from bayesfric.report.content import Document, Equation, Figure, Heading, Table
 
-__all__ = ["Place", "label_places", "number_blocks"]
-
 
 @dataclass(frozen=True)
 class Place:

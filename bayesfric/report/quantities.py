@@ -11,23 +11,6 @@ from decimal import Decimal
 
 from bayesfric.probabilities import stated
 
-__all__ = [
-    "MISSING",
-    "error_cells",
-    "factor_cells",
-    "format_count",
-    "format_factor",
-    "format_fixed",
-    "format_interval",
-    "format_number",
-    "format_probability",
-    "format_share",
-    "format_shift",
-    "format_unit",
-    "interval_cells",
-    "three_digits",
-]
-
 MISSING = "—"
 THIN = "\u202f"
 MOST_DIGITS = 6  # significant ones of a number whose error is smaller than what anyone needs
@@ -49,7 +32,7 @@ def format_unit(unit: str | None, exponent: int = 0) -> str:
         return f"{power}{THIN}{format_unit(unit)}".rstrip(THIN)
     if unit in _UNITS:
         return _UNITS[unit]
-    unit = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_SUPERSCRIPTS), unit)
+    unit = re.sub(r"\^(-?\d+)", lambda match: match[1].translate(_SUPERSCRIPTS), unit)
     return unit.replace("*", "·")
 
 
@@ -150,8 +133,8 @@ def interval_cells(
         If a number is not finite, or the quantiles are out of order.
     """
     if mean is None or q05 is None or q95 is None:
-        one, two, three = (format_number(v, exponent=0) for v in (mean, q05, q95))
-        return one, two, three
+        middle, low, high = (format_number(v, exponent=0) for v in (mean, q05, q95))
+        return middle, low, high
     for value in (mean, q05, q95):
         _check_finite(value)
     if q05 > q95:
@@ -160,8 +143,8 @@ def interval_cells(
     # Two digits of the width; four of the number where there is no width.
     place = _order(q95 - q05) - 1 if q95 > q05 else _order(size) - 3 if size else -1
     place = max(place, _order(size) + 1 - MOST_DIGITS) if size else place
-    one, two, three = (_fixed(v, exponent, exponent - place) for v in (mean, q05, q95))
-    return one, two, three
+    middle, low, high = (_fixed(v, exponent, exponent - place) for v in (mean, q05, q95))
+    return middle, low, high
 
 
 def error_cells(value: float | None, error: float | None) -> tuple[str, str]:
@@ -241,7 +224,7 @@ def format_share(share: float | None, digits: int = 2) -> str:
 
 def three_digits(words: str) -> str:
     """Return words with three significant digits of each number that has a decimal point."""
-    return _DECIMAL.sub(lambda found: f"{float(found[0]):.3g}", words)
+    return _DECIMAL.sub(lambda match: f"{float(match[0]):.3g}", words)
 
 
 def _check_finite(value: float) -> None:

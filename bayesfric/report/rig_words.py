@@ -7,8 +7,6 @@ from bayesfric.report.quantities import format_count
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Words
 
-__all__ = ["counted", "group_words", "law_words", "rig_words"]
-
 DEFAULT = "paper"  # the law where none is asked for
 
 
@@ -39,8 +37,8 @@ def group_words(rigs: Sequence[str]) -> tuple[str, str]:
     rigs : sequence of str
         As stored.
     """
-    found = {(words.group, words.groups) for words in map(rig_words, rigs)}
-    return found.pop() if len(found) == 1 else (Words.group, Words.groups)
+    words_of_groups = {(words.group, words.groups) for words in map(rig_words, rigs)}
+    return words_of_groups.pop() if len(words_of_groups) == 1 else (Words.group, Words.groups)
 
 
 def law_words(law: str, rigs: Sequence[str]) -> str:
@@ -53,7 +51,7 @@ def law_words(law: str, rigs: Sequence[str]) -> str:
     rigs : sequence of str
         On which it was fitted.
     """
-    known = all_rigs()
-    if law != DEFAULT or any(name not in known or known[name].paper for name in rigs):
+    rigs_by_name = all_rigs()
+    if law != DEFAULT or any(name not in rigs_by_name or rigs_by_name[name].paper for name in rigs):
         return law
     return f"{rig_words(rigs[0]).rig}'s own"

@@ -18,8 +18,6 @@ from bayesfric.schemas import (
     ScorecardFile,
 )
 
-__all__ = ["StoredClaims", "StoredDiagnosis", "StoredFit", "StoredResults", "read_stored"]
-
 
 @dataclass(frozen=True)
 class StoredFit:
@@ -44,13 +42,13 @@ class StoredClaims:
 
     Parameters
     ----------
-    found : ClaimsFile
+    record : ClaimsFile
         ``claims.json``.
     curves : DataTree
         ``claims.nc``.
     """
 
-    found: ClaimsFile
+    record: ClaimsFile
     curves: xr.DataTree
 
 
@@ -60,13 +58,13 @@ class StoredDiagnosis:
 
     Parameters
     ----------
-    found : DiagnosisFile
+    record : DiagnosisFile
         ``diagnosis.json``.
     curves : DataTree
         ``diagnosis.nc``.
     """
 
-    found: DiagnosisFile
+    record: DiagnosisFile
     curves: xr.DataTree
 
     def group(self, name: str) -> xr.Dataset | None:
@@ -116,9 +114,9 @@ class StoredResults:
         if self.pooled is not None:
             records["fit.json"] = self.pooled
         if self.diagnosis is not None:
-            records["diagnosis.json"] = self.diagnosis.found
+            records["diagnosis.json"] = self.diagnosis.record
         if self.claims is not None:
-            records["claims.json"] = self.claims.found
+            records["claims.json"] = self.claims.record
         if self.margins is not None:
             records["margins.json"] = self.margins
         return records
@@ -196,14 +194,14 @@ def _fit(folder: Path) -> StoredFit | FitFile:
 
 def _diagnosis(folder: Path) -> StoredDiagnosis:
     _beside("diagnosis", folder, "diagnose", "diagnosis.nc")
-    found = read_json(DiagnosisFile, folder / "diagnosis.json")
-    return StoredDiagnosis(found, read_beside(found, folder / "diagnosis.nc"))
+    record = read_json(DiagnosisFile, folder / "diagnosis.json")
+    return StoredDiagnosis(record, read_beside(record, folder / "diagnosis.nc"))
 
 
 def _claims(folder: Path) -> StoredClaims:
     _beside("claims", folder, "claims", "claims.nc")
-    found = read_json(ClaimsFile, folder / "claims.json")
-    return StoredClaims(found, read_beside(found, folder / "claims.nc"))
+    record = read_json(ClaimsFile, folder / "claims.json")
+    return StoredClaims(record, read_beside(record, folder / "claims.nc"))
 
 
 def _beside(name: str, folder: Path, verb: str, *others: str) -> None:

@@ -19,8 +19,6 @@ from bayesfric.report.characters import printable
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_pdf"]
-
 # PDF/A demands a date; this one stands for "none" where a result has none.
 _NO_DATE = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -74,10 +72,8 @@ def _document(document: content.Document) -> dict[str, object]:
     return {
         "title": printable(document.title),
         "subtitle": printable(document.subtitle),
-        "authors": [printable(author) for author in document.authors or ()],
         "day": None if date is None else date.date().isoformat(),
         "moment": moment.timetuple()[:6],
-        "language": document.language,
         "contents": bool(document.listed),
         "blocks": [_block(block, place, places) for block, place in _on_paper(document)],
     }
@@ -126,8 +122,6 @@ def _block(
                 "share": block.width,
                 "floats": block.floats,
             }
-        case content.PageBreak():
-            pass
     return data
 
 
@@ -139,7 +133,5 @@ def _inline(inline: content.Inline, places: Mapping[str, Place]) -> list[object]
             return [type(inline).__name__.lower(), printable(text)]
         case content.Math(source):
             return ["math", FORMULAS[source].typst, FORMULAS[source].spoken]
-        case content.Link(text, url):
-            return ["link", printable(text), url]
         case content.Reference(label):
             return ["reference", places[label].kind, places[label].anchor]

@@ -7,22 +7,6 @@ from typing import TypeAlias
 
 from bayesfric.report.formulas import FORMULAS
 
-__all__ = [
-    "Code",
-    "Emphasis",
-    "Inline",
-    "Link",
-    "Math",
-    "Reference",
-    "Strong",
-    "Text",
-    "inlines",
-    "require",
-    "require_formula",
-    "require_text",
-    "sentences",
-]
-
 SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z0-9])")
 
 
@@ -69,28 +53,13 @@ class Math:
 
 
 @dataclass(frozen=True)
-class Link:
-    """Words that lead to a web address (http, https, doi or mailto)."""
-
-    text: str
-    url: str
-
-    def __post_init__(self) -> None:
-        require(
-            self.url.startswith(("https://", "http://", "mailto:")),
-            f"link: expected a web address, got {self.url!r}",
-        )
-        require_text(self.text, "link")
-
-
-@dataclass(frozen=True)
 class Reference:
     """The number of a labelled heading, figure, table or equation: "Figure 3"."""
 
     label: str
 
 
-Inline: TypeAlias = str | Emphasis | Strong | Code | Math | Link | Reference
+Inline: TypeAlias = str | Emphasis | Strong | Code | Math | Reference
 Text: TypeAlias = Inline | Sequence[Inline]
 
 
@@ -102,7 +71,7 @@ def inlines(text: Text) -> tuple[Inline, ...]:
     """
     if isinstance(text, str) or not isinstance(text, Sequence):
         return (_set(text),)
-    return tuple(_set(one) for one in text)
+    return tuple(_set(inline) for inline in text)
 
 
 _PERCENT = re.compile(r"(?<=\d)[ \u00a0]?%")
@@ -111,18 +80,18 @@ _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w.]*\w)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def _set(one: Inline) -> Inline:
+def _set(inline: Inline) -> Inline:
     """Set per cent, bounds and powers of ten; never in code."""
-    if isinstance(one, Emphasis | Strong):
-        return replace(one, text=_typeset(one.text))
-    return _typeset(one) if isinstance(one, str) else one
+    if isinstance(inline, Emphasis | Strong):
+        return replace(inline, text=_typeset(inline.text))
+    return _typeset(inline) if isinstance(inline, str) else inline
 
 
 def _typeset(words: str) -> str:
     words = _PERCENT.sub("\u202f%", words)
     words = _BOUND.sub("\\1\u00a0", words)
     words = _POWER.sub(
-        lambda found: f"{found[1]} × 10{(found[2].strip('+') + found[3]).translate(_RAISED)}",
+        lambda match: f"{match[1]} × 10{(match[2].strip('+') + match[3]).translate(_RAISED)}",
         words,
     )
     return words.replace("ω_n", "ωₙ")

@@ -6,8 +6,6 @@ from pathlib import Path
 
 from bayesfric.report.drawing import draw_figures, get_ready
 
-__all__ = ["write_report"]
-
 
 def write_report(
     folder: Path, before: Path | None = None, executor: Executor | None = None

@@ -14,17 +14,6 @@ from bayesfric.recording.frames import individual_angles
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
-__all__ = [
-    "PhasedEffect",
-    "draw_phases",
-    "drive_end",
-    "of_kind",
-    "surroundings",
-    "total",
-    "trial_in_setup",
-    "wrap_spread",
-]
-
 
 @dataclass(frozen=True)
 class PhasedEffect:

@@ -4,8 +4,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["QUANTILES", "bands"]
-
 QUANTILES = (0.05, 0.5, 0.95)
 
 

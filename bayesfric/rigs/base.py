@@ -27,26 +27,16 @@ from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.linear import LinearRows
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.own_design import OwnDesign, Simulated
+from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.own_design import Simulated as Simulated
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
-from bayesfric.rigs.unsupported import Unsupported, why_inert
+from bayesfric.rigs.unsupported import Unsupported as Unsupported
+from bayesfric.rigs.unsupported import why_inert as why_inert
 from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
-
-__all__ = [
-    "Predictive",
-    "Regime",
-    "Resting",
-    "Rig",
-    "RigTrials",
-    "Simulated",
-    "Unsupported",
-    "Words",
-    "why_inert",
-]
 
 Regime = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""

@@ -12,8 +12,6 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.truth import AppliedEffect
 
-__all__ = ["Change", "around_rows", "at_times", "law_column"]
-
 Change = Callable[[AppliedEffect], Array]
 """An applied effect to its change relative to friction, shape (rows, times); of an effect
 with components one after another on a first axis."""

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from bayesfric.rigs.base import RigTrials
 
-__all__ = ["Data"]
-
 
 @dataclass(frozen=True)
 class Data:

@@ -18,8 +18,6 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.unsupported import Unsupported
 
-__all__ = ["COEFFICIENTS", "Layout", "ModelColumns"]
-
 COEFFICIENTS = 3  # c1, c2, c3
 
 

@@ -25,19 +25,6 @@ from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.unsupported import Unsupported
 from bayesfric.rigs.windows import Windows
 
-__all__ = [
-    "Evaluated",
-    "LinearRig",
-    "LinearRows",
-    "NoiseParameter",
-    "Run",
-    "log_prior_of_logarithm",
-    "noise_parameter",
-    "pulley_radii",
-    "rank",
-    "rms_of",
-]
-
 
 @dataclass(frozen=True)
 class NoiseParameter:

@@ -10,8 +10,6 @@ from scipy.special import ndtri
 from bayesfric.arrays import Array
 from bayesfric.schemas import Interval, ModelError
 
-__all__ = ["ModelAmounts", "model_errors"]
-
 OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
 FELT = 0.1  # of a number's prior error, below which a change is not listed
 LEAST_SHARE_TAKEN = (

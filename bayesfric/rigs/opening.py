@@ -11,19 +11,6 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.simulators import SimulatorCalls
 
-__all__ = [
-    "baseline_of",
-    "beside_simulator",
-    "calibrating",
-    "chosen_rigs",
-    "diagnosed_law",
-    "left_out",
-    "open_rigs",
-    "remarks_of",
-    "rigs_with_trials",
-    "with_own_priors",
-]
-
 DEFAULT = "paper"  # the law where none is asked for
 COEFFICIENTS = set(Coefficients._fields)
 

@@ -10,8 +10,6 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.truth import Truth
 
-__all__ = ["OwnDesign", "Simulated"]
-
 
 @dataclass(frozen=True)
 class Simulated:

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.laws import FrictionLaw
 
-__all__ = ["OwnLaw"]
-
 
 @dataclass(frozen=True)
 class OwnLaw:

@@ -19,8 +19,6 @@ from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
 
-__all__ = ["PlainRig", "PlainTrials"]
-
 
 class PlainRig:
     """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""

@@ -15,11 +15,9 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
-from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import NoiseParameter, rms_of
-
-__all__ = ["PointRows"]
 
 NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
 NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")
@@ -69,6 +67,8 @@ class PointRows:
     intercept : ndarray, shape (N,), or None
         What friction that does not grow with tension adds to a reading; None where it does
         not scatter by itself.
+    lacks : frozenset of str
+        Coefficients that make no sense here, such as the slope where no load was recorded.
     """
 
     name: str
@@ -89,6 +89,7 @@ class PointRows:
     known_error: Array | float = 0.0
     further: Mapping[str, Array] = field(default_factory=dict)
     intercept: Array | None = None
+    lacks: frozenset[str] = frozenset()
 
     @property
     def trial_axes(self) -> tuple[str, ...]:
@@ -142,7 +143,8 @@ class PointRows:
         where = self.covariates()
         n, tension = where["n_pulleys"], where["tension"]
         turn = where["wrap_angle"] - REFERENCE_WRAP_ANGLE_DEG
-        return self.readings(np.stack([n * tension, n, n * tension * turn])).T
+        columns = self.readings(np.stack([n * tension, n, n * tension * turn])).T
+        return columns * [name not in self.lacks for name in Coefficients._fields]
 
     def scatter_column(self) -> Array:
         """Return the reading of a relative deviation of friction of 1, (N,)."""

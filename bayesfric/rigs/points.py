@@ -25,8 +25,6 @@ from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["LinearReadings", "PointPart"]
-
 
 class _WeightedReadings(NamedTuple):
     """Readings that enter, weighted by the variance of their errors at a noise."""

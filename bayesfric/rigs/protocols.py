@@ -15,18 +15,6 @@ from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import STANDARD_GRAVITY
 
-__all__ = [
-    "IDLE_REPEATS",
-    "IDLE_SPEEDS_M_S",
-    "MOTOR_ASSEMBLIES",
-    "MOTOR_SPEEDS_M_S",
-    "PROTOCOLS",
-    "Assembly",
-    "GravityTrial",
-    "MotorAssembly",
-    "Protocol",
-]
-
 TOP_ACCELERATION = 1.2  # m/s²; 1.2 m/s after 0.6 m, inside Table II
 LEAST_ACCELERATION = 0.2  # m/s²
 FRICTION_RESERVE = 0.4  # of friction, left over as drive at the least acceleration

@@ -20,8 +20,6 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
-__all__ = ["PulleyTrials"]
-
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 
 

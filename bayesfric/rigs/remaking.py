@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.inference.model import RigLikelihood
 
-__all__ = ["Remade", "remake"]
-
 
 @dataclass(frozen=True)
 class Remade:

@@ -13,8 +13,6 @@ from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.remaking import Remade
 
-__all__ = ["beside_predicted", "check_residuals", "measuring_order"]
-
 FALSE_ALARM = 0.05  # chance that a recording that obeys the model has an outlier
 
 

@@ -2,8 +2,6 @@
 
 import re
 
-__all__ = ["rotary_unit"]
-
 TURNED = {"N": "N·m", "m": "rad", "kg": "kg·m²"}
 
 

@@ -8,8 +8,6 @@ from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Flags, Whole
 
-__all__ = ["NestedDeviations", "SharedDeviation", "indicator", "second_moments"]
-
 
 @dataclass(frozen=True)
 class SharedDeviation:

@@ -11,8 +11,6 @@ from bayesfric.effects import Effect
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 
-__all__ = ["AppliedEffect", "Truth", "laws_of", "table1_coefficients"]
-
 OPTIONAL = ("omega_intercept", "omega_intercept_motor", "wander", "push", "assembly_freedom")
 
 

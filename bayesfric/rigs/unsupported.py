@@ -6,8 +6,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["Unsupported", "why_inert"]
-
 
 @dataclass(frozen=True)
 class Unsupported:

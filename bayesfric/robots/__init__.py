@@ -5,18 +5,12 @@
 :mod:`.model_errors` gives what errors of the model may add.
 """
 
-from bayesfric.robots.dynamics import PARAMETERS, RigidBodies
-from bayesfric.robots.model_errors import ModelErrors, model_error_columns, root_of_errors
-from bayesfric.robots.model_file import JointSettings, Robot, read_robot, robot_of_bytes
-
-__all__ = [
-    "PARAMETERS",
-    "JointSettings",
-    "ModelErrors",
-    "RigidBodies",
-    "Robot",
-    "model_error_columns",
-    "read_robot",
-    "robot_of_bytes",
-    "root_of_errors",
-]
+from bayesfric.robots.dynamics import PARAMETERS as PARAMETERS
+from bayesfric.robots.dynamics import RigidBodies as RigidBodies
+from bayesfric.robots.model_errors import ModelErrors as ModelErrors
+from bayesfric.robots.model_errors import model_error_columns as model_error_columns
+from bayesfric.robots.model_errors import root_of_errors as root_of_errors
+from bayesfric.robots.model_file import JointSettings as JointSettings
+from bayesfric.robots.model_file import Robot as Robot
+from bayesfric.robots.model_file import read_robot as read_robot
+from bayesfric.robots.model_file import robot_of_bytes as robot_of_bytes

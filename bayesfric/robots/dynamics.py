@@ -28,8 +28,6 @@ from bayesfric.arrays import Array
 from bayesfric.robots.kinematics import link_motions, rotation
 from bayesfric.robots.model_file import Robot
 
-__all__ = ["PARAMETERS", "RigidBodies", "six_moments"]
-
 PARAMETERS = ("mass", "hx", "hy", "hz", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 """Of a link: m [kg], m c [kg·m], and inertia about its frame [kg·m²]."""
 

@@ -14,8 +14,6 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ["LOAD_FRICTION", "SIMULATORS", "JointField", "fields_of"]
-
 MUJOCO, ISAACLAB, USD, NEWTON, GENESIS, DRAKE, SDF, URDF = SIMULATORS = (
     "mujoco",
     "isaaclab",

@@ -12,8 +12,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = ["LinkMotion", "about", "link_motions", "rotation"]
-
 SLIDE = 2  # mjJNT_SLIDE
 
 

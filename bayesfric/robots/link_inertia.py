@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.robots.dynamics import RigidBodies
 from bayesfric.robots.model_file import read_robot
 
-__all__ = ["link_inertia"]
-
 
 def link_inertia(path: Path, joint: str) -> float:
     """Return the inertia of the links about a joint, or their mass along it [kg·m² or kg].

@@ -18,8 +18,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.robots.dynamics import PARAMETERS, RigidBodies, six_moments
 
-__all__ = ["ErrorShares", "ModelErrors", "model_error_columns", "root_of_errors"]
-
 LEAST = 1e-6  # of the largest direction: below it a direction is rounding
 
 

@@ -16,8 +16,6 @@ import numpy as np
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import file_bytes
 
-__all__ = ["JointSettings", "Robot", "read_robot", "robot_of_bytes"]
-
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
 LARGEST_MESHES = 67_108_864  # bytes of all meshes together
 DEEPEST_INCLUDE = 8

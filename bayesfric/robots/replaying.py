@@ -14,8 +14,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.robots.model_file import Robot
 
-__all__ = ["Motion", "SimulatedJoint", "as_in_model", "inverse_torques", "replayed"]
-
 STEP_S = 1e-3  # of the simulation, at the most
 LOCKED = 1e9  # armature of joints that nobody logged: they stay where they are
 

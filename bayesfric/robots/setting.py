@@ -14,12 +14,8 @@ from bayesfric.robots.xml_text import (
     with_text,
 )
 
-__all__ = ["KINDS", "JointValues", "ModelText", "model_text"]
-
 KINDS = {"mujoco": "mjcf", "robot": "urdf", "sdf": "sdf"}
 """Formats by the element that a file begins with."""
-NO_JOINTS = ("default", "actuator", "tendon", "equality", "transmission")
-"""Elements below which `joint` is none of the chain."""
 TURNS = {
     "mjcf": {"hinge": True, "slide": False},
     "urdf": {"revolute": True, "continuous": True, "prismatic": False},

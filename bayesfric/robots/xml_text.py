@@ -10,16 +10,6 @@ from xml.parsers import expat
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = [
-    "Edit",
-    "Element",
-    "edited",
-    "elements_of",
-    "inserted",
-    "with_attributes",
-    "with_text",
-]
-
 
 @dataclass
 class Element:

@@ -5,17 +5,6 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-__all__ = [
-    "Because",
-    "Check",
-    "Interval",
-    "Number",
-    "Provenance",
-    "Record",
-    "RecordingId",
-    "Why",
-]
-
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
 """Of a key ``x_why``: the reason where ``x`` is null or empty, null where there is an ``x``."""
@@ -36,7 +25,7 @@ class Record(BaseModel):
     """Frozen, without unknown keys, and with a reason for what is null."""
 
     # Built when first used: all of them at once take a tenth of a second of each command.
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod

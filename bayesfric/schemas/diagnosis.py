@@ -3,35 +3,11 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
 from bayesfric.schemas.instrument import Instrument
-
-__all__ = [
-    "Absorbed",
-    "Axis",
-    "Cause",
-    "ConditionAsked",
-    "DiagnosisFile",
-    "EffectNumber",
-    "Enter",
-    "ExaminedEffect",
-    "FrictionAsked",
-    "Gap",
-    "GapRow",
-    "HeldOutDensity",
-    "Inclusion",
-    "LawNumber",
-    "ModelError",
-    "NextExperiment",
-    "Remainder",
-    "Shape",
-    "SimulatorField",
-    "SimulatorUsed",
-    "Unseparated",
-]
 
 LEAST_TOLD = 0.2  # of the force: an axis that explains less is no answer to where it lies
 
@@ -512,5 +488,3 @@ class DiagnosisFile(Provenance):
         None, description="Conditions that were asked about, if any."
     )
     target_why: Annotated[Why, Because("no conditions were asked about (--target)")] = None
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -2,29 +2,11 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 from bayesfric.schemas.parameter import ParameterSummary
 from bayesfric.schemas.pooled import Pooled
-
-__all__ = [
-    "Agreement",
-    "AssemblyCheck",
-    "Clocks",
-    "DataQuality",
-    "Excluded",
-    "FitFile",
-    "JointFit",
-    "OutlyingAssembly",
-    "PointEstimate",
-    "Prediction",
-    "Repaired",
-    "SamplerSummary",
-    "TimingsFile",
-    "Uniformity",
-    "WithoutExclusions",
-]
 
 NOT_COMPARED = Because("the two sensors of no trial can be compared")
 
@@ -288,8 +270,6 @@ class FitFile(Provenance):
     )
     pooled_why: Annotated[Why, Because("it is a fit of one recording")] = None
 
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
 
 class TimingsFile(Record):
     """``timings.json``: what may differ between two runs of the same result."""
@@ -301,5 +281,3 @@ class TimingsFile(Record):
         default_factory=dict,
         description="Paths of the recording and the loop files, as `bayesfric rerun` finds them.",
     )
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -6,8 +6,6 @@ from pydantic import Field
 
 from bayesfric.schemas.base import Number, Record
 
-__all__ = ["Instrument", "InstrumentNumber"]
-
 
 class InstrumentNumber(Record):
     """A number of the law by least squares, and by the instrument."""

@@ -2,30 +2,9 @@
 
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
-
-__all__ = [
-    "Bode",
-    "Certificate",
-    "FollowedWith",
-    "Following",
-    "GammaProbability",
-    "Held",
-    "HuntingMap",
-    "LawUsed",
-    "LoopMargins",
-    "MarginsFile",
-    "Metric",
-    "NyquistFan",
-    "Plant",
-    "Trajectory",
-    "Tuning",
-    "Verification",
-    "VerifiedDraw",
-    "WithEffects",
-]
 
 NO_WAY = Because("only an open run is driven or overhauled")
 
@@ -381,5 +360,3 @@ class MarginsFile(Provenance):
     law: LawUsed | None = Field(None, description="Null in files of earlier versions.")
     attention: tuple[str, ...] = Field((), description="Every check that failed.")
     loops: tuple[LoopMargins, ...] = Field(description="In the order given.")
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -6,8 +6,6 @@ from pydantic import BeforeValidator, Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Why
 
-__all__ = ["ParameterSummary"]
-
 NO_COEFFICIENT = Because("it is asked of coefficients alone")
 LARGEST = 1000.0  # JSON has no infinity
 

@@ -5,8 +5,6 @@ from pydantic import Field
 from bayesfric.schemas.base import Interval, Number, Record, RecordingId
 from bayesfric.schemas.parameter import ParameterSummary
 
-__all__ = ["BoardCoefficient", "Pooled", "PooledBoard", "PooledCoefficient"]
-
 
 class PooledBoard(Record):
     """One of several recordings, each of which counts as a board."""

@@ -11,15 +11,10 @@ from bayesfric.rigs import all_rigs, paper_rigs
 from bayesfric.rigs.base import Simulated
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import PROTOCOLS, Protocol
-from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
+from bayesfric.rigs.truth import AppliedEffect as AppliedEffect
+from bayesfric.rigs.truth import Truth as Truth
+from bayesfric.rigs.truth import table1_coefficients as table1_coefficients
 from bayesfric.simulate.strength import at_strength
-
-__all__ = [
-    "AppliedEffect",
-    "Truth",
-    "simulate_recording",
-    "table1_coefficients",
-]
 
 TORQUE_CONSTANT_N_M_PER_A = 0.0259  # an assumption: the paper does not name its motor's
 CAPSTAN_RADIUS_M = 0.0065  # likewise

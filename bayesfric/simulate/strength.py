@@ -24,8 +24,6 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
-__all__ = ["RMS_AT_FULL_STRENGTH", "at_strength"]
-
 RMS_AT_FULL_STRENGTH = 0.1
 LARGEST_AMPLITUDE = 1e6
 

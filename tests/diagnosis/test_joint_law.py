@@ -45,6 +45,66 @@ def test_inertia_friction_and_offset_are_the_law_and_no_cause():
     assert "a mass that is declared" in why["torque-gain"]
 
 
+@pytest.mark.parametrize(("gravity", "noise", "seed"), [(1.0, 0.02, 1), (0.5, 0.05, 2)])
+def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
+    """On ± 0.25 rad the two differ by less than what is measured: it is said, or it is a weight."""
+    joint = Joint(gravity=gravity, strokes_rad=(0.2, 0.05), noise=noise, resolution=1e-4, seed=seed)
+    found = bf.diagnose(joint.recording()).summary
+    rivals = {name for one in found.unseparated for name in one.effects}
+    weighed = list(causes_of(found)) == ["gravity-torque"]
+    assert weighed or {"gravity-torque", "spring"} <= rivals
+    assert found.verdict in ("named", "unseparated")
+    assert found.law["inertia"].after.mean == pytest.approx(joint.inertia, rel=0.06)
+
+
+def test_a_drag_that_takes_more_than_friction_is_itself_and_no_stribeck_curve():
+    """With a prior of a third of friction, a cube and a Stribeck curve took its place."""
+    joint = Joint(gravity=0.0, drag=0.02, noise=0.02, seed=10)
+    found = bf.diagnose(joint.recording()).summary
+    causes = causes_of(found)
+    assert list(causes) == ["air-drag"]
+    assert causes["air-drag"].parameters["coefficient"].mean == pytest.approx(0.02, rel=0.1)
+    assert found.law["viscous"].after.mean == pytest.approx(joint.viscous, rel=0.15)
+
+
+def test_an_inertia_that_data_have_below_zero_is_not_told_as_known():
+    """Something beside the joint pulls it along as it accelerates, a hundred standard errors."""
+    samples = Joint(inertia=-0.3, coulomb=0.2, gravity=0.0, seconds=12.0).samples()
+    found = bf.diagnose(recording_of(samples, force_is="motor")).summary.law["inertia"]
+    for told in (found.before, found.after):
+        assert told.q05 > 0
+        assert told.sd > 0.01
+        assert told.q95 - told.q05 > 0.03
+
+
+def test_a_motor_that_is_off_for_half_of_the_log_does_not_silence_the_rest():
+    """Where nothing drives, the force is told without any error, and all could be zero there."""
+    found = bf.diagnose(recording_of(switched_off(), force_is="motor")).summary
+    for name, truth in {"inertia": 0.06, "coulomb": 0.03, "viscous": 0.01}.items():
+        assert found.law[name].after.mean == pytest.approx(truth, rel=0.1)
+    assert list(causes_of(found)) == ["gravity-torque"]
+
+
+def switched_off():
+    """Return samples of a pendulum that is driven for 9 s and swings freely for 11 s more."""
+    rng, step = np.random.default_rng(4), 2.5e-4
+    time = step * np.arange(round(20 / step))
+    drive = np.where(time < 9, 0.9 * np.sin(2 * np.pi * 0.37 * time) + 0.4 * np.sin(7 * time), 0.0)
+    place = speed = 0.0
+    places = np.empty(time.size)
+    for at, push in enumerate(drive.tolist()):
+        places[at] = place
+        speed += step * (push - np.sin(place) - 0.01 * speed) / 0.06
+        speed = np.sign(speed) * max(abs(speed) - step * 0.03 / 0.06, 0.0)
+        place += step * speed
+    logged = slice(None, None, 20)
+    force = drive[logged] + np.where(drive != 0, 0.1, 0.0)[logged] * rng.standard_normal(4000)
+    position = 1e-3 * np.round(places[logged] / 1e-3)
+    return pd.DataFrame(
+        {"run": "a", "time_s": time[logged], "position_m": position, "force_n": force}
+    )
+
+
 @pytest.mark.parametrize(
     ("baseline", "called", "lacks"),
     [

@@ -184,3 +184,62 @@ def test_a_force_that_causes_leave_is_a_remainder():
     told = all_left(search, Unknown((Wide(0.1, "order"),), np.zeros(1), 0.0, AT, Acting()))
     assert told.significant
     assert told.log10_bayes_factor == pytest.approx(2.0)
+
+
+def weighed_by_name(*labels):
+    """Return hypotheses, the first the most probable; their effects are columns of a machine."""
+    found = {}
+    for place, label in enumerate(labels):
+        names = () if label == "none" else tuple(label.split("+"))
+        laws = tuple(SimpleNamespace(effect=name) for name in names)
+        acting = Acting(laws, (0.0,) * len(laws))
+        found[label] = Weighed(names, -100.0 * place, None, acting, AT)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("of_spring", "left", "share"),
+    [
+        (0.05, 0.04, 1.0),  # what is left is as large as what the spring takes
+        (0.20, 0.04, None),  # it is a small part of it
+        (0.05, 0.01, None),  # it does not matter
+        (0.70, 0.40, None),  # gravity makes no nine tenths: both are large
+    ],
+)
+def test_beside_gravity_an_effect_has_to_take_most_of_what_gravity_leaves(
+    monkeypatch, of_spring, left, share
+):
+    """A spring of 5 % of friction beside 4 % that nobody made is as little as that is."""
+    weight, spring, rest = np.ones(4), OWN, REST
+    force = weight + of_spring * spring + left * rest
+    residuals = SimpleNamespace(
+        weight=np.full(4, 0.25), friction_rms=1.0, without_law=lambda column: column
+    )
+    posterior = SimpleNamespace(
+        hypothesis=np.array(["gravity-torque+spring"] * 3),
+        force=np.tile(force[:, None], 3),
+        hidden2=np.zeros(3),
+        unresolved2=np.zeros(3),
+        gap=np.full(3, float(np.sqrt(np.mean(force**2)))),
+    )
+    arms = SimpleNamespace(
+        plain=None, psi=None, of_causes=lambda windows: np.stack([weight, spring], axis=1)
+    )
+    monkeypatch.setattr(judging, "_around_causes", lambda *inputs: arms)
+    monkeypatch.setattr(judging, "residuals_of", lambda *inputs: residuals)
+    search = Search(
+        weighed_by_name("gravity-torque+spring", "gravity-torque", "none"),
+        {},
+        None,
+        Classes((("gravity-torque",), ("spring",)), (), {}),
+        Analysis().diagnosis.hypotheses,
+        np.eye(1),
+        0.0,
+    )
+    once = SimpleNamespace(residuals=residuals, posterior=posterior, arms=arms)
+    found = judging._largest_alone(None, search, once, 0.02)
+    assert found == (None if share is None else (frozenset({"gravity-torque"}), share))
+    if share is not None:
+        moved = replace(search, minor=found)
+        assert moved.probabilities()["gravity-torque"] == pytest.approx(1.0)
+        assert moved.best().label == "gravity-torque"

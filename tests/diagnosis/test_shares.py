@@ -180,6 +180,56 @@ def test_a_place_that_a_rig_has_not_explains_nothing_there():
     assert means(found)["rig"] > 0.95
 
 
+def strokes():
+    """Return position, direction and travel since the reversal of strokes of many lengths."""
+    rng = np.random.default_rng(11)
+    length = rng.uniform(0.2, 0.6, (ROWS // 10, 1))
+    travel = length * np.linspace(0.02, 0.98, 10)
+    direction = np.broadcast_to(
+        np.where(np.arange(ROWS // 10) % 2, 1.0, -1.0)[:, None], travel.shape
+    )
+    position = direction * (travel - length / 2)
+    return position.ravel(), direction.ravel(), travel.ravel()
+
+
+def test_a_spring_lies_along_the_position_and_not_along_the_travel_since_a_reversal():
+    """Against the motion it grows with the travel: direction times position say that, too."""
+    position, direction, travel = strokes()
+    board = windows(
+        {"displacement": position, "direction": direction, "travel_since_reversal": travel}
+    )
+    found = shares_of(board, unit(position * direction)[:, None], {})
+    adds_up(found)
+    # The product of the two axes makes the force: Shapley's value halves it.
+    assert means(found)["displacement"] == pytest.approx(0.5, abs=0.05)
+    assert means(found)["direction"] == pytest.approx(0.5, abs=0.05)
+    assert means(found)["travel_since_reversal"] < 0.01
+
+
+def test_what_settles_after_a_reversal_lies_along_the_travel_since_it():
+    position, direction, travel = strokes()
+    board = windows(
+        {"displacement": position, "direction": direction, "travel_since_reversal": travel}
+    )
+    found = shares_of(board, unit(np.exp(-travel / 0.02))[:, None], {})
+    adds_up(found)
+    assert means(found)["travel_since_reversal"] > 0.5
+
+
+def test_a_wave_that_smooth_functions_cannot_follow_lies_along_its_axis():
+    """A period of a tenth of the stroke: by smooth functions alone nothing explains it."""
+    position, _, travel = strokes()
+    board = windows({"displacement": position, "travel_since_reversal": travel})
+    wave = np.sin(2 * np.pi * position / 0.02)
+    without = shares_of(board, wave[:, None], {})
+    found = shares_of(board, wave[:, None], {}, [(frozenset({"displacement"}), wave)])
+    adds_up(found)
+    assert means(without)["displacement"] < 0.3
+    # A thousandth is shrunk off it by the ridge.
+    assert means(found)["displacement"] > 0.85
+    assert found.unexplained.mean() == pytest.approx(0.001, abs=0.001)
+
+
 def test_more_axes_than_compete_add_up_too():
     rng = np.random.default_rng(6)
     columns = rng.standard_normal((2000, 16))
@@ -209,6 +259,7 @@ def placed(board, force, strengths=(), draws=50):
     posterior = SimpleNamespace(
         force=force[:, None] * (1 + 0.02 * rng.standard_normal(draws)),
         strengths=dict(strengths),
+        waves={},
     )
     return where_it_lies(board, force, board, posterior, all_effects(), rng)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from altered import of_size, with_trials
-from scipy import stats
+from scipy import special, stats
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.posterior import fit
@@ -225,7 +225,10 @@ def test_densities_are_the_prior_and_a_histogram_of_the_draws(small_fit):
     assert height @ np.diff(edge) == pytest.approx(0.999, abs=1e-3)
     below = np.searchsorted(np.sort(draws), edge[20]) / len(draws) - 5e-4
     assert height[:20] @ np.diff(edge)[:20] == pytest.approx(below, abs=1e-3)
-    assert entry["prior"].to_numpy() == pytest.approx(stats.halfnorm(scale=0.05).pdf(edge))
+    assert entry["prior"].to_numpy() == pytest.approx(stats.halfnorm(scale=0.01).pdf(edge))
     wrap = table.sel(parameter="c3[large]")
-    assert wrap["prior"].to_numpy() == pytest.approx(stats.norm(0, 1e-3).pdf(wrap["value"]))
+    # A half-normal times a normal: the Bessel function K0 of their product.
+    scale = 0.01 * 0.005
+    expected = special.k0(np.abs(wrap["value"]) / scale) / (np.pi * scale)
+    assert wrap["prior"].to_numpy() == pytest.approx(expected.to_numpy(), rel=0.02)
     assert [entry["unit"].item(), wrap["unit"].item()] == ["1", "1/deg"]

@@ -124,7 +124,7 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
     posterior = small_fit.draws["posterior"].to_dataset()
     screened = screen_trials(small_recording.gravity, small_recording.rig)
     likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
-    widths = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
+    widths = {"c1": 0.01, "c2": 0.04, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
     widths |= {"omega_intercept": 0.05, "wander": 0.02}
     ensembles, walkers = (getattr(small_fit.summary.sampler, n) for n in ("ensembles", "walkers"))
 
@@ -137,7 +137,7 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
         of_size = posterior.sel(pulley=size)
         theta |= {f"{c}[{size}]": by_ensemble(of_size[c]) for c in ("c1", "c2", "c3")}
     log_prior = sum(
-        stats.norm(0, 1e-3).logpdf(values)
+        stats.norm(0, 0.005 * theta[name.replace("c3", "c1")]).logpdf(values)
         if name.startswith("c3")
         else stats.lognorm(0.5, scale=0.1).logpdf(values)
         if name == "wander_length"

@@ -183,6 +183,16 @@ def test_weights_of_zero_and_equal_weights():
     assert k == 0
 
 
+@pytest.mark.parametrize("span", [640.0, 690.0, 700.0, 705.0])
+def test_weights_that_span_the_range_of_doubles_are_not_relied_on(span):
+    """One draw has all the weight: whatever overflows on the way, k says so."""
+    low, tail = np.linspace(-span - 10, -span - 9, 980), np.linspace(-span, 50 - span, 19)
+    smoothed, k = smooth_weights(np.concatenate([low, tail, [0.0]]))
+    assert k > 0.7
+    assert np.argmax(smoothed) == 999
+    assert np.isfinite(smoothed).all()
+
+
 def test_power_scaling_tells_data_from_prior():
     """A coefficient that the data tell about, and one that only its prior does."""
     rng = np.random.default_rng(14)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import truncnorm
 
-from bayesfric.inference.truncated import drawn_above
+from bayesfric.inference.truncated import drawn_above, normal_above
 
 
 @pytest.mark.parametrize("mean", [2.0, 0.3, -0.7, -3.0])
@@ -18,12 +18,19 @@ def test_moments_are_those_of_the_truncated_normal(mean):
     assert found.std() == pytest.approx(exact.std(), rel=0.03)
 
 
-def test_a_number_far_below_its_bound_is_at_it_and_finite():
-    draws = np.random.default_rng(2).normal(-1e3, 1.0, (500, 1))
+def test_a_number_far_below_its_bound_is_off_by_as_much():
+    """Data that have it at −1000 ± 1 are wrong by 1000: an interval of 1 above 0 is none."""
+    draws = np.random.default_rng(2).normal(-1e3, 1.0, (2000, 1))
     found = drawn_above(draws, np.array([0.0]))
     assert np.isfinite(found).all()
     assert found.min() >= 0
-    assert found.max() < 0.5
+    exact = truncnorm(4.0, np.inf, scale=250.0, loc=-1e3)
+    assert found.mean() == pytest.approx(exact.mean(), rel=0.03)
+    assert found.std() == pytest.approx(exact.std(), rel=0.05)
+    mean, sd, quantiles = normal_above(-1e3, 1.0, 0.0)
+    assert mean == pytest.approx(exact.mean())
+    assert sd == pytest.approx(exact.std())
+    assert quantiles == pytest.approx(np.quantile(found, [0.05, 0.5, 0.95]), rel=0.05)
 
 
 def test_without_a_bound_and_above_it_nothing_changes():

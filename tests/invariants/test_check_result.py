@@ -41,7 +41,7 @@ def test_a_diagnosis_that_goes_together_breaks_nothing(tmp_path):
     path.write_text(json.dumps(record()))
     assert [check.check for check in check_result(path)] == list(RULES["diagnosis"])
     assert all(check.holds for check in check_result(str(path)))
-    empty = json.loads(without_gap().found.model_dump_json(by_alias=True))
+    empty = json.loads(without_gap().record.model_dump_json(by_alias=True))
     assert broken_of(empty) == {}
 
 

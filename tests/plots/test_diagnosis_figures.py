@@ -37,7 +37,7 @@ SHARE = "share of the systematic force (variance)"
 
 
 def test_bars_of_where_are_the_shares_with_their_intervals_and_what_is_left():
-    found = stored_diagnosis().found
+    found = stored_diagnosis().record
     fig = where_it_lies(found.where, None, unexplained=found.unexplained)
     axes = panel(fig, SHARE)
     assert tick_texts(axes) == [
@@ -54,7 +54,7 @@ def test_bars_of_where_are_the_shares_with_their_intervals_and_what_is_left():
 
 
 def test_the_bar_of_the_axis_that_leads_is_another_colour_than_all_others():
-    found = stored_diagnosis().found
+    found = stored_diagnosis().record
     first, *others = panel(where_it_lies(found.where, None), SHARE).patches
     assert first.get_facecolor() not in {bar.get_facecolor() for bar in others}
     alike = tuple(one.model_copy(update={"leads": False}) for one in found.where)
@@ -64,10 +64,10 @@ def test_the_bar_of_the_axis_that_leads_is_another_colour_than_all_others():
 
 def test_shapes_are_the_stored_bands_of_the_four_largest():
     stored = stored_diagnosis()
-    fig = where_it_lies(stored.found.where, stored.group("residuals"))
+    fig = where_it_lies(stored.record.where, stored.group("residuals"))
     labels = ["velocity [m/s]", "displacement [m]", "tension [N]", "number of pulleys"]
     assert [axes.get_xlabel() for axes in fig.axes][1:] == labels
-    shape = stored.found.where[0].shape
+    shape = stored.record.where[0].shape
     axes = panel(fig, "velocity [m/s]")
     dots, curve, zero = axes.lines
     np.testing.assert_array_equal(curve.get_xydata().T, [shape.grid, shape.gap_n])
@@ -111,14 +111,14 @@ def test_effects_are_the_most_probable_and_eight_at_most():
 
 def test_bars_of_the_gap_are_the_stored_medians_in_newtons_and_millimetres():
     stored = stored_diagnosis()
-    fig = how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True)
+    fig = how_far(stored.record.gap, 0.02, stored.group("trajectories"), named=True)
     force = panel(fig, "rms, held out: force [N]")
-    systematic = stored.found.gap.systematic.q50
+    systematic = stored.record.gap.systematic.q50
     assert widths(force) == [0.0951, 0.0523, 0.0187, 0.0174, systematic]
     assert widths(panel(fig, "rms, held out: trajectory [mm]")) == pytest.approx(
         [19.02, 10.46, 3.74, 3.48]
     )
-    before = stored.found.gap.before
+    before = stored.record.gap.before
     assert list(force.lines[1].get_xdata()) == [before.q05, before.q95]
     assert tick_texts(force) == [
         "as shipped",
@@ -128,13 +128,13 @@ def test_bars_of_the_gap_are_the_stored_medians_in_newtons_and_millimetres():
         "systematic gap",
     ]
     limit = force.lines[-1].get_xdata()[0]
-    assert limit == pytest.approx(0.02 * stored.found.gap.friction_rms)
+    assert limit == pytest.approx(0.02 * stored.record.gap.friction_rms)
 
 
 def test_deviations_of_trajectories_are_simulated_minus_measured():
     stored = stored_diagnosis()
     table = stored.curves["trajectories"]
-    fig = how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True)
+    fig = how_far(stored.record.gap, 0.02, stored.group("trajectories"), named=True)
     paths, deviations = fig.axes[2:5], fig.axes[5:8]
     assert [axes.get_title() for axes in paths] == ["g0011", "g0042", "g0107"]
     _, before, after = deviations[1].lines
@@ -147,21 +147,21 @@ def test_deviations_of_trajectories_are_simulated_minus_measured():
 
 
 def test_without_cause_shipped_values_or_trajectory_their_bars_are_left_out():
-    fig = how_far(without_gap().found.gap, 0.02, None, named=False)
+    fig = how_far(without_gap().record.gap, 0.02, None, named=False)
     (axes,) = fig.axes
     assert tick_texts(axes) == ["recalibrated", "scatter (floor)", "systematic gap"]
     assert widths(axes)[:2] == [0.0176, 0.0174]
     stored = stored_diagnosis()
-    alone = how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=False)
+    alone = how_far(stored.record.gap, 0.02, stored.group("trajectories"), named=False)
     assert len(alone.axes[-1].lines) == 2  # zero and before: nothing comes after
 
 
 def test_they_repeat_their_bytes():
     stored = stored_diagnosis()
     for draw in (
-        lambda: where_it_lies(stored.found.where, stored.group("residuals")),
-        lambda: what_acts(stored.found.inclusion, 0.02),
-        lambda: how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True),
+        lambda: where_it_lies(stored.record.where, stored.group("residuals")),
+        lambda: what_acts(stored.record.inclusion, 0.02),
+        lambda: how_far(stored.record.gap, 0.02, stored.group("trajectories"), named=True),
     ):
         svg = to_svg(draw())
         assert svg == to_svg(draw())

@@ -307,7 +307,7 @@ def words(text):
 
 def blocks_of(stored):
     """Return the chapter and its long tables."""
-    return [*chapter(stored, alone=False), *appendix(stored.found)]
+    return [*chapter(stored, alone=False), *appendix(stored.record)]
 
 
 def tables(stored):
@@ -345,3 +345,7 @@ def two_causes():
         ),
         where=diagnosis().where + many,
     )
+
+
+def glance(stored):
+    return {question: " ".join(answer) for question, answer in rows(stored, "glance").items()}

@@ -12,11 +12,9 @@ from bayesfric.report.content import (
     Equation,
     Figure,
     Heading,
-    Link,
     Listing,
     Math,
     Notice,
-    PageBreak,
     Paragraph,
     Reference,
     Strong,
@@ -39,7 +37,7 @@ def document(**changes: object) -> Document:
         Paragraph(
             ["Plain, ", Emphasis("slanted"), ", ", Strong("bold"), ", ", Code("a.toml"), "."]
         ),
-        Paragraph([Link("the paper", "https://example.org/paper"), " has ", Math("c_1"), "."]),
+        Paragraph(["The paper has ", Math("c_1"), "."]),
         Equation(LAW, label="law"),
         Heading(2, "Numbers"),
         Table(
@@ -56,7 +54,6 @@ def document(**changes: object) -> Document:
         Heading(3, "Details"),
         BulletList(["one", ["two: ", Reference("coefficients")], [Reference("again")]]),
         Listing("bayesfric run\n  --seed 1"),
-        PageBreak(),
         Heading(1, "Second chapter"),
         Paragraph(["Back to ", Reference("first"), "."]),
     ]
@@ -64,7 +61,6 @@ def document(**changes: object) -> Document:
         "title": "A sample report",
         "subtitle": "With everything in it",
         "blocks": blocks,
-        "authors": ["A. Author"],
         "date": datetime(2026, 3, 4, 5, 6, 7, tzinfo=UTC),
     }
     return Document(**(fields | changes))  # type: ignore[arg-type]

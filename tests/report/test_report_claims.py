@@ -71,7 +71,7 @@ def stored(small_fit):
 
 
 def test_page_one_says_which_claims_fell(stored):
-    notice = fallen(stored.found)
+    notice = fallen(stored.record)
     assert notice.kind == "attention"
     text = "".join(str(getattr(part, "text", part)) for part in notice.text)
     assert text.startswith("1 refuted, 1 undecided")
@@ -81,7 +81,7 @@ def test_page_one_says_which_claims_fell(stored):
 
 def test_claims_that_no_data_can_test_are_told_on_page_one_alone(stored):
     one = result("rigs-agree", "not-testable", None)
-    untestable = stored.found.model_copy(update={"claims": (one,)})
+    untestable = stored.record.model_copy(update={"claims": (one,)})
     assert fallen(untestable).text.startswith("None of the 1 claims is testable here")
     assert list(claims(StoredClaims(untestable, stored.curves))) == []
 
@@ -89,7 +89,7 @@ def test_claims_that_no_data_can_test_are_told_on_page_one_alone(stored):
 def test_page_one_is_green_only_where_every_claim_holds(stored):
     def kind(*verdicts):
         claims = tuple(result(f"claim-{k}", v, 1.0) for k, v in enumerate(verdicts))
-        return fallen(stored.found.model_copy(update={"claims": claims})).kind
+        return fallen(stored.record.model_copy(update={"claims": claims})).kind
 
     assert kind("supported", "supported") == "good"
     assert kind("supported", "undecided") == "info"
@@ -117,14 +117,14 @@ def test_the_chapter_tells_each_claim_and_the_rules(stored):
 def test_claims_of_another_recording_are_refused(stored, small_fit, tmp_path):
     small_fit.write(tmp_path)
     write_netcdf(stored.curves, tmp_path / "claims.nc")
-    (tmp_path / "claims.json").write_bytes(json_bytes(stored.found))
-    assert read_stored(tmp_path).claims.found == stored.found
-    other = stored.found.recording.model_copy(update={"sha256": "0" * 64})
-    stale = stored.found.model_copy(update={"recording": other})
+    (tmp_path / "claims.json").write_bytes(json_bytes(stored.record))
+    assert read_stored(tmp_path).claims.record == stored.record
+    other = stored.record.recording.model_copy(update={"sha256": "0" * 64})
+    stale = stored.record.model_copy(update={"recording": other})
     (tmp_path / "claims.json").write_bytes(json_bytes(stale))
     with pytest.raises(InputError, match=r"claims\.json"):
         read_stored(tmp_path)
-    (tmp_path / "claims.json").write_bytes(json_bytes(stored.found))
+    (tmp_path / "claims.json").write_bytes(json_bytes(stored.record))
     (tmp_path / "claims.nc").unlink()
     with pytest.raises(InputError, match=r"claims\.nc.*bayesfric claims"):
         read_stored(tmp_path)
@@ -139,7 +139,7 @@ def test_the_curve_is_the_stored_one(stored):
 
 
 def test_what_is_beyond_the_axis_is_written(stored):
-    rivals = stored.found.claims[0].figures["log10_bayes_factor_against"]
+    rivals = stored.record.claims[0].figures["log10_bayes_factor_against"]
     (axes,) = against_rivals({"linear-in-tension": rivals}).axes
     dots = [line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 1]
     assert dots == [-2.6, 8.0]

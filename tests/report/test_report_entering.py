@@ -62,7 +62,7 @@ def test_the_figure_has_a_panel_a_joint_and_four_at_the_most():
 def test_page_one_says_what_came_of_the_replay():
     from export.test_entered import COULOMB
 
-    block = stored().found.model_copy(update={"enter": (COULOMB,)})
+    block = stored().record.model_copy(update={"enter": (COULOMB,)})
     paragraph = list(numbers_to_enter(block))[-1]
     assert isinstance(paragraph, Paragraph)
     assert "Promoted: so." in "".join(

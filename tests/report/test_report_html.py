@@ -73,12 +73,10 @@ def test_every_picture_is_inside_the_file_and_described(page: Page) -> None:
 
 
 def test_nothing_is_fetched(html: str, page: Page) -> None:
-    assert [a["href"] for a in page.all("a") if not str(a["href"]).startswith("#")] == [
-        "https://example.org/paper"
-    ]
+    assert all(str(a["href"]).startswith("#") for a in page.all("a"))
     assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
     assert page.all("script") == [{}]  # the template's own, without a source
-    assert "http" not in html.replace("https://example.org/paper", "")
+    assert "http" not in html
     assert "url(" not in html
 
 

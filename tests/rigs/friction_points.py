@@ -48,3 +48,12 @@ def slide(change: float = 0.0) -> dict[str, np.ndarray]:
     friction = (0.1 * load + 10) * (1 - change * (warm - 30) / 20)
     friction *= 1 + 0.01 * rng.standard_normal(40)
     return {"tension_n": load, "oil_temperature_c": warm, "friction_n": friction}
+
+
+def warming() -> dict[str, np.ndarray]:
+    """Return 40 points of a joint with cold grease, which rubs a third more at first."""
+    rng, order = np.random.default_rng(3), np.arange(1, 41)
+    speed = np.tile(np.linspace(0.1, 2.0, 20), 2)
+    friction = (8 + 0.5 * speed) * (1 + 0.3 * np.exp(-order / 12))
+    friction = friction * (1 + 0.005 * rng.standard_normal(40))
+    return {"velocity_m_s": speed, "friction_n": friction, "order": order}

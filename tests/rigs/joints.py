@@ -19,6 +19,7 @@ class Joint:
     coulomb: float = 0.18
     viscous: float = 0.05
     gravity: float = 1.0
+    drag: float = 0.0  # with the square of the speed [N·m s²/rad²]
     rates_hz: tuple = (0.31, 0.83)
     strokes_rad: tuple = (1.0, 0.35)
     seconds: float = 20.0
@@ -41,6 +42,7 @@ class Joint:
             acceleration -= stroke * (2 * np.pi * rate) ** 2 * np.sin(phase)
         force = self.inertia * acceleration + self.gravity * np.sin(position)
         force += np.sign(speed) * self.coulomb + self.viscous * speed
+        force += self.drag * speed * np.abs(speed)
         force += self.noise * rng.standard_normal(time.size)
         last = np.arange(time.size) // self.held * self.held
         table = pd.DataFrame(

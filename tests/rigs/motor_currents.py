@@ -7,7 +7,8 @@ from scipy import stats
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.motor import motor_friction
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.motor_board.likelihood import MotorModel, run_condition
+from bayesfric.rigs.motor_board.likelihood import MotorModel
+from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.simulate import table1_coefficients
 
 RIG = RigConstants(motor_torque_constant_n_m_per_a=0.0259, capstan_radius_m=0.0065)

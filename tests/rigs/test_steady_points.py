@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from reasons import explained
-from rigs.friction_points import curved, joint, recorded, slide
+from rigs.friction_points import curved, joint, recorded, slide, warming
 
 import bayesfric as bf
 from bayesfric import rigs
@@ -101,6 +101,28 @@ def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
     assert stored.pulleys[size].c1 == own.c1 != stored.c1
     again = with_own_priors(checked_analysis(found.analysis, "stored"), [trials])
     assert again.priors.pulleys == stored.pulleys
+
+
+def test_cold_grease_without_a_thermometer_may_be_wear_as_well(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, warming(), rotary=True)).summary
+    assert found.verdict == "named"
+    assert {cause.effect for cause in found.causes} & {"thermal", "wear-drift"}
+    assert ("thermal", "wear-drift") in [one.effects for one in found.unseparated]
+    assert "wear-drift" in found.sentence
+    assert "thermal" in found.sentence
+
+
+def test_a_share_of_friction_is_told_where_no_load_was_recorded(tmp_path):
+    """Without a load no friction grows with one: a constant is all of it, and is told."""
+    found = bf.diagnose(recorded(tmp_path, joint(3.0), rotary=True)).summary
+    assert list(found.law) == ["c2"]
+    constant = found.law["c2"].after
+    assert abs(constant.mean - 8.0) < 4 * constant.sd
+    assert constant.sd < 0.1
+    assert found.gap.no_share is None
+    # What a constant cannot take up of 3 N·m s/rad at 0.1 to 2 rad/s, beside the law's 8 N·m.
+    share = 3.0 * np.linspace(0.1, 2.0, 15).std() / 8.0
+    assert found.gap.before.mean / found.gap.friction_rms == pytest.approx(share, rel=0.05)
 
 
 @pytest.mark.nightly

@@ -17,8 +17,6 @@ from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.left_out import LeftOut, Uniformity, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
 
-__all__ = ["FAR_SD", "Assemblies", "assemblies_of"]
-
 FAR_SD = 3.0  # standard deviations; an assembly beyond is named
 FEWEST = 5  # assemblies whose distribution says something
 SETS_AGAIN = 2000  # sets of independent ones

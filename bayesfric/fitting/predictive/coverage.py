@@ -10,8 +10,6 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.remaking import Remade
 
-__all__ = ["CELL", "LEVELS", "coverage"]
-
 LEVELS = (0.5, 0.9)
 CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 

@@ -28,17 +28,6 @@ from bayesfric.inference.evidence import (
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import GivenRest, Model, RigLikelihood
 
-__all__ = [
-    "LeftOut",
-    "Uniformity",
-    "by_blocks",
-    "leave_out",
-    "leave_setups_out",
-    "scores",
-    "setup_log_densities",
-    "uniformity",
-]
-
 Kind = Literal["trial", "setup"]
 DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each
 AGAIN = 1000  # recordings made again

@@ -6,11 +6,8 @@ import xarray as xr
 from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import rank_counts
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
-
-__all__ = ["coefficients", "densities", "ranks"]
 
 RANK_BINS = 20
 DENSITY_BINS = 40
@@ -65,7 +62,7 @@ def densities(model: Model, flat: Array) -> xr.Dataset:
         counts = np.histogram(draws, edge)[0]
         edges.append(edge)
         heights.append(counts / (len(draws) * np.diff(edge)))
-        priors.append(np.exp(log_density(parameter.prior, edge)))
+        priors.append(parameter.density(edge))
     return xr.Dataset(
         {
             "value": (("parameter", "edge"), np.stack(edges)),

@@ -12,8 +12,6 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import Resting
 
-__all__ = ["PRIOR_DRAWS", "PRIOR_QUANTILES", "friction_of_prior"]
-
 PRIOR_DRAWS = 4000
 PRIOR_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 

@@ -8,8 +8,6 @@ from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
 from bayesfric.inference.evidence import ELPD
 from bayesfric.schemas import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
 
-__all__ = ["assembly_checks", "predictions", "uniformities"]
-
 
 def predictions(left_out: Mapping[str, LeftOut]) -> tuple[Prediction, ...]:
     """Return the leave-one-trial-out and leave-one-setup-out densities of each board.

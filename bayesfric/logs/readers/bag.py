@@ -9,8 +9,6 @@ import numpy as np
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.table import LARGEST_FILE, MOST_CELLS, Cells, Log, check_cells, damaged_is_told
 
-__all__ = ["read_bag"]
-
 NANO = 10**9
 FIELDS = ("position", "velocity", "effort")
 Row = tuple[int, dict[str, float]]

@@ -10,8 +10,6 @@ from bayesfric.files import file_bytes
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.table import BLANK, LARGEST_FILE, MOST_CELLS, Log, check_cells, damaged_is_told
 
-__all__ = ["decoded", "lines_of", "read", "split"]
-
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": " "}
 OTHERS = (";", "\t", "|", ",")
 DECIMAL_COMMA = re.compile(r"[\d:TtZ /+-]*,\d+([eE][+-]?\d+)?Z?", re.ASCII)

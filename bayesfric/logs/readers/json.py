@@ -10,8 +10,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.logs.readers.csv import decoded, lines_of
 from bayesfric.logs.table import Cells, Log, check_cells, columns_of_array, damaged_is_told
 
-__all__ = ["read"]
-
 DEEPEST = 8  # levels of records in a record
 FORMS = "a list of records, a record of lists of one length, or a record a line"
 

@@ -16,8 +16,6 @@ from bayesfric.logs.table import (
     damaged_is_told,
 )
 
-__all__ = ["read"]
-
 HDF5 = b"\x89HDF\r\n\x1a\n"
 HDF5_PLACES = (0, 512)  # MATLAB puts a block of text before it
 DEEPEST = 4  # structs in structs

@@ -8,8 +8,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.logs.readers.bag import read_bag
 from bayesfric.logs.table import LARGEST_FILE, Log, damaged_is_told
 
-__all__ = ["check_chunks", "read"]
-
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = 9  # bytes of a record before its content: what it is, and its length
 CHUNK = 6

@@ -18,8 +18,6 @@ from bayesfric.logs.table import (
     damaged_is_told,
 )
 
-__all__ = ["read"]
-
 MOST_MEMBERS = 1000
 LONGEST_HEADER = 10_000  # bytes; that of a table of many fields
 

@@ -11,8 +11,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.logs.table import LARGEST_FILE, Cells, Log, check_cells, damaged_is_told
 
-__all__ = ["read"]
-
 ABOVE = 4  # folders above the file in which LeRobot's description is looked for
 DESCRIPTION = Path("meta") / "info.json"
 LARGEST_DESCRIPTION = 4 * 1024**2  # bytes

@@ -9,8 +9,6 @@ from bayesfric.logs.readers.bag import read_bag
 from bayesfric.logs.readers.mcap import check_chunks
 from bayesfric.logs.table import Log
 
-__all__ = ["read"]
-
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 16 * 1024**2  # bytes
 COMPRESSED = re.compile(rb"compression_mode:\s*['\"]?(file|message)", re.IGNORECASE)

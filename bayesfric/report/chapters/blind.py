@@ -12,7 +12,6 @@ from bayesfric.report.chapters.provenance import made_again
 from bayesfric.report.content import (
     Block,
     Code,
-    Column,
     Figure,
     Heading,
     Inline,
@@ -22,11 +21,11 @@ from bayesfric.report.content import (
     Strong,
     Table,
     Text,
+    from_file,
+    right_columns,
 )
 from bayesfric.report.quantities import MISSING, format_fixed, format_share
 from bayesfric.schemas import Estimate, Rate, ScorecardFile, Target
-
-__all__ = ["blind_chapter", "scorecard_line", "scored_from"]
 
 SOURCES = {
     "design": "Kinds and strengths are laid out in fixed proportions.",
@@ -92,14 +91,7 @@ def _promises(card: ScorecardFile) -> Table:
     few = [target for target in card.targets if target.met is None and target.rate.cases]
     return Table(
         "What was promised, and what came of it.",
-        [
-            "promise",
-            Column("range", align="right"),
-            Column("rate", align="right"),
-            Column("95 % interval", align="right"),
-            Column("cases", align="right"),
-            "kept",
-        ],
+        ["promise", *right_columns("range", "rate", "95 % interval", "cases"), "kept"],
         [
             [
                 target.name,
@@ -126,7 +118,7 @@ def _kept(met: bool | None) -> Text:
 def _figure(card: ScorecardFile) -> Figure:
     kept = sum(target.met is True for target in card.targets)
     counted = sum(target.met is not None for target in card.targets)
-    inside = sum(one.inside for one in card.reliability)
+    inside = sum(reliability_bin.inside for reliability_bin in card.reliability)
     return Figure(
         svg_of(promises_and_reliability, card),
         [
@@ -146,62 +138,10 @@ def _figure(card: ScorecardFile) -> Figure:
 
 def _tables(card: ScorecardFile) -> Iterator[Block]:
     yield Heading(2, "What was withheld and what was said")
-    yield Figure(
-        svg_of(confusion_matrix, card.confusion),
-        [
-            "Cases by what was withheld and what the verdict said; shades are shares of a row, "
-            "bold numbers are right. For an outsider, which no effect describes, ",
-            Code("unknown"),
-            " or a significant remainder is right. From ",
-            Code("scorecard.json"),
-            ".",
-        ],
-        "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
-        "on its diagonal.",
-        label="confusion",
-    )
+    yield _confusion(card)
     yield Heading(2, "Rates")
-    rows: list[tuple[Text, Rate]] = [
-        ("correct verdicts", card.accuracy),
-        *((f"correct, kind {kind}", rate) for kind, rate in card.accuracy_by_kind.items()),
-        *((f"named, strength/form {key}", rate) for key, rate in card.named_rate.items()),
-        ("falsely named, of what counts as none", card.false_naming_rate),
-        ("any gap, of cases without an effect", card.false_alarm_rate),
-    ]
-    yield Table(
-        "All rates.",
-        [
-            "",
-            Column("rate", align="right"),
-            Column("95 % interval", align="right"),
-            Column("cases", align="right"),
-        ],
-        [[name, *_cells(rate)] for name, rate in rows if rate.rate is not None],
-        label="rates",
-    )
-    yield Table(
-        "How often what a verdict states is so, beside the probability that it gives.",
-        [
-            "verdict",
-            Column("cases", align="right"),
-            Column("said", align="right"),
-            Column("came true", align="right"),
-            Column("expected", align="right"),
-        ],
-        [
-            [
-                Code(verdict),
-                str(one.cases),
-                _percent(one.probability),
-                f"{one.correct.hits} of {one.cases}",
-                " to ".join(format_fixed(100 * end, 0) + "\u202f%" for end in one.band),
-            ]
-            for verdict, one in card.reliability_by_verdict.items()
-        ],
-        label="verdicts",
-        note="Said: the mean probability. Expected: the 95 % interval of the share that comes true "
-        "where the probabilities are right; outside of it they are too sure or not sure enough.",
-    )
+    yield _rates(card)
+    yield _true_by_verdict(card)
     yield Paragraph(
         [
             Strong("Scores. "),
@@ -214,16 +154,73 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
     yield from _oracle(card)
 
 
+def _confusion(card: ScorecardFile) -> Figure:
+    """Return the counts of what was withheld against what was said."""
+    return Figure(
+        svg_of(confusion_matrix, card.confusion),
+        from_file(
+            "scorecard.json",
+            "Cases by what was withheld and what the verdict said; shades are shares of a row, "
+            "bold numbers are right. For an outsider, which no effect describes, ",
+            Code("unknown"),
+            " or a significant remainder is right.",
+        ),
+        "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
+        "on its diagonal.",
+        label="confusion",
+    )
+
+
+def _rates(card: ScorecardFile) -> Table:
+    """Return how often verdicts are correct, and what they wrongly name."""
+    rows: list[tuple[Text, Rate]] = [
+        ("correct verdicts", card.accuracy),
+        *((f"correct, kind {kind}", rate) for kind, rate in card.accuracy_by_kind.items()),
+        *((f"named, strength/form {key}", rate) for key, rate in card.named_rate.items()),
+        ("falsely named, of what counts as none", card.false_naming_rate),
+        ("any gap, of cases without an effect", card.false_alarm_rate),
+    ]
+    return Table(
+        "All rates.",
+        ["", *right_columns("rate", "95 % interval", "cases")],
+        [[name, *_cells(rate)] for name, rate in rows if rate.rate is not None],
+        label="rates",
+    )
+
+
+def _true_by_verdict(card: ScorecardFile) -> Table:
+    """Return how often each kind of verdict comes true, beside its probability."""
+    return Table(
+        "How often what a verdict states is so, beside the probability that it gives.",
+        ["verdict", *right_columns("cases", "said", "came true", "expected")],
+        [
+            [
+                Code(verdict),
+                str(stated.cases),
+                _percent(stated.probability),
+                f"{stated.correct.hits} of {stated.cases}",
+                " to ".join(format_fixed(100 * end, 0) + "\u202f%" for end in stated.band),
+            ]
+            for verdict, stated in card.reliability_by_verdict.items()
+        ],
+        label="verdicts",
+        note="Said: the mean probability. Expected: the 95 % interval of the share that comes true "
+        "where the probabilities are right; outside of it they are too sure or not sure enough.",
+    )
+
+
 def _smallest(card: ScorecardFile) -> Iterator[Block]:
     """Yield from which strength on effects are named."""
-    found = card.smallest_detected
-    if not found:
+    by_effect = card.smallest_detected
+    if not by_effect:
         return
-    most = max(rate.cases for one in found.values() for rate in one.tried.values())
+    most = max(rate.cases for tries in by_effect.values() for rate in tries.tried.values())
     if most < ENOUGH:
-        hit = [n for n, one in found.items() if any(rate.hits for rate in one.tried.values())]
+        hit = [
+            n for n, tries in by_effect.items() if any(rate.hits for rate in tries.tried.values())
+        ]
         faint = [name for name in _always_faint(card) if name not in hit]
-        rest = [name for name in found if name not in hit and name not in faint]
+        rest = [name for name in by_effect if name not in hit and name not in faint]
         yield Paragraph(
             f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
             f"from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
@@ -235,23 +232,22 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
             )
         )
         return
-    told = [
-        f"{name} from {_strength(one.value)} ({_strength(one.low)} to {_strength(one.high)})"
-        for name, one in found.items()
-        if one.value is not None
+    detected = [
+        f"{name} from {_strength(tries.value)} ({_strength(tries.low)} to {_strength(tries.high)})"
+        for name, tries in by_effect.items()
+        if tries.value is not None
     ]
     yield Paragraph(
-        f"{len(told)} of {len(found)} effects are named in 80 % of the cases at some strength "
-        f"that was tried (95 % interval): {', '.join(told) or 'none'}."
+        f"{len(detected)} of {len(by_effect)} effects are named in 80 % of the cases at some "
+        f"strength that was tried (95 % interval): {', '.join(detected) or 'none'}."
     )
     yield Figure(
-        svg_of(named_by_strength, found),
-        [
+        svg_of(named_by_strength, by_effect),
+        from_file(
+            "scorecard.json",
             "Which effects were named, by strength: black in every case, white in none; larger "
-            "dots are more cases. Strength 1 is 10 % of friction, rms over the design. From ",
-            Code("scorecard.json"),
-            ".",
-        ],
+            "dots are more cases. Strength 1 is 10 % of friction, rms over the design.",
+        ),
         "A row for each effect with a dot at each strength that was tried, the darker the more "
         "often the effect was named.",
         label="smallest",
@@ -275,12 +271,7 @@ def _oracle(card: ScorecardFile) -> Iterator[Block]:
         return
     yield Table(
         "Effects that show between assemblies only, beside the best test possible.",
-        [
-            "effect",
-            Column("strength", align="right"),
-            Column("named", align="right"),
-            Column("best test", align="right"),
-        ],
+        ["effect", *right_columns("strength", "named", "best test")],
         [[Code(o.effect), f"{o.strength:g}", _of(o.named), _percent(o.power)] for o in card.oracle],
         label="oracle",
         note="The best test knows the exact force and asks only whether it is there, with 2 % "
@@ -316,11 +307,11 @@ def _of(rate: Rate) -> str:
     return f"{rate.hits} of {rate.cases}"
 
 
-def _estimate(one: Estimate) -> str:
-    if one.value is None:
+def _estimate(estimate: Estimate) -> str:
+    if estimate.value is None:
         return MISSING
-    low, high = format_fixed(one.low, 3), format_fixed(one.high, 3)
-    return f"{format_fixed(one.value, 3)} [{low}, {high}]"
+    low, high = format_fixed(estimate.low, 3), format_fixed(estimate.high, 3)
+    return f"{format_fixed(estimate.value, 3)} [{low}, {high}]"
 
 
 def _strength(value: float | None) -> str:

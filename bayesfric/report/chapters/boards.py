@@ -14,8 +14,6 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import FitFile, Interval, Pooled
 
-__all__ = ["boards", "population"]
-
 NUMBERS = tuple(Column(name, align="decimal") for name in ("mean", "sd", "5 %", "95 %"))
 
 
@@ -54,19 +52,21 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
     )
     rows: list[list[Inline | tuple[Inline, ...]]] = []
     for size, coefficients in pooled.pulleys.items():
-        for name, found in coefficients.items():
+        for name, coefficient in coefficients.items():
             what = _what(size, name, fit.pulleys[size][name].unit)
-            for board, one in found.boards.items():
+            for board, estimate in coefficient.boards.items():
                 rows.append(
                     [
                         *what,
                         Code(board),
-                        *_cells(one.pooled, name),
-                        f"{_cells(one.alone, name)[0]} ± {_cells(one.alone, name)[1]}",
-                        format_share(one.shrinkage),
+                        *_cells(estimate.pooled, name),
+                        f"{_cells(estimate.alone, name)[0]} ± {_cells(estimate.alone, name)[1]}",
+                        format_share(estimate.shrinkage),
                     ]
                 )
-            rows.append([*what, "a new one", *_cells(found.new_board, name), MISSING, MISSING])
+            rows.append(
+                [*what, "a new one", *_cells(coefficient.new_board, name), MISSING, MISSING]
+            )
     yield Table(
         "Each board among the others, and alone.",
         ["pulley", "coefficient", "board", *NUMBERS, "alone", "shrinkage"],
@@ -98,19 +98,19 @@ def _what(size: str, name: str, unit: str) -> tuple[str, tuple[Inline, ...]]:
     return size, (*symbol(name), f" [{unit_head(name, unit)}]")
 
 
-def _cells(one: Interval, name: str) -> tuple[str, str, str, str]:
+def _cells(interval: Interval, name: str) -> tuple[str, str, str, str]:
     """Return mean, sd, 5 % and 95 % quantile over the power of ten of the coefficient."""
     exponent = EXPONENTS[name]
-    mean, low, high = interval_cells(one.mean, one.q05, one.q95, exponent)
-    return mean, format_number(one.sd, 2, None, exponent).split(" ")[0], low, high
+    mean, low, high = interval_cells(interval.mean, interval.q05, interval.q95, exponent)
+    return mean, format_number(interval.sd, 2, None, exponent).split(" ")[0], low, high
 
 
 def _least_effective(fit: FitFile, pooled: Pooled) -> float:
-    means = [one for entries in fit.pulleys.values() for one in entries.values()]
-    scatter = [one.between for entries in pooled.pulleys.values() for one in entries.values()]
-    return min(min(one.ess_bulk, one.ess_tail) for one in means + scatter)
+    means = [entry for entries in fit.pulleys.values() for entry in entries.values()]
+    scatter = [entry.between for entries in pooled.pulleys.values() for entry in entries.values()]
+    return min(min(entry.ess_bulk, entry.ess_tail) for entry in means + scatter)
 
 
 def _folders(pooled: Pooled) -> Iterator[Inline]:
-    for place, one in enumerate(pooled.boards.values()):
-        yield from (", ", Code(one.folder)) if place else (Code(one.folder),)
+    for place, board in enumerate(pooled.boards.values()):
+        yield from (", ", Code(board.folder)) if place else (Code(board.folder),)

@@ -15,6 +15,7 @@ from bayesfric.report.content import (
     Paragraph,
     Reference,
     Table,
+    from_file,
 )
 from bayesfric.report.quantities import (
     MISSING,
@@ -25,51 +26,48 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import CalibrationFile
 
-__all__ = ["calibrated_from", "calibration", "calibration_line"]
 
-
-def calibration_line(found: CalibrationFile) -> Notice:
+def calibration_line(ranks: CalibrationFile) -> Notice:
     """Return the outcome for a report's first page."""
-    outside = [one.name for one in found.quantities if not one.inside]
-    said = f"{len(found.quantities) - len(outside)} of {len(found.quantities)} quantities have"
-    of = f"uniform ranks in {format_count(len(found.cases))} simulated recordings"
+    outside = [quantity.name for quantity in ranks.quantities if not quantity.inside]
+    said = f"{len(ranks.quantities) - len(outside)} of {len(ranks.quantities)} quantities have"
+    of = f"uniform ranks in {format_count(len(ranks.cases))} simulated recordings"
     which = f"; not {', '.join(outside)}" if outside else ""
     return Notice(
-        "good" if found.calibrated else "attention",
+        "good" if ranks.calibrated else "attention",
         [f"{said} {of}{which}. See ", Reference("calibration"), "."],
         title="Simulation-based calibration",
     )
 
 
-def calibration(found: CalibrationFile) -> Iterator[Block]:
+def calibration(ranks: CalibrationFile) -> Iterator[Block]:
     """Yield what was drawn, the ranks, and what they say."""
     yield Heading(1, "Simulation-based calibration", label="calibration")
     yield Paragraph(
         [
-            f"{format_count(len(found.cases))} of {format_count(found.planned)} cases are done. "
+            f"{format_count(len(ranks.cases))} of {format_count(ranks.planned)} cases are done. "
             "In each, a truth is drawn from a prior, a recording of the protocol "
-            f"{found.protocol} is simulated from it and fitted with the same prior. Where prior, "
+            f"{ranks.protocol} is simulated from it and fitted with the same prior. Where prior, "
             "simulator, likelihood and sampler agree, the truth ranks among "
-            f"{format_count(found.draws)} draws of the posterior as any of them. A line that "
+            f"{format_count(ranks.draws)} draws of the posterior as any of them. A line that "
             "first rises and then falls says that posteriors are too narrow, its mirror image "
             "that they are too wide, and a bow to one side that they are biased. "
-            f"{format_share(found.stalled_share)} of the trials stalled, and the largest R-hat "
-            f"is {format_fixed(found.r_hat, 3)}. The prior is that of ",
+            f"{format_share(ranks.stalled_share)} of the trials stalled, and the largest R-hat "
+            f"is {format_fixed(ranks.r_hat, 3)}. The prior is that of ",
             Code("[calibration]"),
             ", narrow enough that boards move; it is not that of this report's fit.",
         ]
     )
-    for line in found.attention:
+    for line in ranks.attention:
         yield Notice("attention", [f"{line}."])
     yield Figure(
-        svg_of(rank_differences, found),
-        [
+        svg_of(rank_differences, ranks),
+        from_file(
+            "calibration.json",
             "Distribution function of the ranks of the truths, less that of uniform ones. The "
             "bands are simultaneous: of a right computation all lines stay inside everywhere "
-            "with probability 0.95. From ",
-            Code("calibration.json"),
-            ".",
-        ],
+            "with probability 0.95.",
+        ),
         "A panel for each quantity: a step line around zero, and a band that is widest in the "
         "middle and vanishes at both ends.",
         label="ranks-of-truths",
@@ -84,20 +82,20 @@ def calibration(found: CalibrationFile) -> Iterator[Block]:
         ],
         [
             [
-                one.name,
-                format_probability(one.p_value),
-                "uniform" if one.inside else "not uniform",
-                found.priors.get(one.name, MISSING),
+                quantity.name,
+                format_probability(quantity.p_value),
+                "uniform" if quantity.inside else "not uniform",
+                ranks.priors.get(quantity.name, MISSING),
             ]
-            for one in found.quantities
+            for quantity in ranks.quantities
         ],
         label="ranked",
         note="p is of as large a departure anywhere by chance, of this quantity alone; a "
-        f"quantity is outside its band below {format_probability(1 - found.level)}. T is "
-        f"{format_fixed(found.tension_n, 0)} N.",
+        f"quantity is outside its band below {format_probability(1 - ranks.level)}. T is "
+        f"{format_fixed(ranks.tension_n, 0)} N.",
     )
 
 
-def calibrated_from(found: CalibrationFile) -> Table:
+def calibrated_from(ranks: CalibrationFile) -> Table:
     """Return the table of seed, hash and versions."""
-    return made_again(found, seed="seed", label="calibrated-from")
+    return made_again(ranks, seed="seed", label="calibrated-from")

@@ -8,19 +8,18 @@ from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.left_out import left_out
 from bayesfric.report.content import (
     Block,
-    Code,
     Column,
     Figure,
     Heading,
     Paragraph,
     Reference,
     Table,
+    from_file,
+    right_columns,
 )
 from bayesfric.report.quantities import format_count, format_number, format_share
 from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredFit
-
-__all__ = ["checks"]
 
 CONDITION = (
     ("pulley_size", Column("pulley"), str),
@@ -47,17 +46,16 @@ def checks(stored: StoredFit) -> Iterator[Block]:
     )
     rigs = rig_tables(stored.predictive)
     yield _coverage(rigs)
-    for one in rigs:
-        yield from _outliers(one)
+    for rig in rigs:
+        yield from _outliers(rig)
     yield Figure(
         svg_of(residuals_by_order, stored.predictive),
-        [
+        from_file(
+            "predictive.nc",
             "Friction of each trial against what a new one is predicted to do, in the order of "
             f"measuring. A trend would be a drift of the rig; trials of one {group} lie together, "
-            "since they share its scatter. From ",
-            Code("predictive.nc"),
-            ".",
-        ],
+            "since they share its scatter.",
+        ),
         "Points in the order of measuring scatter about zero, most of them within a shaded "
         "band of the 90 percent interval; dotted lines above and below mark outliers.",
         label="residuals",
@@ -68,14 +66,14 @@ def checks(stored: StoredFit) -> Iterator[Block]:
 
 def _coverage(rigs: tuple[RigTable, ...]) -> Table:
     rows = []
-    for one in rigs:
-        table = one.table
+    for rig in rigs:
+        table = rig.table
         low, _, high = table["covered_expected"].to_numpy()
         share = float(table["covered_share"])
         rows.append(
             [
-                f"{one.title}, {one.trials}",
-                format_count(one.count),
+                f"{rig.title}, {rig.trials}",
+                format_count(rig.count),
                 format_share(share, 3),
                 f"{format_share(float(low), 3)} to {format_share(float(high), 3)}",
                 "yes" if low <= share <= high else "no",
@@ -83,13 +81,7 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         )
     return Table(
         "Coverage: the share of trials inside their 90 % predictive interval.",
-        [
-            "",
-            Column("number", align="right"),
-            Column("inside", align="right"),
-            Column("if made again", align="right"),
-            "as expected",
-        ],
+        ["", *right_columns("number", "inside", "if made again"), "as expected"],
         rows,
         label="coverage",
         note="If made again: the share, 5 % to 95 %, that the fit expects of another recording of "
@@ -97,25 +89,25 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
     )
 
 
-def _outliers(one: RigTable) -> Iterator[Block]:
-    limit = format_number(float(one.table["z_limit"]), 3)
-    chosen = one.table["outlier"].to_numpy().astype(bool)
+def _outliers(rig: RigTable) -> Iterator[Block]:
+    limit = format_number(float(rig.table["z_limit"]), 3)
+    chosen = rig.table["outlier"].to_numpy().astype(bool)
     if not chosen.any():
-        yield Paragraph(f"No {one.trial} of the {one.title} lies beyond |z| = {limit}.")
+        yield Paragraph(f"No {rig.trial} of the {rig.title} lies beyond |z| = {limit}.")
         return
-    far = one.table.isel({one.id: chosen})
-    known = [(name, head, write) for name, head, write in CONDITION if name in far]
+    far = rig.table.isel({rig.id: chosen})
+    columns = [(name, head, write) for name, head, write in CONDITION if name in far]
     yield Table(
-        f"Outliers of the {one.title}, beyond |z| = {limit}.",
-        [one.trial, *(head for _, head, _ in known), Column("z", align="decimal")],
+        f"Outliers of the {rig.title}, beyond |z| = {limit}.",
+        [rig.trial, *(head for _, head, _ in columns), Column("z", align="decimal")],
         [
             [
-                str(row[one.id].item()),
-                *(write(row[name].item()) for name, _, write in known),
+                str(row[rig.id].item()),
+                *(write(row[name].item()) for name, _, write in columns),
                 format_number(float(row["z"]), 3),
             ]
-            for row in (far.isel({one.id: place}) for place in range(far.sizes[one.id]))
+            for row in (far.isel({rig.id: place}) for place in range(far.sizes[rig.id]))
         ],
-        label=f"outliers-{one.trials}",
+        label=f"outliers-{rig.trials}",
         note="One recording in twenty that obeys the model would have a trial beyond that limit.",
     )

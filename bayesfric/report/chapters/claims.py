@@ -1,4 +1,4 @@
-"""The paper's claims: what fell on page one, and a chapter with what they rest on."""
+"""The paper's claims: refuted and open ones on page one, and a chapter with their evidence."""
 
 from collections.abc import Iterator
 from typing import Literal, TypeAlias
@@ -20,12 +20,12 @@ from bayesfric.report.content import (
     Reference,
     Strong,
     Table,
+    decimal_columns,
+    from_file,
 )
 from bayesfric.report.quantities import error_cells, factor_cells, format_factor, format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
-
-__all__ = ["claims", "fallen", "further_claims"]
 
 Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}
@@ -43,61 +43,59 @@ FAMILIES = {
 }
 
 
-def fallen(found: ClaimsFile) -> Notice:
-    """Return, for page one, which of the paper's claims fell and which stay open."""
+def fallen(judged: ClaimsFile) -> Notice:
+    """Return, for page one, which of the paper's claims are refuted and which stay open."""
     by_verdict = {
-        verdict: [one for one in found.claims if one.verdict == verdict] for verdict in SIGNS
+        verdict: [claim for claim in judged.claims if claim.verdict == verdict] for verdict in SIGNS
     }
-    if _untestable(found):
-        return Notice("info", _none_testable(found), title="The paper's claims")
+    if _untestable(judged):
+        return Notice("info", _none_testable(judged), title="The paper's claims")
     counts = ", ".join(
         f"{len(ones)} {_worded(verdict)}" for verdict, ones in by_verdict.items() if ones
     )
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
-    for one in by_verdict["refuted"]:
-        said += [" ", Strong("Refuted:"), " ", Code(one.id), f": {one.reason}"]
+    for claim in by_verdict["refuted"]:
+        said += [" ", Strong("Refuted:"), " ", Code(claim.id), f": {claim.reason}"]
     for verdict, word in (("undecided", "Undecided"), ("not-testable", "Not testable")):
         if by_verdict[verdict]:
             said.append(f" {word}: ")
-            for place, one in enumerate(by_verdict[verdict]):
-                said += [", " if place else "", Code(one.id)]
+            for place, claim in enumerate(by_verdict[verdict]):
+                said += [", " if place else "", Code(claim.id)]
             said.append(".")
-    all_hold = len(by_verdict["supported"]) == len(found.claims)
+    all_hold = len(by_verdict["supported"]) == len(judged.claims)
     kind: Kind = "attention" if by_verdict["refuted"] else "good" if all_hold else "info"
     return Notice(kind, said, title="The paper's claims")
 
 
-def _untestable(found: ClaimsFile) -> bool:
+def _untestable(judged: ClaimsFile) -> bool:
     """Tell whether these data can test none of the claims, and all for one reason."""
-    verdicts = {one.verdict for one in found.claims}
-    return verdicts == {"not-testable"} and len({one.reason for one in found.claims}) == 1
+    verdicts = {claim.verdict for claim in judged.claims}
+    return verdicts == {"not-testable"} and len({claim.reason for claim in judged.claims}) == 1
 
 
-def _none_testable(found: ClaimsFile) -> str:
-    reason = found.claims[0].reason
+def _none_testable(judged: ClaimsFile) -> str:
+    reason = judged.claims[0].reason
     why = f"{reason[0].lower()}{reason[1:]}"
-    return f"None of the {len(found.claims)} claims is testable here, all for one reason: {why}"
+    return f"None of the {len(judged.claims)} claims is testable here, all for one reason: {why}"
 
 
-def _verdicts(found: ClaimsFile) -> Table:
+def _verdicts(judged: ClaimsFile) -> Table:
     return Table(
         "The paper's claims on this recording.",
         [
             "claim",
             "verdict",
-            Column("log₁₀ BF", align="decimal"),
-            Column("±", align="decimal"),
-            Column("Δelpd", align="decimal"),
+            *decimal_columns("log₁₀ BF", "±", "Δelpd"),
             Column("±", align="right"),
         ],
         [
             [
-                Code(one.id),
-                Strong(f"{SIGNS[one.verdict]} {_worded(one.verdict)}"),
-                *factor_cells(one.log10_bayes_factor, one.log10_bayes_factor_se),
-                *_elpd(one),
+                Code(claim.id),
+                Strong(f"{SIGNS[claim.verdict]} {_worded(claim.verdict)}"),
+                *factor_cells(claim.log10_bayes_factor, claim.log10_bayes_factor_se),
+                *_elpd(claim),
             ]
-            for one in found.claims
+            for claim in judged.claims
         ],
         label="verdicts",
         note="Bayes factors are in favour of the claim, against the best of its rivals; Δelpd "
@@ -110,56 +108,58 @@ def _verdicts(found: ClaimsFile) -> Table:
 
 def claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim with what its verdict rests on."""
-    found = stored.found
-    if _untestable(found):  # page one has said all that there is to say
+    judged = stored.record
+    if _untestable(judged):  # page one has said all that there is to say
         return
-    by_name = {one.id: one for one in found.claims}
+    by_name = {claim.id: claim for claim in judged.claims}
     yield Heading(1, "The paper's claims", label="claims")
-    yield Paragraph(_rules(found))
-    yield _verdicts(found)
+    yield Paragraph(_rules(judged))
+    yield _verdicts(judged)
     for family, names in FAMILIES.items():
-        here = [by_name.pop(name) for name in names if name in by_name]
-        if here:
+        of_family = [by_name.pop(name) for name in names if name in by_name]
+        if of_family:
             yield Heading(2, family)
-        for one in here:
-            yield from _claim(one)
+        for claim in of_family:
+            yield from _claim(claim)
     if by_name:
         yield Heading(2, "Further claims")
-        for one in by_name.values():
-            yield from _claim(one)
+        for claim in by_name.values():
+            yield from _claim(claim)
     yield Heading(2, "The paper against itself")
     yield BulletList(
         [
-            [Strong(f"{_capital(one.topic)}."), f" {one.statement}"]
-            for one in found.self_contradictions
+            [Strong(f"{_capital(contradiction.topic)}."), f" {contradiction.statement}"]
+            for contradiction in judged.self_contradictions
         ]
     )
 
 
-def _claim(one: ClaimResult) -> Iterator[Block]:
+def _claim(claim: ClaimResult) -> Iterator[Block]:
     yield Paragraph(
         [
-            Code(one.id),
+            Code(claim.id),
             ": ",
-            Emphasis(one.statement),
-            f" The paper: {one.paper} ",
-            Strong(f"{_capital(_worded(one.verdict))}."),
-            f" {one.reason}",
-            *_alone(one),
+            Emphasis(claim.statement),
+            f" The paper: {claim.paper} ",
+            Strong(f"{_capital(_worded(claim.verdict))}."),
+            f" {claim.reason}",
+            *_alone(claim),
         ]
     )
 
 
-def _alone(one: ClaimResult) -> list[str]:
+def _alone(claim: ClaimResult) -> list[str]:
     """Return what each pulley size says alone, in a sentence."""
-    if not one.by_pulley:
+    if not claim.by_pulley:
         return []
-    each = ", ".join(
+    factors = ", ".join(
         f"{size} {format_factor(entry.log10_bayes_factor)}"
         + (f" ({_short(entry.log10_bayes_factor_why)})" if entry.log10_bayes_factor is None else "")
-        for size, entry in ((size, one.by_pulley[size]) for size in ordered_sizes(one.by_pulley))
+        for size, entry in (
+            (size, claim.by_pulley[size]) for size in ordered_sizes(claim.by_pulley)
+        )
     )
-    return [f" Log₁₀ Bayes factors of each size alone: {each}."]
+    return [f" Log₁₀ Bayes factors of each size alone: {factors}."]
 
 
 def _short(why: str | None) -> str:
@@ -170,14 +170,14 @@ def _short(why: str | None) -> str:
 def _elpd(claim: ClaimResult) -> tuple[str, str]:
     """Return the difference of the predictive densities and its error, to digits of the error."""
     difference, error = error_cells(claim.elpd_difference, claim.elpd_difference_se)
-    known = claim.elpd_difference_se is not None
-    return difference, f"({error})" if known and not claim.figures.get(
+    has_error = claim.elpd_difference_se is not None
+    return difference, f"({error})" if has_error and not claim.figures.get(
         "elpd_reliable", True
     ) else error
 
 
-def _rules(found: ClaimsFile) -> list[str]:
-    rule = found.rules
+def _rules(judged: ClaimsFile) -> list[str]:
+    rule = judged.rules
     support = rule["support_log10_bayes_factor"]
     over_width = rule.get("support_over_width_log10_bayes_factor", support)  # once it was one
     return [
@@ -199,8 +199,8 @@ def _rules(found: ClaimsFile) -> list[str]:
 
 def further_claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim against each rival, what could stay hidden, and what priors change."""
-    found, curves = stored.found, stored.curves
-    factors = _factors(found)
+    judged, curves = stored.record, stored.curves
+    factors = _factors(judged)
     if not factors:
         return
     yield Heading(2, "Against each rival")
@@ -213,18 +213,17 @@ def further_claims(stored: StoredClaims) -> Iterator[Block]:
     )
     yield Figure(
         svg_of(against_rivals, factors),
-        [
+        from_file(
+            "claims.json",
             "Log₁₀ Bayes factor of each claim against each of its rivals: to the right the data "
             "favour the claim. An arrow stands for a value, written beside it, that is beyond the "
-            "axis. From ",
-            Code("claims.json"),
-            ".",
-        ],
+            "axis.",
+        ),
         "Horizontal lines from zero to a dot, one for each rival, in groups by claim.",
         label="rivals",
     )
-    yield from _power(found)
-    rule = found.rules
+    yield from _power(judged)
+    rule = judged.rules
     yield Figure(
         svg_of(
             over_prior_width,
@@ -232,46 +231,44 @@ def further_claims(stored: StoredClaims) -> Iterator[Block]:
             rule["support_log10_bayes_factor"],
             rule["refute_log10_bayes_factor"],
         ),
-        [
+        from_file(
+            "claims.nc",
             "Log₁₀ Bayes factor of each claim as the width of its rivals' priors changes. Above "
-            "the dashed line a claim may be supported, below the dotted line refuted. From ",
-            Code("claims.nc"),
-            ".",
-        ],
+            "the dashed line a claim may be supported, below the dotted line refuted.",
+        ),
         "A line for each claim over the relative width of the prior from a tenth to ten, on a "
         "logarithmic axis; lines rise with the width where the effect is small.",
         label="prior-width",
     )
 
 
-def _factors(found: ClaimsFile) -> dict[str, dict[str, float]]:
+def _factors(judged: ClaimsFile) -> dict[str, dict[str, float]]:
     """Return log10 Bayes factors against each rival, by claim."""
     return {
         claim.id: rivals
-        for claim in found.claims
+        for claim in judged.claims
         if isinstance(rivals := claim.figures.get("log10_bayes_factor_against"), dict)
     }
 
 
-def _power(found: ClaimsFile) -> Iterator[Block]:
+def _power(judged: ClaimsFile) -> Iterator[Block]:
     """Yield the smallest effects that would have been found."""
     shares = {
-        one.id: rivals
-        for one in found.claims
-        if isinstance(rivals := one.figures.get("smallest_found"), dict) and rivals
+        claim.id: rivals
+        for claim in judged.claims
+        if isinstance(rivals := claim.figures.get("smallest_found"), dict) and rivals
     }
     if not shares:
         return
     yield Figure(
-        svg_of(smallest_found, shares, found.rules["region_of_equivalence"]),
-        [
+        svg_of(smallest_found, shares, judged.rules["region_of_equivalence"]),
+        from_file(
+            "claims.json",
             "The smallest effect that data like these would show, at the odds that refute a claim "
             "and with a probability of 0.9, as a share of friction where it matters most. It "
             "follows from how well these data know the effect's amplitude and from its prior. "
-            "Right of the dashed line an effect that matters could be missed. From ",
-            Code("claims.json"),
-            ".",
-        ],
+            "Right of the dashed line an effect that matters could be missed.",
+        ),
         "A dot for each rival on a logarithmic axis of per cent of friction, and a dashed line "
         "at the share from which on an effect matters.",
         label="smallest-found",

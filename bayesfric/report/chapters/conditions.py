@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.diagnosis_details import codes
-from bayesfric.report.content import Block, Column, Heading, Paragraph, Table
+from bayesfric.report.content import Block, Column, Heading, Paragraph, Table, decimal_columns
 from bayesfric.report.quantities import (
     format_factor,
     format_number,
@@ -15,22 +15,19 @@ from bayesfric.report.quantities import (
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import DiagnosisFile, FrictionAsked
 
-__all__ = ["asked", "condition_words", "next_experiment"]
 
-
-def asked(found: FrictionAsked | None) -> Iterator[Block]:
+def asked(friction: FrictionAsked | None) -> Iterator[Block]:
     """Yield friction at conditions of the reader's own; nothing where none were asked about."""
-    if found is None:
+    if friction is None:
         return
     yield Heading(2, "At your own conditions")
-    unit = format_number(1.0, unit=found.unit).partition("\u202f")[2] or found.unit
+    unit = format_number(1.0, unit=friction.unit).partition("\u202f")[2] or friction.unit
     yield Table(
         f"Friction at the conditions asked for, and what a simulator misses of it [{unit}].",
         [
             "condition",
             Column("friction (90 %)", align="left"),
-            Column("missed without the causes", align="decimal"),
-            Column("missed with them", align="decimal"),
+            *decimal_columns("missed without the causes", "missed with them"),
             "beyond the data in",
         ],
         [
@@ -42,35 +39,35 @@ def asked(found: FrictionAsked | None) -> Iterator[Block]:
                 row.written(row.gap_with_causes.q50).replace("-", "−"),
                 ", ".join(row.outside),
             ]
-            for row in found.rows
+            for row in friction.rows
         ],
         label="asked",
     ).filled()
-    stays = "; ".join(f"{name} {why}" for name, why in found.stays_behind.items())
+    stays = "; ".join(f"{name} {why}" for name, why in friction.stays_behind.items())
     if stays:
         yield Paragraph(f"Some causes stay behind: {stays}.")
-    if found.unknown_probability > 0:
-        chance = format_probability(found.unknown_probability)
+    if friction.unknown_probability > 0:
+        chance = format_probability(friction.unknown_probability)
         yield Paragraph(
             f"An unknown force, of probability {chance}, is carried to no other condition."
         )
 
 
-def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
+def next_experiment(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield conditions that would tell hypotheses apart."""
-    if not found.next_experiment:
-        yield Paragraph(f"Nothing to propose: {found.next_experiment_why}.")
+    if not diagnosis.next_experiment:
+        yield Paragraph(f"Nothing to propose: {diagnosis.next_experiment_why}.")
         return
     yield Table(
         "Conditions that would tell hypotheses apart.",
         ["condition", "separates", Column("expected log₁₀ BF", align="decimal")],
         [
             [
-                condition_words(one.condition),
-                codes(one.separates),
-                format_factor(one.log10_bayes_factor),
+                condition_words(proposed.condition),
+                codes(proposed.separates),
+                format_factor(proposed.log10_bayes_factor),
             ]
-            for one in found.next_experiment
+            for proposed in diagnosis.next_experiment
         ],
         label="next",
     )

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import (
     Block,
@@ -13,6 +12,7 @@ from bayesfric.report.content import (
     Inline,
     Paragraph,
     Table,
+    right_columns,
 )
 from bayesfric.report.quantities import (
     MISSING,
@@ -21,11 +21,8 @@ from bayesfric.report.quantities import (
     format_number,
     format_share,
 )
-from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
-
-__all__ = ["data_quality"]
 
 SHOWN = 30  # rows of a table; a recording that is worse is read in fit.json
 
@@ -34,8 +31,6 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
     """Yield trials left out, repaired events, agreement of the sensors, and stalls."""
     quality = stored.fit.data_quality
     yield Heading(1, "Data quality")
-    entered = "; ".join(counted(one) for one in rig_tables(stored.predictive))
-    yield Paragraph(f"Data used: {entered}.")
     if quality.trials:
         yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)
@@ -47,7 +42,7 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
 
 
 def _clean(quality: DataQuality) -> Iterator[str]:
-    """Yield in a sentence each what no table tells."""
+    """Yield a sentence for each kind of fault that does not occur."""
     if not quality.excluded:
         yield "No trial was left out."
     if not quality.repaired:
@@ -118,8 +113,8 @@ def _beside(
                     (*symbol(name), f" [{unit_head(name, entry.unit)}]"),
                     *(
                         format_number(value, digits, None, power).split(" ")[0]
-                        for one in (entry, interval)
-                        for value, digits in ((one.mean, 3), (one.sd, 2))
+                        for estimate in (entry, interval)
+                        for value, digits in ((estimate.mean, 3), (estimate.sd, 2))
                     ),
                 ]
             )
@@ -149,14 +144,7 @@ def _repairs(quality: DataQuality) -> Iterator[Block]:
         more = [f" The first {SHOWN} of {format_count(count)}; all are in ", Code("fit.json"), "."]
     yield Table(
         "Sensors of trials whose Hall events were not clean.",
-        [
-            "trial",
-            "sensor",
-            Column("missed", align="right"),
-            Column("doubled", align="right"),
-            Column("taken out", align="right"),
-            "used",
-        ],
+        ["trial", "sensor", *right_columns("missed", "doubled", "taken out"), "used"],
         [
             [
                 entry.trial,

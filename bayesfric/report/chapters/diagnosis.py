@@ -47,21 +47,18 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
-__all__ = ["diagnosis", "verdict_line"]
-
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
-FURTHER = 2  # axes after the first that the caption names
 
 
-def verdict_line(found: DiagnosisFile) -> Notice:
+def verdict_line(record: DiagnosisFile) -> Notice:
     """Return the verdict for the report's first page."""
-    open_still = found.verdict == "undecided" and found.possible
+    open_still = record.verdict == "undecided" and record.possible
     return Notice(
-        box(found),
+        box(record),
         [
-            Strong(f"{VERDICTS[found.verdict]}."),
-            f" {found.sentence} ",
-            f"What may act: {listed(found.possible)}. " if open_still else "",
+            Strong(f"{VERDICTS[record.verdict]}."),
+            f" {record.sentence} ",
+            f"What may act: {listed(record.possible)}. " if open_still else "",
             "See ",
             Reference("diagnosis"),
             ".",
@@ -75,83 +72,96 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
 
     Alone, the chapter follows the verdict on page one, and does not repeat it.
     """
-    found = stored.found
+    record = stored.record
     yield Heading(1, "The gap between simulation and reality", label="diagnosis")
     if not alone:
-        title = VERDICTS[found.verdict]
-        if "probability" not in found.sentence:  # one number is told once
-            title += f" (probability {format_probability(found.verdict_probability)})"
-        yield Notice(box(found), found.sentence, title=title)
-    for line in found.attention:
+        title = VERDICTS[record.verdict]
+        if "probability" not in record.sentence:  # one number is told once
+            title += f" (probability {format_probability(record.verdict_probability)})"
+        yield Notice(box(record), record.sentence, title=title)
+    for line in record.attention:
         yield Notice("attention", line)
-    if found.joints:
-        yield from joints(found)
-    yield _at_a_glance(found)
+    if record.joints:
+        yield from joints(record)
+    yield _at_a_glance(record)
     yield from replays(stored)
     yield Heading(2, "How large it is")
-    yield gap_words(found)
+    yield gap_words(record)
     yield _how_far(stored)
-    yield gap_table(found)
+    yield gap_table(record)
     yield Heading(2, "Which effect")
-    yield _which(found)
-    yield from causes(found.causes)
-    yield from not_told_apart(found)
+    yield _which(record)
+    yield from causes(record.causes)
+    yield from not_told_apart(record)
     yield Heading(2, "Where it lies")
-    if has_gap(found):
-        yield _axes_in_words(found)
+    if has_gap(record):
+        if blind := _blind_axes(record):
+            yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
         yield _where(stored)
     else:
         yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
-    yield from remainder(found)
-    yield from asked(found.target)
+    yield from remainder(record)
+    yield from asked(record.target)
     yield Heading(2, "What to measure next")
-    yield from next_experiment(found)
+    yield from next_experiment(record)
 
 
-def _at_a_glance(found: DiagnosisFile) -> Table:
-    gap = found.gap
+def _at_a_glance(record: DiagnosisFile) -> Table:
+    gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
     large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; less "
-    large += f"than {format_share(found.practical_share)} of that counts as no gap"
+    large += f"than {format_share(record.practical_share)} of that counts as no gap"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
-        ["Which effect causes it?", _caused(found)],
+        ["Which effect causes it?", _caused(record)],
     ]
-    if found.considered:
-        rows.append(["What fits, and misses what was held out?", listed(found.considered)])
-    if found.possible:
-        beside = " beside that" if found.causes else ""
-        rows.append([f"What may act{beside}?", listed(found.possible)])
-    if found.present:
-        rows.append(["What acts, and makes no gap that matters?", listed(found.present)])
-    if gap.shrink_of_model is not None and found.causes:
+    if record.considered:
+        rows.append(["What fits, and misses what was held out?", listed(record.considered)])
+    if record.possible:
+        beside = " beside that" if record.causes else ""
+        rows.append([f"What may act{beside}?", listed(record.possible)])
+    if record.present:
+        rows.append(["What acts, and makes no gap that matters?", listed(record.present)])
+    if gap.shrink_of_model is not None and record.causes:
         shrink = f"by {_percent(gap.shrink_of_model)}; {_seen(gap)}"
         rows.append(["How far does it shrink with that?", shrink])
-    if has_gap(found):
-        rows.append(["Where does it lie?", _lies_along(found)])
+    if has_gap(record):
+        rows.append(["Where does it lie?", _lies_along(record)])
     rows.append(
         [
             "What of it is unexplained?",
-            "a further force is asked for" if found.remainder.significant else "nothing that shows",
+            "a further force is asked for"
+            if record.remainder.significant
+            else "nothing that shows",
         ]
     )
-    if found.next_experiment:
-        first = found.next_experiment[0].condition
+    if record.next_experiment:
+        first = record.next_experiment[0].condition
         rows.append(["What to measure next?", condition_words(first)])
     return Table("The diagnosis at a glance.", ["question", "answer"], rows, label="glance")
 
 
-def _lies_along(found: DiagnosisFile) -> str:
+def _lies_along(record: DiagnosisFile) -> str:
     """Return along which axis it lies, or which come nearest to leading."""
-    shared = [axis for axis in found.where if axis.share is not None]
-    if found.all_unexplained_because or not shared:
-        return f"open: {found.all_unexplained_because}"
-    if shared[0].answers:
-        return f"along {_with_share(shared[0])}"
+    shared = [axis for axis in record.where if axis.share is not None]
+    if record.all_unexplained_because or not shared:
+        return f"open: {record.all_unexplained_because}"
+    first = shared[0]
+    chance = ""
+    if (first.p_value or 0.0) > CHANCE:
+        p = format_probability(first.p_value)
+        chance = f"; held-out residuals alone do not show it (adjusted p {p})"
+    if first.answers:
+        return f"along {_with_share(first)}{chance}"
     nearest = " and ".join(_with_share(axis) for axis in shared[:2])
     return f"no axis leads; the largest shares are those of {nearest}"
+
+
+def _blind_axes(record: DiagnosisFile) -> str:
+    """Return the axes that did not vary, in words."""
+    return ", ".join(axis_words(axis.axis) for axis in record.where if axis.blind)
 
 
 def _with_share(axis: Axis) -> str:
@@ -159,10 +169,10 @@ def _with_share(axis: Axis) -> str:
     return f"{axis_words(axis.axis)} (share {share_words(axis.share)})"
 
 
-def _caused(found: DiagnosisFile) -> list[Inline]:
-    if found.causes:
+def _caused(record: DiagnosisFile) -> list[Inline]:
+    if record.causes:
         said: list[Inline] = []
-        for place, cause in enumerate(found.causes):
+        for place, cause in enumerate(record.causes):
             said += [
                 ", " if place else "",
                 Code(cause.effect),
@@ -174,60 +184,20 @@ def _caused(found: DiagnosisFile) -> list[Inline]:
         "unknown": "a force that no effect of the list makes",
         "unseparated": "one of several that these data do not tell apart",
     }
-    return [uncaused.get(found.verdict, "open: none is certain enough to be named")]
-
-
-def _axes_in_words(found: DiagnosisFile) -> Paragraph:
-    axes = found.where
-    blind = [axis_words(axis.axis) for axis in axes if axis.blind]
-    return Paragraph(
-        [
-            _largest(found),
-            f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
-            Reference("where"),
-            " shows where the gap lies.",
-        ]
-    )
-
-
-def _largest(found: DiagnosisFile) -> str:
-    """Return which axes explain most, in a sentence."""
-    shared = [axis for axis in found.where if axis.share is not None]
-    if found.all_unexplained_because or not shared:
-        return f"No axis has a share: {found.all_unexplained_because}. "
-    first, *others = shared
-    rest = ", ".join(_with_share(axis) for axis in others[:FURTHER])
-    along = (
-        f"It lies along {_with_share(first)}"
-        if first.answers
-        else (f"No axis leads; the largest share is that of {_with_share(first)}")
-    )
-    chance = (
-        ""
-        if (first.p_value or 0.0) <= CHANCE
-        else (
-            f"; held-out residuals alone do not show it (adjusted p "
-            f"{format_probability(first.p_value)})"
-        )
-    )
-    return (
-        f"{along}{chance}. "
-        + (f"Next come {rest}. " if rest else "")
-        + f"What no axis explains is {share_words(found.unexplained)}. "
-    )
+    return [uncaused.get(record.verdict, "open: none is certain enough to be named")]
 
 
 def _where(stored: StoredDiagnosis) -> Figure:
-    found = stored.found
-    axes = found.where
+    record = stored.record
+    axes = record.where
     shared = [axis for axis in axes if axis.share is not None]
-    blind = [axis_words(axis.axis) for axis in axes if axis.blind]
+    blind = _blind_axes(record)
     residuals = stored.group("residuals")
     shapes = any(axis.shape is not None for axis in axes)
     first = f", {_with_share(shared[0])} first" if shared else ""
-    sizes = sizes_of(found.law)
+    sizes = sizes_of(record.law)
     return Figure(
-        svg_of(where_it_lies, axes, residuals, found.gap.unit, sizes, found.unexplained),
+        svg_of(where_it_lies, axes, residuals, record.gap.unit, sizes, record.unexplained),
         [
             Strong("Where."),
             " Left: the share of each axis in the variance of the systematic force, with its 90 % "
@@ -240,26 +210,26 @@ def _where(stored: StoredDiagnosis) -> Figure:
         ],
         f"Left, a horizontal bar for the share of each axis{first}"
         + ("; right, the residual force along the largest axes with a band" if shapes else "")
-        + (f"; {', '.join(blind)} did not vary." if blind else "."),
+        + (f"; {blind} did not vary." if blind else "."),
         label="where",
         floats=True,
     )
 
 
-def _which(found: DiagnosisFile) -> Figure | Paragraph:
-    included = found.inclusion
-    best, probability = max(found.probabilities.items(), key=lambda item: item[1])
+def _which(record: DiagnosisFile) -> Figure | Paragraph:
+    included = record.inclusion
+    best, probability = max(record.probabilities.items(), key=lambda item: item[1])
     most: list[Inline] = [
         "Most probable: ",
         Code(best),
         f" ({format_probability(probability)}). ",
     ]
     hypotheses: list[Inline] = ["All hypotheses: ", Code("diagnosis.json"), "."]
-    if not any(one.probability > RARE for one in included):
+    if not any(effect.probability > RARE for effect in included):
         none = f"No effect acts with a probability above {format_probability(RARE)}. "
         return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
     return Figure(
-        svg_of(what_acts, included, found.practical_share),
+        svg_of(what_acts, included, record.practical_share),
         [
             Strong("Which."),
             " ",
@@ -277,17 +247,17 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
 
 
 def _how_far(stored: StoredDiagnosis) -> Figure:
-    found = stored.found
-    gap = found.gap
-    named = bool(found.causes)
+    record = stored.record
+    gap = record.gap
+    named = bool(record.causes)
     trajectories = stored.group("trajectories")
     return Figure(
-        svg_of(how_far, gap, found.practical_share, trajectories, named),
+        svg_of(how_far, gap, record.practical_share, trajectories, named),
         [
             Strong("How far."),
             " ",
             *_tuning(gap),
-            *_shrink(gap, named, group_words(found.rigs)[1]),
+            *_shrink(gap, named, group_words(record.rigs)[1]),
             "Bars are rms on conditions that the fit has not seen, but for the systematic gap, "
             "which is the posterior's; lines are 90 % intervals; dashed is the practical share."
             + (" Right: three held-out trials." if trajectories is not None else "")

@@ -15,6 +15,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
     Text,
+    right_columns,
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import (
@@ -34,17 +35,6 @@ from bayesfric.report.rig_words import group_words, law_words, rig_words
 from bayesfric.rigs.base import Words
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
-__all__ = [
-    "appendix",
-    "causes",
-    "codes",
-    "gap_table",
-    "gap_words",
-    "not_told_apart",
-    "remainder",
-    "share_words",
-]
-
 NUMBER = re.compile(r"\d+\.\d+")
 ROWS = 20  # hypotheses listed; diagnosis.json has all
 REASONS = {
@@ -53,36 +43,36 @@ REASONS = {
 }
 
 
-def appendix(found: DiagnosisFile) -> Iterator[Block]:
+def appendix(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield the long tables: hypotheses, effects and axes."""
     yield Heading(2, "Tables of the diagnosis")
-    yield from _probabilities(found)
-    yield _examined(found)
-    if has_gap(found):
-        yield _axes(found)
+    yield from _probabilities(diagnosis)
+    yield _examined(diagnosis)
+    if has_gap(diagnosis):
+        yield _axes(diagnosis)
 
 
-def _baseline(found: DiagnosisFile) -> str:
-    simulator = found.simulator
+def _baseline(diagnosis: DiagnosisFile) -> str:
+    simulator = diagnosis.simulator
     if simulator is None:
-        return f"the {law_words(found.baseline, found.rigs)} law"
+        return f"the {law_words(diagnosis.baseline, diagnosis.rigs)} law"
     if not simulator.parameters:
         return f"what your simulator said ({simulator.name}), of which nothing is fitted"
     numbers = ", ".join(
-        f"{name} {format_interval(one.q50, one.q05, one.q95, one.unit)}"
-        for name, one in simulator.parameters.items()
+        f"{name} {format_interval(number.q50, number.q05, number.q95, number.unit)}"
+        for name, number in simulator.parameters.items()
     )
     return f"your simulator {simulator.name}, called {simulator.calls} times, with {numbers}"
 
 
-def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
-    ranked = sorted(found.probabilities.items(), key=lambda item: -item[1])
-    sensitivity = found.prior_sensitivity
-    fixed = f" Held at shipped values: {', '.join(found.fixed)}." if found.fixed else ""
+def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
+    ranked = sorted(diagnosis.probabilities.items(), key=lambda item: -item[1])
+    sensitivity = diagnosis.prior_sensitivity
+    fixed = f" Held at shipped values: {', '.join(diagnosis.fixed)}." if diagnosis.fixed else ""
     yield Paragraph(
         [
-            f"The baseline is {_baseline(found)}, on the data of: {_rigs(found.rigs)}."
-            f"{fixed}{_strays(found.stray_trials)} ",
+            f"The baseline is {_baseline(diagnosis)}, on the data of: {_rigs(diagnosis.rigs)}."
+            f"{fixed}{_strays(diagnosis.stray_trials)} ",
             Reference("hypotheses"),
             " gives each hypothesis's posterior probability, and what becomes of it where the "
             "prior probability of ",
@@ -112,9 +102,9 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
         [[Code(name), *numbers] for name, *numbers in listed],
         label="hypotheses",
         note="Prior: "
-        + ", ".join(f"{name} {value:g}" for name, value in found.hypothesis_prior.items())
+        + ", ".join(f"{name} {value:g}" for name, value in diagnosis.hypothesis_prior.items())
         + ", shared equally within a number of effects. Hypotheses that were screened only have "
-        f"{format_probability(found.unvisited_probability)} at most, together."
+        f"{format_probability(diagnosis.unvisited_probability)} at most, together."
         + (f" The {more} least probable are in diagnosis.json." if more > 1 else "")
         + (" The least probable is in diagnosis.json." if more == 1 else ""),
     )
@@ -133,12 +123,12 @@ def _strays(trials: Sequence[str]) -> str:
     )
 
 
-def causes(found: Sequence[Cause]) -> Iterator[Block]:
+def causes(named: Sequence[Cause]) -> Iterator[Block]:
     """Yield what is known of each cause."""
-    if not found:
+    if not named:
         yield Paragraph([Strong("Causes."), " None is named."])
         return
-    for cause in found:
+    for cause in named:
         yield Paragraph(
             [
                 Code(cause.effect),
@@ -173,7 +163,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 if place == 0
                 else MISSING,
             ]
-            for cause in found
+            for cause in named
             for place, (name, number) in enumerate(cause.parameters.items())
         ],
         label="causes",
@@ -187,21 +177,21 @@ def _factor(cause: Cause) -> str:
     return " ± ".join(cell for cell in factor_cells(factor, error) if cell != MISSING)
 
 
-def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
+def not_told_apart(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield effects that these data cannot separate, and those that the law absorbs."""
     lines: list[Text] = [
-        [*codes(one.effects), f": {REASONS[one.reason]}."] for one in found.unseparated
+        [*codes(group.effects), f": {REASONS[group.reason]}."] for group in diagnosis.unseparated
     ]
     if lines:
         yield Paragraph([Strong("Not told apart.")])
         yield BulletList(lines)
-    if found.absorbed:
+    if diagnosis.absorbed:
         yield Table(
             "Effects that a parameter of the baseline absorbs, and what they do to it.",
             ["effect", "absorbed by", Column("bias", align="right")],
             [
-                [Code(one.effect), Code(one.by), format_number(one.bias, unit=one.unit)]
-                for one in found.absorbed
+                [Code(effect.effect), Code(effect.by), format_number(effect.bias, unit=effect.unit)]
+                for effect in diagnosis.absorbed
             ],
             label="absorbed",
             note="Bias: by how much the parameter moves at one standard deviation of the effect's "
@@ -209,9 +199,9 @@ def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
         )
 
 
-def remainder(found: DiagnosisFile) -> Iterator[Block]:
+def remainder(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield what the named causes leave."""
-    rest = found.remainder
+    rest = diagnosis.remainder
     factor = f"log₁₀ Bayes factor {format_factor(rest.log10_bayes_factor)}"
     said = f" The evidence does not ask for a further, smooth force ({factor})."
     if rest.significant:
@@ -226,14 +216,14 @@ def remainder(found: DiagnosisFile) -> Iterator[Block]:
                 if middle > 100
                 else f" It would be {format_interval(middle, low, high)}\u202f% of gap²."
             )
-        elif not found.causes:
+        elif not diagnosis.causes:
             said += " No cause is named, so that it is all of the gap."
         if rest.axis is not None:
             said += f" It is largest along {axis_words(rest.axis)}."
     yield Paragraph([Strong("Remainder."), said])
 
 
-def _axes(found: DiagnosisFile) -> Table:
+def _axes(diagnosis: DiagnosisFile) -> Table:
     rows = [
         [
             _with_unit(axis_words(axis.axis), axis.unit),
@@ -242,16 +232,14 @@ def _axes(found: DiagnosisFile) -> Table:
             format_probability(axis.p_value),
             ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
         ]
-        for axis in found.where
+        for axis in diagnosis.where
     ]
-    rows.append(["none of these", share_words(found.unexplained), "", "", ""])
+    rows.append(["none of these", share_words(diagnosis.unexplained), "", "", ""])
     return Table(
         "Axes, largest share first.",
         [
             "axis",
-            Column("share", align="right"),
-            Column("alone", align="right"),
-            Column("adjusted p", align="right"),
+            *right_columns("share", "alone", "adjusted p"),
             "looks like, or why there is none",
         ],
         rows,
@@ -263,7 +251,7 @@ def _axes(found: DiagnosisFile) -> Table:
         "largest statistic of all axes, from a parametric bootstrap."
         + (
             " Looks like: axes whose smooths these data do not tell from it."
-            if any(axis.confounded_with for axis in found.where)
+            if any(axis.confounded_with for axis in diagnosis.where)
             else ""
         ),
     ).filled()
@@ -277,28 +265,24 @@ def share_words(share: Interval | None) -> str:
     return f"{middle} [{low},\u00a0{high}]"
 
 
-def gap_words(found: DiagnosisFile) -> Paragraph:
-    """Return how large the gap is, and where every figure of it stands."""
-    gap, size = found.gap, found.gap.systematic
+def gap_words(diagnosis: DiagnosisFile) -> Paragraph:
+    """Return where every figure of the gap stands, and what contradicts the model."""
+    disagreement = diagnosis.gap.floor_disagreement
     return Paragraph(
         [
-            "The systematic gap, rms of the force that the recalibrated baseline leaves out, is ",
-            f"{format_interval(size.q50, size.q05, size.q95, gap.unit)}, where "
-            f"friction is {format_number(gap.friction_rms, unit=gap.unit)} (rms); less "
-            f"than {format_share(found.practical_share)} of that counts as no gap. ",
             Reference("gap"),
             " has every figure on data that the fit has not seen; every parameter is refitted "
             "both before and after.",
             ""
-            if gap.floor_disagreement is None
-            else f" The two do not agree: {gap.floor_disagreement}.",
+            if disagreement is None
+            else f" Held-out data and the model do not agree: {disagreement}.",
         ]
     )
 
 
-def gap_table(found: DiagnosisFile) -> Table:
+def gap_table(diagnosis: DiagnosisFile) -> Table:
     """Return every figure of the gap on data that the fit has not seen."""
-    gap, groups = found.gap, group_words(found.rigs)[1]
+    gap, groups = diagnosis.gap, group_words(diagnosis.rigs)[1]
     rows: list[tuple[str, int, Gap | GapRow]] = [
         *((row.name.replace(Words.groups, groups), 0, row) for row in gap.held_out),
         ("not held out: the data of the fit", 0, gap.in_sample),
@@ -313,7 +297,7 @@ def gap_table(found: DiagnosisFile) -> Table:
                 name,
                 _cells(row.as_shipped, exponent),
                 _cells(row.before, exponent),
-                _cells(row.after, exponent) if found.causes else MISSING,
+                _cells(row.after, exponent) if diagnosis.causes else MISSING,
                 _cells(row.floor, exponent),
                 _cells(row.shrink, -2),
             ]
@@ -322,7 +306,7 @@ def gap_table(found: DiagnosisFile) -> Table:
         label="gap",
         note=[
             "Medians. ",
-            "Shrink: (before² − after²) / (before² − floor²). " if found.causes else "",
+            "Shrink: (before² − after²) / (before² − floor²). " if diagnosis.causes else "",
             *_reasons(gap, rows),
         ],
     ).filled()
@@ -340,30 +324,30 @@ def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]]) -> list[st
                 reason = f"No figure for {what}: {why}"
                 said.setdefault(NUMBER.sub("#", reason, count=1), []).append((name, reason))
     lines = []
-    for pattern, each in said.items():
-        reasons = sorted({reason for _, reason in each})
-        numbers = [found[0] for reason in reasons if (found := NUMBER.search(reason))]
+    for pattern, reasons_of_rows in said.items():
+        reasons = sorted({reason for _, reason in reasons_of_rows})
+        numbers = [number[0] for reason in reasons if (number := NUMBER.search(reason))]
         why = reasons[0]
         if len(reasons) > 1:
             why = pattern.replace("#", f"{min(numbers, key=float)} to {max(numbers, key=float)}")
-        names = [name for name, _ in each]
+        names = [name for name, _ in reasons_of_rows]
         lines.append(f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). ")
     return lines + ([f"No trajectory: {gap.trajectory_why}. "] if gap.trajectory is None else [])
 
 
-def _examined(found: DiagnosisFile) -> Table:
-    absent = [one for one in found.effects if one.needs]
+def _examined(diagnosis: DiagnosisFile) -> Table:
+    absent = [effect for effect in diagnosis.effects if effect.needs]
     without: dict[str, list[str]] = {}
-    for one in found.effects:
-        if one.log10_bayes_factor_why and not one.needs:
-            without.setdefault(one.log10_bayes_factor_why, []).append(one.effect)
+    for effect in diagnosis.effects:
+        if effect.log10_bayes_factor_why and not effect.needs:
+            without.setdefault(effect.log10_bayes_factor_why, []).append(effect.effect)
     return Table(
         "Every effect examined, alone against the baseline.",
         ["effect", Column("log₁₀ BF", align="decimal")],
         [
-            [Code(one.effect), format_factor(one.log10_bayes_factor)]
-            for one in found.effects
-            if one not in absent
+            [Code(effect.effect), format_factor(effect.log10_bayes_factor)]
+            for effect in diagnosis.effects
+            if effect not in absent
         ],
         label="effects",
         note="Around the baseline's own law; hypotheses of the table of probabilities are compared "

@@ -7,12 +7,20 @@ from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
-from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
+from bayesfric.report.content import (
+    Block,
+    Column,
+    Figure,
+    Heading,
+    Paragraph,
+    Table,
+    decimal_columns,
+    from_file,
+    right_columns,
+)
 from bayesfric.report.quantities import format_count, format_number, format_share, three_digits
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
-
-__all__ = ["diagnostics", "further_diagnostics"]
 
 
 def diagnostics(stored: StoredFit) -> Iterator[Block]:
@@ -42,10 +50,8 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         [
             "parameter",
             "prior",
-            Column("R-hat", align="decimal"),
-            Column("walkers", align="decimal"),
-            Column("bulk ESS", align="right"),
-            Column("tail ESS", align="right"),
+            *decimal_columns("R-hat", "walkers"),
+            *right_columns("bulk ESS", "tail ESS"),
             Column("contraction", align="decimal"),
             "informed",
         ],
@@ -76,13 +82,12 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         yield _sensitivity(entries)
     yield Figure(
         svg_of(rank_histograms, stored.predictive),
-        [
+        from_file(
+            "predictive.nc",
             "Ranks of the draws of each ensemble (a line each) among all. Flat lines around one "
             "say that the ensembles draw from one density; a slope or a hump would say that they "
-            "do not. From ",
-            Code("predictive.nc"),
-            ".",
-        ],
+            "do not.",
+        ),
         "Small panels, one for each parameter, with a step line for each ensemble: the count of "
         "its draws in equal classes of rank, over the count expected, which is one.",
         label="ranks",
@@ -114,21 +119,17 @@ def _entries(stored: StoredFit) -> dict[str, ParameterSummary]:
 
 
 def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
-    known = [
+    sensitivities = [
         (symbol(name), entry.prior_sensitivity, entry.likelihood_sensitivity)
         for name, entry in entries.items()
         if entry.prior_sensitivity is not None and entry.likelihood_sensitivity is not None
     ]
     return Table(
         "What each coefficient rests on.",
-        [
-            "coefficient",
-            Column("prior", align="decimal"),
-            Column("likelihood", align="decimal"),
-        ],
+        ["coefficient", *decimal_columns("prior", "likelihood")],
         [
             [name, f"{of_prior:.3f}", f"{of_likelihood:.3f}"]
-            for name, of_prior, of_likelihood in known
+            for name, of_prior, of_likelihood in sensitivities
         ],
         label="sensitivity",
         note="How far the cumulative distribution of the coefficient moves if all priors, or the "

@@ -9,8 +9,6 @@ from bayesfric.report.content import Block, BulletList, Figure, Paragraph, Table
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["numbers_to_enter", "replays"]
-
 
 def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield the numbers of each joint; nothing where there are none, as of pulleys."""
@@ -36,7 +34,9 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
 def replays(stored: StoredDiagnosis) -> Iterator[Block]:
     """Yield measured and simulated drive forces of held-out runs; nothing without a replay."""
     traces = stored.group("replay")
-    blocks = [block for block in stored.found.joints or (stored.found,) if block.replay is not None]
+    blocks = [
+        block for block in stored.record.joints or (stored.record,) if block.replay is not None
+    ]
     if traces is None or not blocks:
         return
     unit = blocks[0].gap.unit

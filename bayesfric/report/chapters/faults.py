@@ -1,4 +1,4 @@
-"""What a stored result breaks of what must hold of every result."""
+"""The invariants that stored results break."""
 
 from collections.abc import Iterator
 
@@ -6,15 +6,13 @@ from bayesfric.invariants import RULES, broken, check_record
 from bayesfric.report.content import Notice
 from bayesfric.report.stored import StoredResults
 
-__all__ = ["faults"]
-
 
 def faults(stored: StoredResults) -> Iterator[Notice]:
     """Yield a notice for each invariant that a stored result breaks."""
     records = {
         "fit.json": stored.pooled if stored.fitted is None else stored.fitted.fit,
-        "claims.json": None if stored.claims is None else stored.claims.found,
-        "diagnosis.json": None if stored.diagnosis is None else stored.diagnosis.found,
+        "claims.json": None if stored.claims is None else stored.claims.record,
+        "diagnosis.json": None if stored.diagnosis is None else stored.diagnosis.record,
         "margins.json": stored.margins,
         "scorecard.json": stored.scorecard,
     }

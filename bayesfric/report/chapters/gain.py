@@ -11,11 +11,9 @@ from bayesfric.plots.margins import (
     limit_cycle_against_gain,
 )
 from bayesfric.plots.style import svg_of
-from bayesfric.report.content import Block, Code, Figure, Notice, Reference
+from bayesfric.report.content import Block, Figure, Notice, Reference, from_file
 from bayesfric.report.quantities import format_interval, format_number, format_share
 from bayesfric.schemas import LoopMargins, MarginsFile
-
-__all__ = ["SHOWN_UNITS", "WORDS", "gain_figures", "gain_lines"]
 
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
@@ -51,17 +49,17 @@ WORDS = {
 }
 
 
-def gain_lines(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
-    """Yield, for page one, which gain each loop bears.
+def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
+    """Yield, for page one, the largest safe compensation gain of each loop.
 
     Parameters
     ----------
-    found : MarginsFile
+    margins : MarginsFile
         What ``bayesfric margins`` wrote.
     alone : bool
         Whether nothing else is on that page, which then has the figures.
     """
-    for loop in found.loops:
+    for loop in margins.loops:
         yield Notice(
             _kind(loop),
             [
@@ -74,7 +72,7 @@ def gain_lines(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
             title=f"{loop.name}: {_verdict(loop)}",
         )
     if alone:
-        yield from gain_figures(found)
+        yield from gain_figures(margins)
 
 
 def _verdict(loop: LoopMargins) -> str:
@@ -82,11 +80,13 @@ def _verdict(loop: LoopMargins) -> str:
     if not loop.missed_specs:
         return "meets its spec"
     names = [name.partition(" ")[0] for name in loop.missed_specs]
-    return f"misses its spec in {', '.join(WORDS.get(one, one.replace('_', ' ')) for one in names)}"
+    return (
+        f"misses its spec in {', '.join(WORDS.get(name, name.replace('_', ' ')) for name in names)}"
+    )
 
 
 def _missed(loop: LoopMargins) -> Iterator[str]:
-    """Yield by how much: each number that is missed, with its 90 % interval, beside its spec."""
+    """Yield each metric that misses its spec, with its 90 % interval and the spec."""
     for metric in loop.metrics:
         name = " ".join(filter(None, (metric.name, metric.direction)))
         if name not in (loop.missed_specs or ()) or metric.interval is None or metric.spec is None:
@@ -95,10 +95,12 @@ def _missed(loop: LoopMargins) -> Iterator[str]:
         words = WORDS.get(metric.name, metric.name)
         if metric.direction is not None:
             words += f", {metric.direction}"
-        one = metric.interval
-        found = format_interval(scale * one.q50, scale * one.q05, scale * one.q95, unit)
+        interval = metric.interval
+        measured = format_interval(
+            scale * interval.q50, scale * interval.q05, scale * interval.q95, unit
+        )
         asked = f"{metric.sense} {scale * metric.spec:g}\N{NARROW NO-BREAK SPACE}{unit}".rstrip()
-        yield f"{words[:1].upper()}{words[1:]}: {found}, {asked} is asked for. "
+        yield f"{words[:1].upper()}{words[1:]}: {measured}, {asked} is asked for. "
 
 
 def _gain(loop: LoopMargins) -> str:
@@ -116,18 +118,17 @@ def _gain(loop: LoopMargins) -> str:
     return f"Set γ to {down:.2f} at most ({now}): up to there it hunts with {allowed}."
 
 
-def gain_figures(found: MarginsFile) -> Iterator[Block]:
+def gain_figures(margins: MarginsFile) -> Iterator[Block]:
     """Yield the figures of all loops together."""
-    yield from _hunting(found.loops)
-    if has_error_or_headroom(found.loops):
+    yield from _hunting(margins.loops)
+    if has_error_or_headroom(margins.loops):
         yield Figure(
-            svg_of(error_and_headroom, found.loops),
-            [
+            svg_of(error_and_headroom, margins.loops),
+            from_file(
+                "margins.json",
                 "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
-                "to 95 %; the black tick is the spec. From ",
-                Code("margins.json"),
-                ".",
-            ],
+                "to 95 %; the black tick is the spec.",
+            ),
             "Horizontal bars with a dot at the median, in groups by loop: errors in millimetres "
             "on the left, torque headroom in per cent on the right.",
             label="error-headroom",
@@ -135,12 +136,12 @@ def gain_figures(found: MarginsFile) -> Iterator[Block]:
 
 
 def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
-    hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
+    hunts = [metric for metric in loop.metrics if metric.name == "gamma_hunting"]
     p = hunts[0].probability_of_violation if hunts else None
     missed = [loop.missed_specs]
     if loop.with_effects is not None:
         missed.append(loop.with_effects.missed_specs)
-    if any(one is None or one for one in missed):
+    if any(names is None or names for names in missed):
         return "attention"
     if p is None and loop.largest_safe_compensation_gain is None:
         return "attention"
@@ -154,13 +155,12 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
         return
     yield Figure(
         svg_of(limit_cycle_against_gain, curves),
-        [
+        from_file(
+            "margins.json",
             "Probability that the loop hunts, over the compensation gain, with twice its Monte "
             "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "
-            "upright line the largest γ within it. From ",
-            Code("margins.json"),
-            ".",
-        ],
+            "upright line the largest γ within it.",
+        ),
         "A rising line from zero to one for each loop over the compensation gain from zero to "
         "three.",
         label="limit-cycle",

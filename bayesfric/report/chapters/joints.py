@@ -7,49 +7,47 @@ from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import format_number
 from bayesfric.schemas import DiagnosisFile, Interval
 
-__all__ = ["joints"]
 
-
-def joints(found: DiagnosisFile) -> Iterator[Block]:
-    """Yield a table of all joints, and one of the numbers of the model that are told."""
+def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
+    """Yield a table of all joints, and one of the errors found in the machine's model."""
     yield Heading(2, "The joints")
-    names = dict.fromkeys(number.parameter for one in found.joints for number in one.enter)
+    names = dict.fromkeys(number.parameter for joint in diagnosis.joints for number in joint.enter)
     rows = []
-    for one in found.joints:
-        numbers = {number.parameter: number for number in one.enter}
-        causes = ", ".join(cause.effect for cause in one.causes) or "none"
-        told = [
+    for joint in diagnosis.joints:
+        numbers = {number.parameter: number for number in joint.enter}
+        causes = ", ".join(cause.effect for cause in joint.causes) or "none"
+        printed = [
             _with_error(numbers[name].value, numbers[name].unit) if name in numbers else "–"
             for name in names
         ]
-        rows.append([str(one.joint), VERDICTS[one.verdict], causes, *told])
+        rows.append([str(joint.joint), VERDICTS[joint.verdict], causes, *printed])
     yield Table(
         "What was found of each joint, and the numbers to enter.",
         ["joint", "verdict", "causes", *names],
         rows,
         label="joints",
     )
-    if found.model_error:
+    if diagnosis.model_error:
         yield Table(
             "Numbers of the machine's model of which the data tell something: what they are in "
             "truth, less what the model has.",
             ["link", "number", "model has", "error", "off"],
             [
                 [
-                    one.link,
-                    one.number,
-                    format_number(one.in_your_model, unit=one.unit),
-                    _with_error(one.error, one.unit),
-                    "yes" if one.significant else "not surely",
+                    error.link,
+                    error.number,
+                    format_number(error.in_your_model, unit=error.unit),
+                    _with_error(error.error, error.unit),
+                    "yes" if error.significant else "not surely",
                 ]
-                for one in found.model_error
+                for error in diagnosis.model_error
             ],
             label="model-error",
         )
     yield Paragraph(
         [
             "All that follows is of the joint ",
-            Code(str(found.joint)),
+            Code(str(diagnosis.joint)),
             ", whose verdict is the machine's; ",
             Code("joints"),
             ", diagnosis.json, has all the others.",

@@ -14,6 +14,8 @@ from bayesfric.report.content import (
     Paragraph,
     Reference,
     Table,
+    from_file,
+    right_columns,
 )
 from bayesfric.report.quantities import (
     MISSING,
@@ -26,8 +28,6 @@ from bayesfric.report.quantities import (
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import AssemblyCheck, Prediction, Uniformity
-
-__all__ = ["further_left_out", "left_out"]
 
 
 def left_out(stored: StoredFit) -> Iterator[Block]:
@@ -43,14 +43,14 @@ def left_out(stored: StoredFit) -> Iterator[Block]:
     yield _densities(fit.prediction)
 
 
-def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator[Block]:
+def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> Iterator[Block]:
     yield Paragraph(
         [
             "Each trial is now left out in turn, and the fit to all others, those of its own "
             f"{group_words(stored.fit.rigs)[0]} included, says how probable less friction was "
             "than it had. Of a model that "
             "is right these probabilities are uniform. ",
-            " ".join(map(_uniform, found)),
+            " ".join(map(_uniform, uniformities)),
         ]
     )
 
@@ -78,18 +78,18 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
     )
 
 
-def _uniform(one: Uniformity) -> str:
-    words = rig_words(one.rig)
+def _uniform(test: Uniformity) -> str:
+    words = rig_words(test.rig)
     return (
-        f"The {format_count(one.trials)} {words.trials} of the {words.rig}: p = "
-        f"{format_probability(one.p_value)} of as large a departure by chance; they lie "
-        f"{format_fixed(one.spread, 2)} times as far from their prediction as the model says "
-        f"({format_fixed(one.spread_q05, 2)} to {format_fixed(one.spread_q95, 2)} if made again, "
+        f"The {format_count(test.trials)} {words.trials} of the {words.rig}: p = "
+        f"{format_probability(test.p_value)} of as large a departure by chance; they lie "
+        f"{format_fixed(test.spread, 2)} times as far from their prediction as the model says "
+        f"({format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} if made again, "
         "5 % to 95 %)."
     )
 
 
-def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator[Block]:
+def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterator[Block]:
     group, groups = group_words(stored.fit.rigs)
     yield Paragraph(
         [
@@ -100,12 +100,13 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
             f"Each {group} is left out with all its trials, and ",
             Reference("assemblies"),
             " shows where it then lies. ",
-            " ".join(map(_assembly, found)),
+            " ".join(map(_assembly, checked)),
         ]
     )
     yield Figure(
         svg_of(assemblies_left_out, stored.predictive),
-        [
+        from_file(
+            "predictive.nc",
             f"{groups.capitalize()}, each against what all others predict of it. Above, left: "
             "distribution of "
             "the probabilities less the uniform one, with a band that 95 % of sets of independent "
@@ -113,10 +114,8 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
             "their rank, with 90 % of each; and those of single trials given the others of their "
             f"{group}, with 90 % of recordings made again. Below: the scores by condition, or "
             f"in their order where there is one condition; a condition whose {groups} all lie "
-            "on one side is one that the law misses. From ",
-            Code("predictive.nc"),
-            ".",
-        ],
+            "on one side is one that the law misses.",
+        ),
         "Of each rig a step line around zero inside a band, points along a diagonal, and points by "
         "condition about zero, most of them within a shaded band of the 90 percent interval.",
         label="assemblies",
@@ -124,25 +123,25 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
     )
 
 
-def _assembly(one: AssemblyCheck) -> str:
-    words = rig_words(one.rig)
+def _assembly(check: AssemblyCheck) -> str:
+    words = rig_words(check.rig)
     far = "; ".join(
         f"{outlier.setup} {format_fixed(abs(outlier.z), 1)} sd "
         f"{'above' if outlier.z > 0 else 'below'} (one recording in "
         f"{format_count(max(round(1 / outlier.chance), 1))} has one as far out by chance)"
-        for outlier in one.outlying
+        for outlier in check.outlying
     )
     return (
-        f"The {format_count(one.assemblies)} {words.groups} of the {words.rig}: p = "
-        f"{format_probability(one.p_value)}; they lie {format_fixed(one.spread, 2)} times as far "
-        f"from their prediction as the model says ({format_fixed(one.spread_q05, 2)} to "
-        f"{format_fixed(one.spread_q95, 2)} by chance, 5 % to 95 %). "
+        f"The {format_count(check.assemblies)} {words.groups} of the {words.rig}: p = "
+        f"{format_probability(check.p_value)}; they lie {format_fixed(check.spread, 2)} times as "
+        f"far from their prediction as the model says ({format_fixed(check.spread_q05, 2)} to "
+        f"{format_fixed(check.spread_q95, 2)} by chance, 5 % to 95 %). "
         f"{f'Beyond 3 sd: {far}.' if far else 'None lies beyond 3 sd.'}"
     )
 
 
-def _densities(found: tuple[Prediction, ...]) -> Table:
-    whys = {one.elpd_why for one in found if one.elpd_why}
+def _densities(predictions: tuple[Prediction, ...]) -> Table:
+    whys = {prediction.elpd_why for prediction in predictions if prediction.elpd_why}
     return Table(
         "Log predictive density of what is left out, one at a time.",
         [
@@ -150,38 +149,41 @@ def _densities(found: tuple[Prediction, ...]) -> Table:
             Column("number", align="right"),
             Column("elpd", "nat", align="right"),
             Column("±", "nat", align="right"),
-            Column("bad Pareto k", align="right"),
-            Column("refitted", align="right"),
+            *right_columns("bad Pareto k", "refitted"),
         ],
         [
             [
-                _kind(one),
-                format_count(one.groups),
+                _kind(prediction),
+                format_count(prediction.groups),
                 *(
-                    (format_fixed(one.elpd, 1), MISSING)
-                    if one.elpd_se is None
-                    else error_cells(one.elpd, one.elpd_se)
+                    (format_fixed(prediction.elpd, 1), MISSING)
+                    if prediction.elpd_se is None
+                    else error_cells(prediction.elpd, prediction.elpd_se)
                 ),
-                format_count(one.bad),
-                format_count(one.refitted),
+                format_count(prediction.bad),
+                format_count(prediction.refitted),
             ]
-            for one in found
+            for prediction in predictions
         ],
         label="elpd",
         note="A density of raw data: its level depends on their units and number, and only "
         "differences between models of the same data mean something. The error is over other "
-        f"groups of the kind.{_limit(found)}{' No density: ' if whys else ''}"
+        f"groups of the kind.{_limit(predictions)}{' No density: ' if whys else ''}"
         f"{'; '.join(sorted(whys))}{'.' if whys else ''}",
     )
 
 
-def _kind(one: Prediction) -> str:
-    words = rig_words(one.rig)
-    return f"{words.trial if one.left_out == 'trial' else words.group} of the {words.rig}"
+def _kind(prediction: Prediction) -> str:
+    words = rig_words(prediction.rig)
+    return f"{words.trial if prediction.left_out == 'trial' else words.group} of the {words.rig}"
 
 
-def _limit(found: tuple[Prediction, ...]) -> str:
-    limits = [one.pareto_k_limit for one in found if one.pareto_k_limit is not None]
+def _limit(predictions: tuple[Prediction, ...]) -> str:
+    limits = [
+        prediction.pareto_k_limit
+        for prediction in predictions
+        if prediction.pareto_k_limit is not None
+    ]
     if not limits:
         return ""
     return (

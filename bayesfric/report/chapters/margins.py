@@ -26,6 +26,9 @@ from bayesfric.report.content import (
     Paragraph,
     Strong,
     Table,
+    decimal_columns,
+    from_file,
+    right_columns,
 )
 from bayesfric.report.quantities import (
     MISSING,
@@ -37,40 +40,38 @@ from bayesfric.report.quantities import (
 from bayesfric.report.words import sentences
 from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
-__all__ = ["margins"]
-
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
 
-def margins(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
+def margins(record: MarginsFile, *, alone: bool) -> Iterator[Block]:
     """Yield the chapter on ``margins.json``.
 
     Parameters
     ----------
-    found : MarginsFile
+    record : MarginsFile
         What ``bayesfric margins`` wrote.
     alone : bool
         Whether its figures stand on page one.
     """
     yield Heading(1, "Controller margins", label="margins")
-    for loop in found.loops:
+    for loop in record.loops:
         verdict, *rest = sentences(loop.answer)
         yield Paragraph([Code(loop.name), ": ", Strong(verdict)])
         yield BulletList(rest)
-    if found.law is not None:
-        yield Paragraph(found.law.sentence)
+    if record.law is not None:
+        yield Paragraph(record.law.sentence)
     yield Paragraph(
-        f"All figures are over {format_count(found.draws)} draws of a new assembly: the posterior "
-        "of the friction law, the scatter between assemblies, and a difference between rigs of "
-        f"{format_share(found.rig_discrepancy)} (sd; {found.rig_discrepancy_source}). P(violates) "
-        "is the share of the draws that miss the spec, with its Monte Carlo error; "
+        f"All figures are over {format_count(record.draws)} draws of a new assembly: the "
+        "posterior of the friction law, the scatter between assemblies, and a difference between "
+        f"rigs of {format_share(record.rig_discrepancy)} (sd; {record.rig_discrepancy_source}). "
+        "P(violates) is the share of the draws that miss the spec, with its Monte Carlo error; "
         "angles and torques at the motor are those of its shaft."
     )
     if not alone:
-        yield from gain_figures(found)
-    for loop in found.loops:
+        yield from gain_figures(record)
+    for loop in record.loops:
         yield from _loop(loop)
 
 
@@ -82,25 +83,21 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         yield Paragraph(loop.plant.sentence)
     if loop.warnings:
         yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
-        yield BulletList([_sentence(one) for one in loop.warnings])
+        yield BulletList([_sentence(warning) for warning in loop.warnings])
     yield Table(
         ["What the draws leave of ", Code(loop.name), "."],
         [
             "figure",
             "unit",
             "at",
-            Column("median", align="decimal"),
-            Column("5 %", align="decimal"),
-            Column("95 %", align="decimal"),
-            Column("spec", align="right"),
-            Column("P(violates)", align="right"),
-            Column("±", align="right"),
+            *decimal_columns("median", "5 %", "95 %"),
+            *right_columns("spec", "P(violates)", "±"),
         ],
         [
-            _row(one)
+            _row(row)
             for metric in loop.metrics
-            for one in (metric, in_degrees_or_decibels(metric))
-            if one is not None and (one.interval is not None or one.spec is not None)
+            for row in (metric, in_degrees_or_decibels(metric))
+            if row is not None and (row.interval is not None or row.spec is not None)
         ]
         + _certified(loop),
         label=f"margins-{loop.name}",
@@ -129,21 +126,25 @@ def _sentence(text: str) -> str:
 
 def _following(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the joint follows references that move."""
-    found = loop.following
-    if found is None:
+    following = loop.following
+    if following is None:
         yield Paragraph(f"Errors on references that move: {loop.following_why}.")
         return
-    yield Paragraph(found.answer)
-    yield BulletList([[Emphasis(one.name), f": {one.sentence}."] for one in found.trajectories])
-    yield Figure(
-        svg_of(errors_over_time, found),
+    yield Paragraph(following.answer)
+    yield BulletList(
         [
-            f"Over {format_count(found.draws)} draws, how far the joint is behind the reference at "
-            "the tool tip: the median with each compensator, and 5 % to 95 % with none and with "
-            "the best. What is shaded grey is judged. From ",
-            Code("margins.json"),
-            ".",
-        ],
+            [Emphasis(trajectory.name), f": {trajectory.sentence}."]
+            for trajectory in following.trajectories
+        ]
+    )
+    yield Figure(
+        svg_of(errors_over_time, following),
+        from_file(
+            "margins.json",
+            f"Over {format_count(following.draws)} draws, how far the joint is behind the "
+            "reference at the tool tip: the median with each compensator, and 5 % to 95 % with "
+            "none and with the best. What is shaded grey is judged.",
+        ),
         "Four panels of bands over time: ramp, reversal, sine and step, a colour a compensator.",
         label=f"following-{loop.name}",
     )
@@ -152,29 +153,29 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
         [
             "trajectory",
             "compensator",
-            *(Column(text, align="decimal") for text in ("rms", "5 %", "95 %")),
-            *(Column(text, align="decimal") for text in ("peak", "5 %", "95 %")),
+            *decimal_columns("rms", "5 %", "95 %"),
+            *decimal_columns("peak", "5 %", "95 %"),
             Column("least", align="right"),
         ],
         [
             [
-                one.name,
-                each.compensator,
-                *_cells(each.rms_m, 1e3),
-                *_cells(each.peak_m, 1e3),
-                format_share(each.least),
+                trajectory.name,
+                followed.compensator,
+                *_cells(followed.rms_m, 1e3),
+                *_cells(followed.peak_m, 1e3),
+                format_share(followed.least),
             ]
-            for one in found.trajectories
-            for each in one.compensators
+            for trajectory in following.trajectories
+            for followed in trajectory.compensators
         ],
         label=f"followed-{loop.name}",
         note="Reference less joint, with the load and the stretch of the cable; judged for "
-        f"{format_number(found.settling_s, 3)} s once the loop has settled, of a reversal from the "
-        "turn on. Compensators have the file's γ and F̂; the sign of the error is linear within ± "
-        f"{format_number(found.error_band_rad, 3)} rad of the motor, over which, or over "
-        "2γF̂/kp, the LuGre observer's friction builds up; the disturbance observer's low-pass has "
-        "its corner at "
-        f"{format_number(found.disturbance_cutoff_rad_s, 3)} rad/s; neither observer is "
+        f"{format_number(following.settling_s, 3)} s once the loop has settled, of a reversal "
+        "from the turn on. Compensators have the file's γ and F̂; the sign of the error is linear "
+        f"within ± {format_number(following.error_band_rad, 3)} rad of the motor, over which, or "
+        "over 2γF̂/kp, the LuGre observer's friction builds up; the disturbance observer's "
+        "low-pass has its corner at "
+        f"{format_number(following.disturbance_cutoff_rad_s, 3)} rad/s; neither observer is "
         "looked at for hunting. Least: share of the draws in "
         "which the rms error is within 2 % of the least.",
     )
@@ -198,15 +199,15 @@ def _row(metric: Metric) -> list[str]:
 
 def _certified(loop: LoopMargins) -> list[list[str]]:
     """Return the row of the largest certified gain, where there is one."""
-    found = loop.certificate
-    if found is None or found.gamma is None:
+    certificate = loop.certificate
+    if certificate is None or certificate.gamma is None:
         return []
     return [
         [
             "certified γ (circle criterion)",
             "",
             "loop",
-            *_cells(found.gamma, 1.0),
+            *_cells(certificate.gamma, 1.0),
             *["", "", ""],  # a draw that is not certified violates nothing
         ]
     ]
@@ -300,10 +301,9 @@ def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
                 "figure",
                 "unit",
                 "at",
-                *(Column(text, align="decimal") for text in ("before", "5 %", "95 %")),
-                *(Column(text, align="decimal") for text in ("after", "5 %", "95 %")),
-                Column("P before", align="right"),
-                Column("P after", align="right"),
+                *decimal_columns("before", "5 %", "95 %"),
+                *decimal_columns("after", "5 %", "95 %"),
+                *right_columns("P before", "P after"),
             ],
             rows,
             label=f"effects-{loop.name}",
@@ -314,42 +314,42 @@ def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
 
 def _verification(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the figures hold where motor and joint are on an elastic cable."""
-    found = loop.verification
-    if found is None:
+    verified = loop.verification
+    if verified is None:
         yield Paragraph(f"Against motor and joint on an elastic cable: {loop.verification_why}.")
         return
     yield Table(
         [
-            f"How the figures of {format_count(found.draws)} draws of ",
+            f"How the figures of {format_count(verified.draws)} draws of ",
             Code(loop.name),
             " hold where motor and joint are simulated on an elastic cable that rubs along its "
             "way, with the whole load.",
         ],
         [
             "figure",
-            Column("draws", align="right"),
-            Column("holds in", align="right"),
-            Column("95 % interval", align="right"),
-            *(Column(text, align="decimal") for text in ("simulated / reported", "5 %", "95 %")),
+            *right_columns("draws", "holds in", "95 % interval"),
+            *decimal_columns("simulated / reported", "5 %", "95 %"),
         ],
-        [_held(one) for one in found.held],
+        [_held(figure) for figure in verified.held],
         label=f"verified-{loop.name}",
-        note=f"A figure holds within {format_share(found.tolerance)}; errors at rest are bounds, "
-        "and their ratio says how near the farthest came. The draws were kicked by "
-        f"{format_number(found.kick.q50)} rad at the motor (median).",
+        note=f"A figure holds within {format_share(verified.tolerance)}; errors at rest are "
+        "bounds, and their ratio says how near the farthest came. The draws were kicked by "
+        f"{format_number(verified.kick.q50)} rad at the motor (median).",
     )
-    missing = [f"{one.what}: {one.share_why}" for one in found.held if one.share is None]
+    missing = [
+        f"{figure.what}: {figure.share_why}" for figure in verified.held if figure.share is None
+    ]
     if missing:
         yield BulletList([f"Not held against it, {text}." for text in missing])
 
 
-def _held(one: Held) -> list[str]:
-    if one.share is None:
-        return [one.what, format_count(0), *[MISSING] * 5]
+def _held(figure: Held) -> list[str]:
+    if figure.share is None:
+        return [figure.what, format_count(0), *[MISSING] * 5]
     return [
-        one.what,
-        format_count(one.draws),
-        format_share(one.share),
-        f"{format_share(one.low)} to {format_share(one.high)}",
-        *_cells(one.ratio, 1.0),
+        figure.what,
+        format_count(figure.draws),
+        format_share(figure.share),
+        f"{format_share(figure.low)} to {format_share(figure.high)}",
+        *_cells(figure.ratio, 1.0),
     ]

@@ -5,11 +5,9 @@ from collections.abc import Iterator
 from bayesfric.plots.margins import bode_bands, hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
 from bayesfric.probabilities import stated_of_draws
-from bayesfric.report.content import Block, Code, Figure, Paragraph
+from bayesfric.report.content import Block, Figure, Paragraph, from_file
 from bayesfric.report.quantities import format_count
 from bayesfric.schemas import LoopMargins
-
-__all__ = ["over_frequency", "over_speed"]
 
 
 def over_speed(loop: LoopMargins) -> Iterator[Block]:
@@ -30,12 +28,11 @@ def over_speed(loop: LoopMargins) -> Iterator[Block]:
         shown = "the median error at the tip after the kick"
     yield Figure(
         svg_of(hunting_over_speed, loop.hunting_map),
-        [
+        from_file(
+            "margins.json",
             f"Over {format_count(draws)} draws, {shown}, by reference speed (the first column is "
-            "rest) and compensation gain. Steps are those that were simulated, not a scale. From ",
-            Code("margins.json"),
-            ".",
-        ],
+            "rest) and compensation gain. Steps are those that were simulated, not a scale.",
+        ),
         f"{tables} of grey cells, reference speed to the right and compensation gain upwards.",
         label=f"hunting-map-{loop.name}",
         floats=True,
@@ -47,25 +44,23 @@ def over_frequency(loop: LoopMargins) -> Iterator[Block]:
     if loop.bode:
         yield Figure(
             svg_of(bode_bands, loop.bode),
-            [
+            from_file(
+                "margins.json",
                 "The open loop over frequency, without friction: the median, and 5 % to 95 % of "
-                "the draws. Phase at 0 dB is above −180° by the phase margin. From ",
-                Code("margins.json"),
-                ".",
-            ],
+                "the draws. Phase at 0 dB is above −180° by the phase margin.",
+            ),
             "Two panels of a curve in a band, gain above phase, over frequency.",
             label=f"bode-{loop.name}",
         )
     yield Figure(
         svg_of(nyquist_fan, loop.nyquist),
-        [
+        from_file(
+            "margins.json",
             "Left, the open loop of some draws with −1 and the unit circle: without friction. "
             "Right, what friction sees, motor speed per friction torque, with −1/N(A): a curve "
             "that crosses the solid half can swing with friction alone at the edge of what it "
-            "holds, one that crosses the dashed half can hunt once γF̂ outweighs F. From ",
-            Code("margins.json"),
-            ".",
-        ],
+            "holds, one that crosses the dashed half can hunt once γF̂ outweighs F.",
+        ),
         "Two panels of thin curves in the complex plane, a curve for each draw.",
         label=f"nyquist-{loop.name}",
     )

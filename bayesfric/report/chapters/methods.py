@@ -9,8 +9,6 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import DiagnosisFile, FitFile
 
-__all__ = ["methods"]
-
 
 def methods(stored: StoredResults) -> Iterator[Block]:
     """Yield how the fit and the diagnosis are made, as far as they were."""
@@ -20,7 +18,7 @@ def methods(stored: StoredResults) -> Iterator[Block]:
     if stored.fitted is not None:
         yield from _fit(stored.fitted.fit)
     if stored.diagnosis is not None:
-        yield from _diagnosis(stored.diagnosis.found)
+        yield from _diagnosis(stored.diagnosis.record)
 
 
 def _fit(fit: FitFile) -> Iterator[Block]:
@@ -52,10 +50,10 @@ def _fit(fit: FitFile) -> Iterator[Block]:
     )
 
 
-def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
+def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield how hypotheses are compared, and what gap, floor and shrink are."""
-    prior = ", ".join(f"{name} {value:g}" for name, value in found.hypothesis_prior.items())
-    groups = group_words(found.rigs)[1]
+    prior = ", ".join(f"{name} {value:g}" for name, value in diagnosis.hypothesis_prior.items())
+    groups = group_words(diagnosis.rigs)[1]
     yield Heading(2, "The diagnosis")
     yield Paragraph(
         "A hypothesis is a set of effects that act beside the law, or an unknown smooth force. "

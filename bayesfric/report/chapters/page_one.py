@@ -40,8 +40,6 @@ from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.schemas import FitFile, RecordingId
 
-__all__ = ["coefficients_figure", "convergence", "page_one", "recorded", "worries"]
-
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 FEW = 3  # remarks that stand as boxes; more of them are a list
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
@@ -55,12 +53,12 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     if fitted is not None:
         yield from convergence(fitted.fit)
     if diagnosed is not None:
-        yield verdict_line(diagnosed.found)
-        yield from numbers_to_use(diagnosed.found)
-        yield from numbers_to_enter(diagnosed.found)
+        yield verdict_line(diagnosed.record)
+        yield from numbers_to_use(diagnosed.record)
+        yield from numbers_to_enter(diagnosed.record)
     if fitted is not None:
         if diagnosed is not None:
-            yield from biased(diagnosed.found)
+            yield from biased(diagnosed.record)
         yield from in_a_sentence(fitted.fit)
         yield from expected(fitted)
         yield from coefficients_figure(fitted)
@@ -70,7 +68,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield population(pooled, pooled.pooled)
     yield from faults(stored)
     if stored.claims is not None:
-        yield fallen(stored.claims.found)
+        yield fallen(stored.claims.record)
     if stored.margins is not None:
         yield from gain_lines(stored.margins, alone=fitted is None)
     if stored.scorecard is not None and fitted is None:
@@ -97,7 +95,7 @@ def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
 
 
 def _entered(stored: StoredFit) -> str:
-    said = [counted(one) for one in rig_tables(stored.predictive)]
+    said = [counted(rig) for rig in rig_tables(stored.predictive)]
     events = stored.fit.data_quality.events
     if events:
         said.append(f"{format_count(events)} Hall events")
@@ -125,7 +123,7 @@ def convergence(fit: FitFile) -> Iterator[Notice]:
 def expected(stored: StoredFit) -> Iterator[Block]:
     """Yield friction of a run of the recording's own conditions, one a pulley size."""
     unit = force_unit(stored.fit)
-    rows = [row for one in rig_tables(stored.predictive)[:1] for row in _conditions(one, unit)]
+    rows = [row for rig in rig_tables(stored.predictive)[:1] for row in _conditions(rig, unit)]
     if rows:
         yield Table(
             "What friction to expect of a run, at the recording's own conditions.",
@@ -137,18 +135,18 @@ def expected(stored: StoredFit) -> Iterator[Block]:
         )
 
 
-def _conditions(one: RigTable, unit: str) -> Iterator[list[Inline]]:
+def _conditions(rig: RigTable, unit: str) -> Iterator[list[Inline]]:
     """Yield, of each size, the measured trial in the middle of its most frequent condition."""
-    if not {*CONDITION, "tension_n", "law_n", "predicted_n"} <= set(one.table.data_vars):
+    if not {*CONDITION, "tension_n", "law_n", "predicted_n"} <= set(rig.table.data_vars):
         return
-    columns = [one.table[name].to_numpy() for name in CONDITION]
-    for size in ordered_sizes(one.sizes):
+    columns = [rig.table[name].to_numpy() for name in CONDITION]
+    for size in ordered_sizes(rig.sizes):
         keys = [key for key in zip(*columns, strict=True) if key[0] == size]
         usual = max(sorted(set(keys)), key=keys.count)
-        here = np.all([c == v for c, v in zip(columns, usual, strict=True)], axis=0)
-        tension = np.abs(one.table["tension_n"].to_numpy())
-        middle = np.quantile(tension[here], 0.5, method="nearest")
-        row = one.table.isel({one.id: int(np.flatnonzero(here & (tension == middle))[0])})
+        at_usual = np.all([c == v for c, v in zip(columns, usual, strict=True)], axis=0)
+        tension = np.abs(rig.table["tension_n"].to_numpy())
+        middle = np.quantile(tension[at_usual], 0.5, method="nearest")
+        row = rig.table.isel({rig.id: int(np.flatnonzero(at_usual & (tension == middle))[0])})
         _, n, angle = usual
         yield [
             _condition(int(n), size, angle, float(middle), unit),
@@ -200,7 +198,7 @@ def _uninformed(fit: FitFile) -> tuple[str, ...]:
 
 
 def _remark(line: str, fit: FitFile) -> str:
-    """Return a remark as a sentence, parameters of scatter and noise by what they are."""
+    """Return a remark as a sentence, with scatter and noise parameters named in words."""
     for name in sorted({**fit.scatter, **fit.noise}, key=len, reverse=True):
         if name not in WORDS:
             said = meaning(name, fit.rigs)
@@ -212,8 +210,8 @@ def _remark(line: str, fit: FitFile) -> str:
 def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
-    told = attention_of_all(stored.records)
-    lines: Sequence[str] = [line if fit is None else _remark(line, fit) for _, line in told]
+    remarks = attention_of_all(stored.records)
+    lines: Sequence[str] = [line if fit is None else _remark(line, fit) for _, line in remarks]
     if len(lines) > FEW:
         yield Notice("attention", f"{len(lines)} remarks must be read before the numbers:")
         yield BulletList(lines)

@@ -1,13 +1,18 @@
-"""The numbers of a law that knows no pulleys: mass and friction of a machine."""
+"""The numbers of a law without pulleys: mass and friction of a machine."""
 
 from collections.abc import Iterator, Sequence
 
-from bayesfric.report.content import Block, Column, Inline, Paragraph, Strong, Table
+from bayesfric.report.content import (
+    Block,
+    Inline,
+    Paragraph,
+    Strong,
+    Table,
+    decimal_columns,
+)
 from bayesfric.report.quantities import error_cells, format_number, interval_cells
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import FitFile, ParameterSummary
-
-__all__ = ["force_unit", "in_a_sentence", "own_law", "plain_coefficients", "plain_table"]
 
 
 def plain_coefficients(fit: FitFile) -> dict[str, ParameterSummary]:
@@ -27,7 +32,7 @@ def force_unit(fit: FitFile) -> str:
 
 
 def own_law(rigs: Sequence[str]) -> str:
-    """Return the law of the first rig as the rig itself tells it; nothing of the paper's."""
+    """Return the law of the first rig in its own words; empty for the paper's law."""
     return rig_words(rigs[0]).law if rigs else ""
 
 
@@ -35,9 +40,9 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
     """Yield each coefficient with half of its 90 % interval, as page one has it."""
     parts: list[Inline] = []
     for name, entry in plain_coefficients(fit).items():
-        known = "" if entry.informed else " (by its prior alone)"
+        by_prior = "" if entry.informed else " (by its prior alone)"
         number = " ± ".join(error_cells(entry.mean, (entry.q95 - entry.q05) / 2))
-        said = f"{number}\u202f{entry.unit}{known}"
+        said = f"{number}\u202f{entry.unit}{by_prior}"
         called = _called(name)
         begun = ", " if parts else ""
         parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]
@@ -59,15 +64,7 @@ def plain_table(fit: FitFile) -> Table:
     ]
     return Table(
         "Posterior of the law's coefficients.",
-        [
-            "coefficient",
-            "unit",
-            Column("mean", align="decimal"),
-            Column("5 %", align="decimal"),
-            Column("95 %", align="decimal"),
-            Column("sd", align="decimal"),
-            "informed",
-        ],
+        ["coefficient", "unit", *decimal_columns("mean", "5 %", "95 %", "sd"), "informed"],
         rows,
         label="coefficients",
         note=""

@@ -9,10 +9,8 @@ from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.prior_friction import prior_friction
-from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
+from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference, from_file
 from bayesfric.report.stored import StoredFit
-
-__all__ = ["further_posteriors", "posteriors"]
 
 
 def posteriors(stored: StoredFit) -> Iterator[Block]:
@@ -90,12 +88,11 @@ def _pairs(stored: StoredFit, size: str) -> Figure:
         )
     return Figure(
         svg_of(coefficient_pairs, drawn, size, paper),
-        [
+        from_file(
+            "draws.nc",
             f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
-            f"that two coefficients are known better together than apart. {mark} From ",
-            Code("draws.nc"),
-            ".",
-        ],
+            f"that two coefficients are known better together than apart. {mark}",
+        ),
         f"A triangle of panels for the {size} pulley: histograms of c1, c2 and c3 on the "
         "diagonal, each with one peak, and below it the contours of each pair.",
         label=f"pairs-{size}",

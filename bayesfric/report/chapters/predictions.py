@@ -24,8 +24,6 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import format_number, format_probability
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["further_predictions", "predictions"]
-
 REFERENCE_ANGLE_DEG = 85.0
 FROM_PREDICTIVE: tuple[Inline, ...] = (" From ", Code("predictive.nc"), ".")
 AGAIN = (
@@ -37,7 +35,7 @@ AGAIN = (
 def predictions(stored: StoredFit) -> Iterator[Block]:
     """Yield what is there of the paper's Figs 11 and 12, and 4 to 7."""
     figures = [*_trajectories(stored), *_against_tension(stored)]
-    figures += [_speed(one) for one in rig_tables(stored.predictive) if has_speeds(one)]
+    figures += [_speed(rig) for rig in rig_tables(stored.predictive) if has_speeds(rig)]
     if figures:
         yield Heading(1, "Measured and predicted")
         yield from figures
@@ -201,19 +199,19 @@ def _holds(stored: StoredFit, group: str, name: str) -> bool:
     return group in stored.predictive and name in stored.predictive[group].data_vars
 
 
-def _speed(one: RigTable) -> Figure:
+def _speed(rig: RigTable) -> Figure:
     return Figure(
-        svg_of(friction_against_speed, one),
+        svg_of(friction_against_speed, rig),
         _caption(
-            f"Friction on the {one.title} against speed, as in the paper's Figs 4 to 7: "
-            f"{one.trials} (markers), and the 5 % to 95 % band of a new {one.trial} on a new "
-            f"assembly, without the noise of the sensor, so that {one.trials} may scatter beyond "
-            f"it. A viscous term would tilt the {one.trials} against the level bands.",
+            f"Friction on the {rig.title} against speed, as in the paper's Figs 4 to 7: "
+            f"{rig.trials} (markers), and the 5 % to 95 % band of a new {rig.trial} on a new "
+            f"assembly, without the noise of the sensor, so that {rig.trials} may scatter beyond "
+            f"it. A viscous term would tilt the {rig.trials} against the level bands.",
             "friction does not depend on speed, at any tension (Figs 4 and 5), wrap angle (Fig. 6) "
             "or number of pulleys (Fig. 7).",
         ),
         "A column of panels for each pulley size; rows vary the weight, the wrap angle and the "
         "number of pulleys. Each panel has level bands of friction, one for each value, with "
         "markers scattered about them at all speeds.",
-        label=f"speed-{one.trials}",
+        label=f"speed-{rig.trials}",
     )

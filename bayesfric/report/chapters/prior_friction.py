@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.observation.coefficients import NO_PULLEY
@@ -11,18 +12,17 @@ from bayesfric.plots.prior_friction import friction_of_priors
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
-    Code,
     Column,
     Figure,
     Heading,
     Paragraph,
     Reference,
     Table,
+    from_file,
+    right_columns,
 )
 from bayesfric.report.quantities import format_number, format_share
 from bayesfric.report.stored import StoredFit
-
-__all__ = ["prior_friction"]
 
 
 def prior_friction(stored: StoredFit) -> Iterator[Block]:
@@ -45,38 +45,36 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
         ]
     )
     sizes = ordered_sizes(table["pulley"].to_numpy())
+    yield _by_size(table, sizes, moving)
+    yield _by_condition(stored, moving, pulleys=sizes != [NO_PULLEY])
+
+
+def _by_size(table: xr.Dataset, sizes: list[str], moving: bool) -> Table:
+    """Return friction of the law, a row a pulley size."""
     pulleys = sizes != [NO_PULLEY]
-    columns: list[Column | str] = [
-        "pulley" if pulleys else "conditions",
-        Column("prior", "N", align="right"),
-        Column("posterior", "N", align="right"),
-        Column("measured", "N", align="right"),
-        Column("prior pushes", align="right"),
-    ]
-    if moving:
-        columns += [
-            Column("does not move", align="right"),
-            Column("some condition", align="right"),
-        ]
     rows = []
     for size in sizes:
         row = table.sel(pulley=size)
-        cells = [
-            size if pulleys else "all",
-            _range(row["prior_pooled_n"].to_numpy()),
-            _range(row["posterior_pooled_n"].to_numpy()),
-            " to ".join(format_number(float(end), 2) for end in row["measured_range_n"]),
-            format_share(float(row["prior_negative"])),
-        ]
-        if moving:
-            cells += [
-                format_share(float(row["prior_stuck"])),
-                format_share(float(row["prior_stuck_somewhere"]), 3),
+        rows.append(
+            [
+                size if pulleys else "all",
+                _range(row["prior_pooled_n"].to_numpy()),
+                _range(row["posterior_pooled_n"].to_numpy()),
+                " to ".join(format_number(float(end), 2) for end in row["measured_range_n"]),
+                format_share(float(row["prior_negative"])),
+                format_share(float(row["prior_stuck"])) if moving else "",
+                format_share(float(row["prior_stuck_somewhere"]), 3) if moving else "",
             ]
-        rows.append(cells)
-    yield Table(
+        )
+    return Table(
         "Friction over the conditions of this recording, by prior and posterior.",
-        columns,
+        [
+            "pulley" if pulleys else "conditions",
+            Column("prior", "N", align="right"),
+            Column("posterior", "N", align="right"),
+            Column("measured", "N", align="right"),
+            *right_columns("prior pushes", "does not move", "some condition"),
+        ],
         rows,
         label="prior-friction",
         note="Median, and 5 % to 95 % in brackets, over draws of the law and conditions at the "
@@ -89,16 +87,19 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
             if moving
             else ""
         ),
-    )
-    yield Figure(
+    ).filled()
+
+
+def _by_condition(stored: StoredFit, moving: bool, *, pulleys: bool) -> Figure:
+    """Return bands of friction, a condition beside the other."""
+    return Figure(
         svg_of(friction_of_priors, stored.predictive),
-        [
+        from_file(
+            "predictive.nc",
             "Friction of each condition: bands of the prior, the posterior, the measurements"
             + (", and the friction from which on the board would not move" if moving else "")
-            + ". The axis is linear around zero, logarithmic above the least friction. From ",
-            Code("predictive.nc"),
-            ".",
-        ],
+            + ". The axis is linear around zero, logarithmic above the least friction.",
+        ),
         ("A panel for each pulley size. " if pulleys else "")
         + "A wide grey band of the prior lies above and around a "
         "rising blue line of the posterior, on which the measured points lie.",

@@ -9,8 +9,6 @@ from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import CalibrationFile, Provenance, ScorecardFile
 
-__all__ = ["made_again", "made_from", "provenance"]
-
 
 def provenance(stored: StoredFit) -> Iterator[Block]:
     """Yield what entered, versions, hashes and the command."""
@@ -75,8 +73,8 @@ def _made(
 
 def _counts(stored: StoredFit) -> Iterator[tuple[str, str]]:
     """Yield what each rig brought."""
-    for one in rig_tables(stored.predictive):
-        yield f"{one.trials} of the {one.title} that enter", format_count(one.count)
+    for rig in rig_tables(stored.predictive):
+        yield f"{rig.trials} of the {rig.title} that enter", format_count(rig.count)
     quality = stored.fit.data_quality
     if quality.trials:
         yield "trials recorded", format_count(quality.trials)

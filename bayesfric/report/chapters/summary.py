@@ -6,19 +6,11 @@ from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
 from bayesfric.report.chapters.plain_law import plain_coefficients, plain_table
 from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
-from bayesfric.report.content import (
-    Block,
-    Column,
-    Heading,
-    Paragraph,
-    Table,
-)
+from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_columns
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile, ParameterSummary
-
-__all__ = ["summary"]
 
 
 def summary(stored: StoredFit) -> Iterator[Block]:
@@ -44,15 +36,7 @@ def summary(stored: StoredFit) -> Iterator[Block]:
     ]
     yield Table(
         "How friction scatters around the law, and the noise of the sensors.",
-        [
-            "",
-            "meaning",
-            "unit",
-            Column("mean", align="decimal"),
-            Column("sd", align="decimal"),
-            Column("5 %", align="decimal"),
-            Column("95 %", align="decimal"),
-        ],
+        ["", "meaning", "unit", *decimal_columns("mean", "sd", "5 %", "95 %")],
         rows,
         label="scatter",
     )
@@ -80,12 +64,7 @@ def _of_pulleys(fit: FitFile) -> Table:
         [
             "pulley",
             "coefficient",
-            Column("mean", align="decimal"),
-            Column("sd", align="decimal"),
-            Column("5 %", align="decimal"),
-            Column("95 %", align="decimal"),
-            Column("as the paper", align="decimal"),
-            Column("Table I", align="decimal"),
+            *decimal_columns("mean", "sd", "5 %", "95 %", "as the paper", "Table I"),
             "inside 90 %",
         ],
         rows,

@@ -4,8 +4,6 @@ from bayesfric.plots.labels import SYMBOLS, parts
 from bayesfric.report.content import Math
 from bayesfric.report.quantities import format_unit
 
-__all__ = ["EXPONENTS", "exponent", "symbol", "unit_head"]
-
 EXPONENTS = {
     "c1": -3,
     "c2": -3,

@@ -6,23 +6,21 @@ from bayesfric.report.content import Block, Code, Inline, Notice, Strong, Table
 from bayesfric.report.quantities import MISSING, error_cells
 from bayesfric.schemas import Cause, DiagnosisFile, Interval
 
-__all__ = ["biased", "numbers_to_use"]
 
-
-def _acting_causes(found: DiagnosisFile) -> Sequence[Cause]:
+def _acting_causes(diagnosis: DiagnosisFile) -> Sequence[Cause]:
     """Return the named causes that make a gap; none under another verdict."""
-    if found.verdict != "named":
+    if diagnosis.verdict != "named":
         return ()
-    return tuple(cause for cause in found.causes if cause.makes_a_gap)
+    return tuple(cause for cause in diagnosis.causes if cause.makes_a_gap)
 
 
-def numbers_to_use(found: DiagnosisFile) -> Iterator[Block]:
+def numbers_to_use(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield the refitted law beside the law alone, and the parameters of the named causes.
 
     Nothing is yielded where no cause is named: the fit's own numbers are those to use.
     """
-    causes = _acting_causes(found)
-    if not causes or found.enter:
+    causes = _acting_causes(diagnosis)
+    if not causes or diagnosis.enter:
         return
     names = ", ".join(cause.effect for cause in causes)
     rows: list[list[Inline]] = [
@@ -32,7 +30,7 @@ def numbers_to_use(found: DiagnosisFile) -> Iterator[Block]:
             Strong(_with_error(number.after)),
             _with_error(number.before),
         ]
-        for name, number in found.law.items()
+        for name, number in diagnosis.law.items()
     ]
     rows += [
         [Code(f"{cause.effect}.{name}"), number.unit, Strong(_with_error(number)), MISSING]
@@ -49,9 +47,9 @@ def numbers_to_use(found: DiagnosisFile) -> Iterator[Block]:
     )
 
 
-def biased(found: DiagnosisFile) -> Iterator[Notice]:
+def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
     """Yield a warning beside numbers of a law that lacks a named cause."""
-    causes = _acting_causes(found)
+    causes = _acting_causes(diagnosis)
     if causes:
         yield Notice(
             "attention",

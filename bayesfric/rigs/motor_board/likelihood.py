@@ -29,9 +29,7 @@ from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.motor_board.places import RunPlaces, run_condition
-
-__all__ = ["MotorModel", "idle_basis", "run_condition"]
+from bayesfric.rigs.motor_board.places import RunPlaces
 
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
 SCATTER = ("tau_motor", "omega_motor", "omega_intercept_motor")

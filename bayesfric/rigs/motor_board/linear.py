@@ -17,10 +17,9 @@ from bayesfric.physics.motor import (
 )
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
-from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
+from bayesfric.rigs.motor_board.likelihood import idle_basis
+from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.rigs.points import LinearReadings
-
-__all__ = ["motor_rows"]
 
 SCATTER, ERROR = (1e-4, 1.0), (1e-5, 1.0)  # looked at
 

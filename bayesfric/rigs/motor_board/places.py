@@ -13,8 +13,6 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
 
-__all__ = ["RunPlaces", "run_condition"]
-
 ON_READINGS = Unsupported("It acts on sensors along a trial, and this board reads a current.")
 OVER = Unsupported("Nothing of it is left, or it averages out, once the cable runs steadily.")
 NO_PHASES = Unsupported(

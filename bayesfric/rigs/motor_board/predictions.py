@@ -9,8 +9,6 @@ from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.residuals import beside_predicted
 
-__all__ = ["runs"]
-
 
 def runs(model: MotorModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new run on a new assembly.

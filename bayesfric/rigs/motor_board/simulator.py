@@ -26,8 +26,6 @@ from bayesfric.rigs.protocols import (
 )
 from bayesfric.rigs.truth import Truth, laws_of
 
-__all__ = ["lay_runs", "run_conditions", "simulate_motor"]
-
 CURRENT_DECIMALS = 6  # of an ampere, as written down
 TENSION_ITERATIONS = 12  # each takes the error down by n k / 2, some 10
 

@@ -10,8 +10,6 @@ from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
 from bayesfric.rigs.motor_board.simulator import lay_runs, run_conditions
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
-__all__ = ["change_of_runs"]
-
 
 def change_of_runs(constants: RigConstants, truth: Truth) -> Change:
     """Return how an effect changes the friction of each run, or its current taken for it."""

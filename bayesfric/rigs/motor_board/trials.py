@@ -30,9 +30,6 @@ from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 
-__all__ = ["RIG", "MotorBoard", "MotorRuns"]
-
-
 STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
 WORDS = Words("motor board", "run", "runs")
 

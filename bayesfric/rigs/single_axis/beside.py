@@ -10,8 +10,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["Amounts", "Mixing", "leading", "rough_amounts", "rough_shares"]
-
 LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
 MOST = 120  # directions
 ROWS_AN_AMOUNT = 4  # at the least

@@ -21,8 +21,6 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of, pull_basis
 from bayesfric.rigs.single_axis.weak_form import node_weights
 
-__all__ = ["Carried", "carried_by", "shows_both_ways", "warmth_of"]
-
 ROWS_A_NUMBER = 6  # of a load, that its own pull is told by
 ROUNDS = 3  # of taking off what friction by the load may be
 BINS = 12  # of the path, in which it is looked whether the axis runs both ways

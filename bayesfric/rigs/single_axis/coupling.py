@@ -16,8 +16,6 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["Scales", "coupling", "known_to", "scales_of"]
-
 AROUND = 2  # joints on either side whose sums of positions gravity is told by
 KNOWN_TO = 0.15  # of a known force: how far it may be wrong, as a model's masses are
 

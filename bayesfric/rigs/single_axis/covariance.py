@@ -12,8 +12,6 @@ from scipy.sparse import csr_array
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.readings import Readings
 
-__all__ = ["Pieces", "Solved"]
-
 LEAST = 1e-12  # of a row's variance, so that a covariance can be inverted
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.recording.tables import RigConstants
 from bayesfric.schemas import Interval, LawNumber
 
-__all__ = ["MEASURED", "contradicts", "doubts", "gain_sd", "mass_sd_kg"]
-
 MEASURED = frozenset({"motor", "link", "measured"})
 """Kinds of force that act as they were logged, whatever was commanded."""
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed

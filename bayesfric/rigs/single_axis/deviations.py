@@ -23,17 +23,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = [
-    "COLUMNS",
-    "COSINES",
-    "Levels",
-    "Shared",
-    "deviating_columns",
-    "integrated",
-    "map_columns",
-    "map_spectrum",
-]
-
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
 COLUMNS = COSINES + 2  # of deviations: of all friction, along the path, and of the law's alone
 

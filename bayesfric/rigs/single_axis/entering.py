@@ -30,8 +30,6 @@ from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
-__all__ = ["NO_CABLE", "SIZE", "Entering", "entering"]
-
 SIZE = "axis"  # in the place of a pulley size
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts

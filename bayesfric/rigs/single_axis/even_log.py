@@ -9,17 +9,6 @@ import scipy
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = [
-    "LEAST_SAMPLES",
-    "EvenLog",
-    "even_grid",
-    "given",
-    "local_polynomial",
-    "position_noise",
-    "resolving",
-    "smooth_motion",
-]
-
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation

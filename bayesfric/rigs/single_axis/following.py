@@ -22,8 +22,6 @@ from bayesfric.effects.base import Load
 from bayesfric.physics.loads import behind
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-__all__ = ["DAMPINGS", "LENGTHS", "NEAR", "OWN", "REFINED", "TRIED", "DrivePath", "Followed"]
-
 LENGTHS = {"play": np.geomspace(4e-4, 0.1, 31), "spring": np.geomspace(6e-5, 0.02, 33)}
 """Of the stroke: a fifth more from one to the next."""
 DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)

@@ -8,8 +8,6 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-__all__ = ["force_curvature"]
-
 BESIDE = 3  # half windows, within which a force's second derivative is told
 
 

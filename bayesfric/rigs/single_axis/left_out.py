@@ -18,8 +18,6 @@ from bayesfric.rigs.single_axis.even_log import (
 )
 from bayesfric.rigs.single_axis.run_rows import NARROWEST, SMOOTHED
 
-__all__ = ["left_out", "not_modelled"]
-
 SAMPLES = "axis_samples.csv"
 WINDOW = 2 * NARROWEST + 1  # samples of the narrowest window
 

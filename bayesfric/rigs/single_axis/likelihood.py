@@ -34,8 +34,6 @@ from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_s
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.rows import AxisRows
 
-__all__ = ["AxisModel"]
-
 NOTHING = 1e-15  # of what is told of the best known number, so that all can be solved for
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # of the spectrum of a map of friction

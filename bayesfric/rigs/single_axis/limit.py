@@ -17,8 +17,6 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.rough import pull_columns
 
-__all__ = ["LIMITS", "Limit", "drive_limit", "within_limit"]
-
 LIMITS = 60
 """Limits that are tried, at as many quantiles of the command."""
 LOW, HIGH = 0.05, 0.998  # of these quantiles

@@ -28,8 +28,6 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["AxisPart"]
-
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
@@ -53,7 +51,7 @@ class AxisPart:
 
     Parameters
     ----------
-    rows : AxisRows
+    rows : LinearAxis
         The rows, linear around the reference law.
     model : ModelColumns
         What is made of them; rows are kept one by one, and the axis has priors of its own.
@@ -61,7 +59,7 @@ class AxisPart:
         Of the rig among all.
     """
 
-    def __init__(self, rows: AxisRows, model: ModelColumns, place: int) -> None:
+    def __init__(self, rows: "LinearAxis", model: ModelColumns, place: int) -> None:
         self.rows, self.layout = rows, model.layout
         sizes = rows.table["pulley_size"]
         self._which = model.layout.sizes.index(sizes.iloc[0])
@@ -239,7 +237,7 @@ class AxisPart:
                 "travel_since_reversal": mean @ travel,
                 "time_s": mean @ readings.time_s,
             },
-            counts=root**2,
+            counts=min(readings.hop, 1.0) * root**2,
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
@@ -301,3 +299,11 @@ def _noise(
         ),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
     )
+
+
+class LinearAxis(AxisRows):
+    """Rows of an axis, with which a diagnosis can be made."""
+
+    def laid_out(self, model: ModelColumns, place: int) -> AxisPart:
+        """Return the rig with the columns of a model."""
+        return AxisPart(self, model, place)

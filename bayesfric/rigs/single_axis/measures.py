@@ -24,8 +24,6 @@ from bayesfric.rigs.single_axis.limit import Limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 
-__all__ = ["LITTLE", "SPREAD", "Measures", "measures_of"]
-
 BOARD_M, BOARD_M_S = 0.6, 1.3
 SPREAD = 0.1  # of a load's length, by half a step between those that were tried
 PULLING = frozenset({"position", "angle"})  # needs of effects that pull towards a place
@@ -155,7 +153,7 @@ class Measures:
         return replace(
             one,
             unit=self.unit(one.unit),
-            prior=one.prior.times(scale),
+            prior=(one.joint_prior or one.prior).times(scale),
             plausible=(low * scale, high * scale),
             reference=reference,
             typical=None if one.typical is None else one.typical * scale,

@@ -21,8 +21,6 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.simulated import log_of
 
-__all__ = ["SETTINGS", "lay_out"]
-
 SETTINGS = ("run", "path", "velocity_m_s", "duration_s", "drive_force_n")
 ROUND = {"at a steady speed": 0.5, "sine": 50.0}  # by how a path there and back turns
 RUNS = 3  # of each role: the slowest, the fastest and one between them

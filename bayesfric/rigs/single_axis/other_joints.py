@@ -24,8 +24,6 @@ from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.robots import PARAMETERS, RigidBodies, robot_of_bytes, root_of_errors
 
-__all__ = ["Machine", "machine_of"]
-
 CHUNK = 2048  # samples whose dynamics are computed at a time
 
 

@@ -8,8 +8,6 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial, position_noise
 
-__all__ = ["Path", "moves", "path_of"]
-
 DEGREE = 3  # of the polynomial by which a path is smoothed
 FINE = 0.003  # of the top speed, to which a smoothed speed is told
 LEAST_HALF, MOST_S = 4, 0.1  # samples on either side; and no more than so long [s]

@@ -15,8 +15,6 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["payload_forces", "payload_shares"]
-
 MASS = "_kg"  # at the end of a column's name
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.readings import Readings
 
-__all__ = ["SEARCHED", "Wave", "strongest_wave"]
-
 LEAST, MOST = 2.0, 100.0  # waves over the path that are looked for
 APART = 0.25  # waves over the path, between two that are tried
 PHASES = 6  # that tell a wave from its neighbours

@@ -6,8 +6,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["POWERS", "PULLS", "RoughLaw", "places_of", "pull_basis", "pull_columns", "rough_law"]
-
 POWERS = 6  # of the place, that what pulls towards one is told by
 PULLS = 0.02  # of the squares of the force, from which on something is taken to pull
 ROWS_A_NUMBER = 4  # of which a number is told

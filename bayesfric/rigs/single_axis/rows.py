@@ -15,14 +15,11 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import ModelColumns
-from bayesfric.rigs.linear import LinearRig, rank, rms_of
+from bayesfric.rigs.linear import rank, rms_of
 from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
-
-__all__ = ["AxisRows", "state_of", "varied_columns"]
 
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
@@ -192,12 +189,6 @@ class AxisRows:
     def strays(self) -> tuple[str, ...]:
         """Return no trial: runs differ by their scatter."""
         return ()
-
-    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        from bayesfric.rigs.single_axis.linear import AxisPart
-
-        return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return prior standard deviations of the columns of :meth:`nuisance_columns`.

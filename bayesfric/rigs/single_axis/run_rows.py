@@ -15,13 +15,12 @@ from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce, node_weights
 
-__all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run", "turns_back"]
-
 NARROWEST = 8  # samples on either side of a window's middle
 FEWEST = 4  # the same, where the axis turns too soon for so many
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
 LOCAL = 5  # samples over which jumps of the force are averaged
 UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
+OFTEN = 0.2  # of the samples: a force that changes in as many is not one of a few steps
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 A_MOMENT = 0.01  # of a window
 FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
@@ -181,12 +180,15 @@ def _loudness(force: Array) -> Array:
     """Return the variance of the force's error at each sample, over that at a quiet one, (N,).
 
     What a force does between two samples is not in the log. Where it jumps from sample to
-    sample (seen in second differences) that is much, and a smooth course hides nothing.
+    sample (seen in second differences) that is much, and a smooth course hides nothing. A drive
+    that is off, or at its limit, stands still in the log: of its error that says nothing.
     """
     jump = np.zeros(force.size)
     jump[1:-1] = np.diff(force, 2) ** 2
     local = scipy.ndimage.uniform_filter1d(jump, LOCAL)
-    quiet = max(float(np.median(local)), (UNHEARD * float(np.std(force))) ** 2)
+    jumps = local > np.finfo(np.float64).eps * local.max(initial=0.0)  # a running sum has rounding
+    heard = local[jumps] if jumps.mean() > OFTEN else local
+    quiet = max(float(np.median(heard)), (UNHEARD * float(np.std(force))) ** 2)
     return np.asarray(1 + local / (quiet or 1.0))
 
 

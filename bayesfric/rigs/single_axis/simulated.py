@@ -35,8 +35,6 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
 
-__all__ = ["MOST_PARAMETERS", "SimulatedBaseline", "fitting", "linearised", "log_of"]
-
 Forces = tuple[WeakForce, ...]
 MOST_PARAMETERS = 3  # as many as a law has
 ROUNDS = 3  # of linearising around what the round before has found

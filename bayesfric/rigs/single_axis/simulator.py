@@ -27,8 +27,6 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.single_axis.following import LENGTHS
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
-__all__ = ["DESIGN"]
-
 SIZE = "axis"  # in the place of a pulley size
 RUNS, SECONDS, RATE_HZ = 6, 8.0, 250.0
 TESTED = 2  # of the runs have the role test, where an effect is of those alone

@@ -33,19 +33,18 @@ from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
+from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
-from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
+from bayesfric.rigs.single_axis.rows import state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
-
-__all__ = ["RIG", "AxisRuns", "SingleAxis"]
 
 WORDS = Words(
     "driven axis",
@@ -471,7 +470,7 @@ class AxisRuns(PlainTrials):
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> AxisRows:
+    ) -> LinearAxis:
         """Return the rows of a linear model; an effect starts no run."""
         del acting
         return self._around(laws[SIZE])
@@ -535,7 +534,7 @@ class AxisRuns(PlainTrials):
             rough.viscous,
         )
 
-    def _around(self, law: Coefficients) -> AxisRows:
+    def _around(self, law: Coefficients) -> LinearAxis:
         """Return rows around a law, or around a simulator with these parameters."""
         if self._beside is None:
             around = AxisLaw.of(law)
@@ -556,8 +555,8 @@ class AxisRuns(PlainTrials):
             self._further,
         )
 
-    def _rows(self, law: AxisLaw) -> AxisRows:
-        return AxisRows(
+    def _rows(self, law: AxisLaw) -> LinearAxis:
+        return LinearAxis(
             self.rig.name,
             self.table,
             self.readings,

@@ -30,8 +30,6 @@ from scipy.special import roots_jacobi
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = ["NODES", "TestFunction", "WeakForce", "node_weights", "test_function"]
-
 NODES = 25  # of a mean over a window of what is known all through it, as edges along the path
 HEIGHT = 35 / 32  # of (1 − u²)³, so that its integral is 1
 

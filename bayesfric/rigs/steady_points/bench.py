@@ -14,8 +14,6 @@ from bayesfric.recording.steady_signs import against_motion
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.steady_points.scale import Scale
 
-__all__ = ["Bench", "bench_of"]
-
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 OWN_COLUMNS = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
 ABSENT = {

@@ -7,8 +7,6 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.scale import Scale
 
-__all__ = ["NAME", "OMEGA", "SIGMA", "TAU", "error_prior", "known_errors", "rough_error"]
-
 NAME = "steady-points"
 TAU, OMEGA, SIGMA = f"tau_{NAME}", f"omega_{NAME}", "sigma_friction"
 SHARE = 0.05  # of the machine's friction, the scale of an error that nobody states

@@ -25,8 +25,6 @@ from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import OMEGA, SIGMA, TAU, error_prior, known_errors
 from bayesfric.rigs.steady_points.places import CONDITION, state_of
 
-__all__ = ["PointsModel"]
-
 
 class PointsModel:
     """Readings of friction given the law; see :class:`bayesfric.observation.exact.ExactModel`.

@@ -21,8 +21,6 @@ from bayesfric.rigs.steady_points.errors import (
 )
 from bayesfric.rigs.steady_points.places import CONDITION, DIRECTION, covariates_of, state_of
 
-__all__ = ["points_rows"]
-
 SCATTER = (1e-4, 1.0)  # looked at
 NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share anything
 
@@ -78,4 +76,5 @@ def points_rows(
         known_error=np.nan_to_num(known_sd),
         # Two directions leave a smooth force nothing that an effect of them does not say.
         further={name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
+        lacks=bench.coefficients_without(),
     )

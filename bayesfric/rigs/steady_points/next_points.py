@@ -12,8 +12,6 @@ from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.places import CONDITION
 
-__all__ = ["lay_out"]
-
 LEVELS = 5  # of a column
 MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle
 FEW_LEVELS = 3

@@ -11,8 +11,6 @@ from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.linear import rank
 from bayesfric.rigs.steady_points.bench import ABSENT, Bench
 
-__all__ = ["CONDITION", "DIRECTION", "covariates_of", "state_of", "supported"]
-
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 LEAST_TENSION = 1e-6  # of the middle: some laws divide by it
 DIRECTION = "direction"

@@ -8,8 +8,6 @@ from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.places import CONDITION
 
-__all__ = ["points_dataset"]
-
 
 def points_dataset(bench: Bench, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction against the motion as measured, and as predicted for a new point.

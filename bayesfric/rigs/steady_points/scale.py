@@ -16,8 +16,6 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect, EffectParameter, Law, State
 from bayesfric.rigs.rotary import rotary_unit
 
-__all__ = ["Scale"]
-
 PRIOR_WIDENING = 3.0  # priors of amplitudes that are shares; a force is one pulley's, not a board's
 IN_PROPORTION = "in proportion to this machine's friction, tension and speed; on a board "
 SENTENCES = {

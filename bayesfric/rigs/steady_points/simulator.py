@@ -22,8 +22,6 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.steady_points.places import CONDITION
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of, table1_coefficients
 
-__all__ = ["DESIGN"]
-
 CELLS = ((5, 85.0), (9, 50.0), (9, 85.0), (9, 85.0), (15, 85.0), (15, 135.0))
 TENSIONS_N = (6.0, 15.0, 30.0)
 SPEEDS_M_S = (-1.2, -0.6, -0.1, 0.1, 0.3, 0.6, 1.2)

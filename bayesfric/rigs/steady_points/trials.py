@@ -33,8 +33,7 @@ from bayesfric.rigs.steady_points.places import (
 )
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.simulator import DESIGN
-
-__all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
+from bayesfric.rigs.steady_points.warming import WARMTH, over_the_points, warms_unseen
 
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
@@ -142,7 +141,8 @@ class SteadyTrials(PlainTrials):
     @property
     def offers(self) -> frozenset[str]:
         """Loads as pulleys have them, and the covariates that were recorded."""
-        return PULLEYS | {NO_OFFSET} | frozenset(covariates_of(self.bench))
+        recorded = PULLEYS | {NO_OFFSET} | frozenset(covariates_of(self.bench))
+        return recorded | ({WARMTH} if warms_unseen(self.bench) else set())
 
     @property
     def asked(self) -> tuple[str, ...]:
@@ -168,6 +168,8 @@ class SteadyTrials(PlainTrials):
     def suited(self, effect: Effect) -> Effect:
         """Return an effect in proportion to the machine, unless it has the paper's pulleys."""
         bench = self.bench
+        if WARMTH in effect.needs:
+            effect = over_the_points(effect)
         if bench.is_of_paper or effect.acts_on not in ("friction", "drive"):
             return effect
         return bench.scale.adapted(effect, rotary=bench.rotary)
