@@ -206,11 +206,11 @@ class Shared:
 
     def _summed(self, values: Array) -> Array:
         """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
-        found = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
-        np.add.at(found, self._setup, values[:, 0])
-        found[self._assemblies : -2] = values[:, 1:-1].sum(axis=0)
-        found[-2:] = values[:, [0, -1]].sum(axis=0)
-        return found
+        summed = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
+        np.add.at(summed, self._setup, values[:, 0])
+        summed[self._assemblies : -2] = values[:, 1:-1].sum(axis=0)
+        summed[-2:] = values[:, [0, -1]].sum(axis=0)
+        return summed
 
 
 def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:

@@ -143,10 +143,10 @@ def local_polynomial(values: Array, half: int, degree: int, *, slope: bool = Fal
     squares procedures", Analytical Chemistry 36 (1964).
     """
     at = _polynomials(half, degree, slope)
-    found = np.convolve(values, at[half][::-1], "same")
-    found[:half] = at[:half] @ values[: 2 * half + 1]
-    found[-half:] = at[-half:] @ values[-2 * half - 1 :]
-    return found
+    smoothed = np.convolve(values, at[half][::-1], "same")
+    smoothed[:half] = at[:half] @ values[: 2 * half + 1]
+    smoothed[-half:] = at[-half:] @ values[-2 * half - 1 :]
+    return smoothed
 
 
 @lru_cache(maxsize=64)
