@@ -115,8 +115,8 @@ class Search:
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
         found = normalised({name: float(chances[name]) for name in ranked})
         found.setdefault(UNKNOWN, 0.0)
-        found = self._without_minor(found)
-        return self._with_foreign(found) if self.foreign else found
+        chances = self._without_minor(found)
+        return self._with_foreign(chances) if self.foreign else chances
 
     def overruled(self, effects: frozenset[str]) -> "Search":
         """Return these where held-out data contradict that effects make the gap."""
@@ -130,12 +130,12 @@ class Search:
             return chances
         largest, share = self.minor
         alone = "+".join(sorted(largest))
-        found = {alone: 0.0, **chances}
+        moved = {alone: 0.0, **chances}
         for name, chance in chances.items():
             if largest < set(name.split("+")):
-                found[name] -= share * chance
-                found[alone] += share * chance
-        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+                moved[name] -= share * chance
+                moved[alone] += share * chance
+        ranked = sorted(normalised(moved).items(), key=lambda pair: (-pair[1], pair[0]))
         return dict(ranked)
 
     def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
@@ -158,5 +158,6 @@ class Search:
         """Return the most probable hypothesis of those with names, none among them."""
         weighed = list(self.weighed.values())
         if self.minor is not None and self.minor[1] >= MOSTLY:
-            weighed = [one for one in weighed if not self.minor[0] < set(one.names)]
+            largest = self.minor[0]
+            weighed = [rival for rival in weighed if not largest < set(rival.names)]
         return max(weighed, key=self.worth)

@@ -297,10 +297,10 @@ def make(
                 "form": mechanism.name,
                 "own": mechanism.own,
                 "strength": strength,
-                "parameters": {"amplitude": one.amplitude, **one.numbers},
+                "parameters": {"amplitude": force.amplitude, **force.numbers},
                 "axes": list(mechanism.axes),
             }
-            for (mechanism, strength), one in zip(chosen, acting, strict=True)
+            for (mechanism, strength), force in zip(chosen, acting, strict=True)
         ],
         "noise_free_gap": gap_of(world, runs),
         "beside": ["gravity-torque"] if _weight_is_unknown(world) else [],
@@ -326,11 +326,11 @@ def moved_run(world: World, acting: Sequence[Acting], run: int, seed: int) -> Mo
     rough = 1 + world.scatter * rng.standard_normal(world.arm.joints)
     half = world.runs / 2
     if world.tested and run < half:
-        acting = [one for one in acting if one.mechanism.part != "payload"]
+        acting = [force for force in acting if force.mechanism.part != "payload"]
     arm = world.arm
     if world.loads and run >= half:
         arm = replace(arm, masses=(*arm.masses[:-1], (1 + PAYLOAD) * arm.masses[-1]))
-    two_bodies = any(one.mechanism.part in ("gap", "wound") for one in acting)
+    two_bodies = any(force.mechanism.part in ("gap", "wound") for force in acting)
     return moved(
         arm,
         replace(world.control, step_s=2.5e-4 if two_bodies else 5e-4),
@@ -496,15 +496,15 @@ def _rows(
     world: World, log: Moved, run: int, joint: int, several: bool, seed: int
 ) -> dict[str, Any]:
     """Return what the telemetry has of one joint in one run."""
-    told = world.telemetry
+    telemetry = world.telemetry
     rng = _stream(seed, LOG, run, joint)
-    rows = np.arange(0, log.time_s.size, told.every)
-    held = rows[np.arange(rows.size) // told.held * told.held]
-    interval = told.every / world.control.rate_hz
-    times = log.time_s[rows] + told.jitter * interval * rng.uniform(-0.5, 0.5, rows.size)
+    rows = np.arange(0, log.time_s.size, telemetry.every)
+    held = rows[np.arange(rows.size) // telemetry.held * telemetry.held]
+    interval = telemetry.every / world.control.rate_hz
+    times = log.time_s[rows] + telemetry.jitter * interval * rng.uniform(-0.5, 0.5, rows.size)
     force = (log.command if world.force_is == "commanded" else log.given)[held, joint]
     if world.force_is == "motor":
-        noise = told.noise * world.arm.coulomb[joint]
+        noise = telemetry.noise * world.arm.coulomb[joint]
         force = force + noise * rng.standard_normal(rows.size)
     block: dict[str, Any] = {"run": [f"r{run}"] * rows.size}
     if several:
