@@ -80,7 +80,7 @@ class _Processes(ProcessPoolExecutor):
 
 
 def _end_with_parent() -> None:
-    """Let a worker end when whoever started it is killed, instead of waiting for ever."""
+    """Make a worker end when its parent process is killed."""
     parent = parent_process()
     if parent is not None:
 

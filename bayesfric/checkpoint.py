@@ -209,7 +209,7 @@ def _remove(path: Path) -> None:
 
 @contextmanager
 def _writable(folder: Path) -> Iterator[None]:
-    """Tell the user of a folder that cannot be written."""
+    """Raise an InputError where a folder cannot be written."""
     try:
         yield
     except OSError as error:

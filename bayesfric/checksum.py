@@ -1,4 +1,4 @@
-"""A checksum behind a file's own bytes: damage is told before a library reads them.
+"""A checksum at the end of a file, by which damage is found before a library reads it.
 
 HDF5 ignores what stands behind its end, so that such a netCDF file opens everywhere. A library
 that changes the file cuts the checksum off; the file is then read like one without.
@@ -13,19 +13,19 @@ CHUNK = 1024**2
 
 
 def add_checksum(path: Path) -> None:
-    """Write the SHA-256 of a file behind it."""
+    """Append the SHA-256 of a file to it."""
     digest = _digest(path, path.stat().st_size)
     with path.open("ab") as file:
         file.write(MARK + digest)
 
 
 def has_checksum(path: Path) -> bool:
-    """Return whether a checksum stands behind a file, right or wrong."""
+    """Return whether a file ends with a checksum, right or wrong."""
     return _end(path).startswith(MARK)
 
 
 def checksum_differs(path: Path) -> bool:
-    """Return whether the checksum behind a file is not that of the bytes before it."""
+    """Return whether a file's checksum differs from that of the bytes before it."""
     return _end(path) != MARK + _digest(path, path.stat().st_size - LENGTH)
 
 

@@ -124,7 +124,7 @@ def _inner(kind: Any, before: str) -> Iterator[str]:
 
 
 def _unknown(file: str, key: str, page: str, keys: Collection[str]) -> Fault:
-    """Return that there is no such key: one of another table, or misspelt."""
+    """Return the fault of an unknown key, with the table or the spelling that may be meant."""
     last = key.rpartition(".")[2]
     own = [candidate for candidate in keys if candidate.rpartition(".")[2] == last]
     hint = f"; is {' or '.join(map(repr, own))} meant?" if 0 < len(own) <= PLACES_SHOWN else ""

@@ -10,7 +10,7 @@ import scipy
 import xarray as xr
 
 from bayesfric.arrays import Array, Flags, Whole
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.errors import Fault, InputError
 from bayesfric.export.joints import ExportedJoint
 from bayesfric.export.joints import joints_of as joints_to_enter

@@ -24,8 +24,7 @@ from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.interrupts import uninterrupted
-from bayesfric.observation.coefficients import NO_PULLEY, coefficient_name, law_of
-from bayesfric.physics.friction import Coefficients
+from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
@@ -251,7 +250,7 @@ def read_tree(path: Path) -> xr.DataTree:
 
 
 def _check_bytes(path: Path) -> None:
-    """Find damage before the arrays are read: a wrong checksum, or an array of absurd size."""
+    """Raise where the checksum is wrong or an array has an absurd size."""
     if has_checksum(path) and checksum_differs(path):
         raise ValueError("its bytes have changed")
     with netCDF4.Dataset(path) as file:
@@ -365,8 +364,8 @@ def _run_id(path: Path) -> str:
         raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
 
 
-def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
-    """Return the posterior means of a stored fit, by pulley size.
+def fitted_numbers(folder: Path) -> dict[str, float]:
+    """Return the posterior means of a stored fit, by name: ``c1[small]``, ``mass``.
 
     Parameters
     ----------
@@ -377,16 +376,6 @@ def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     ------
     InputError
         There is no fit, or its files are of two runs.
-    """
-    means = fitted_numbers(folder)
-    sizes = read_json(FitFile, folder / "fit.json").pulleys or (NO_PULLEY,)
-    return {size: law_of(means, size) for size in sizes}
-
-
-def fitted_numbers(folder: Path) -> dict[str, float]:
-    """Return the posterior means of a stored fit, by name: ``c1[small]``, ``mass``.
-
-    Parameters and errors are those of :func:`fitted_coefficients`.
     """
     if folder.is_file():
         raise InputError([Fault(str(folder), "the folder of a fit; this is a file in it")])

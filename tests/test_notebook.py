@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import bayesfric as bf
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.notebook import calls
 from bayesfric.notebook.results import DiagnosisResult, FitResult
 from bayesfric.recording import write_recording

@@ -17,13 +17,13 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.claims.checking import Checked
 from bayesfric.claims.stored_fit import current_posterior
 from bayesfric.comparing import compare
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.errors import InputError
 from bayesfric.margins.posterior import read_posterior
 from bayesfric.report.stored import read_stored
 from bayesfric.resources import reference_folder
 from bayesfric.results import (
-    fitted_coefficients,
+    fitted_numbers,
     identified,
     read_json,
     read_tree,
@@ -126,7 +126,7 @@ def test_every_reader_of_a_fit_refuses_draws_of_another(pairs, small_recording, 
     with pytest.raises(InputError, match="same run"):
         read_stored(tmp_path)
     with pytest.raises(InputError, match="same run"):
-        fitted_coefficients(tmp_path)
+        fitted_numbers(tmp_path)
     with pytest.raises(InputError, match="same run"):
         read_posterior(tmp_path / "draws.nc")
     from bayesfric.analysis import Analysis

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bayesfric.analysis import Analysis
-    from bayesfric.diagnosis.diagnosing import Diagnosed
+    from bayesfric.diagnosis.diagnosed import Diagnosed
 
 CHECKPOINT = ".checkpoint-diagnosis"
 

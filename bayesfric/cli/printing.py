@@ -37,7 +37,7 @@ class _Said(logging.Handler):
 
 
 def show_log() -> None:
-    """Have the package's log said; nothing but the command line decides that."""
+    """Print the package's log; only the command line turns that on."""
     if not any(isinstance(handler, _Said) for handler in LOGGER.handlers):
         LOGGER.addHandler(_Said())
     LOGGER.setLevel(logging.INFO)

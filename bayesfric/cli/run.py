@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from bayesfric.analysis import Analysis
     from bayesfric.cli.stages import Stages
-    from bayesfric.diagnosis.diagnosing import Diagnosed
+    from bayesfric.diagnosis.diagnosed import Diagnosed
 
 REPORT = ("report.pdf", "report.html", "summary.md")
 TIMINGS = "timings.json"

@@ -1,5 +1,6 @@
 """Where the law misses a recording, what causes it, and how far that shrinks."""
 
-from bayesfric.diagnosis.diagnosing import Diagnosed, diagnose
+from bayesfric.diagnosis.diagnosed import Diagnosed
+from bayesfric.diagnosis.diagnosing import diagnose
 
 __all__ = ["Diagnosed", "diagnose"]

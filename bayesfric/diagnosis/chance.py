@@ -5,8 +5,6 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.residuals import Residuals
 
-__all__ = ["redrawn"]
-
 
 def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array:
     """Draw residual forces of a perfect law, shape (R, count) [N].

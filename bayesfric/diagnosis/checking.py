@@ -4,8 +4,6 @@ from bayesfric.analysis import Analysis
 from bayesfric.invariants import broken, check_record
 from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["looked_at", "not_followed"]
-
 
 def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     """Return a diagnosis with what must hold of it, and no verdict where something does not.
@@ -15,13 +13,13 @@ def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     """
     checks = check_record(summary.model_dump(mode="json", by_alias=True))
     faults = broken(checks)
-    found = summary.model_copy(update={"checks": checks})
+    looked = summary.model_copy(update={"checks": checks})
     if not faults:
-        return found
+        return looked
     above = summary.gap.probability_above_practical
     details = "; ".join(check.detail or check.check for check in checks if not check.holds)
     considered = (*summary.causes, *summary.considered)
-    return found.model_copy(
+    return looked.model_copy(
         update={
             "verdict": "undecided",
             "verdict_probability": max(above, 1 - above),

@@ -1,7 +1,8 @@
 """Which effects can be told apart at all: by rank, before any evidence."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import comb
 
 import numpy as np
 import scipy
@@ -12,8 +13,6 @@ from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS
-
-__all__ = ["AbsorbedEffect", "Classes", "classes_of"]
 
 ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
@@ -58,11 +57,23 @@ class Classes:
         What only moves the baseline.
     left_out : dict of str to str
         Other effects, with the reason.
+    odds : mapping of str to float
+        Prior odds of classes, by their first effect, that are likelier than others.
     """
 
     members: tuple[tuple[str, ...], ...]
     absorbed: tuple[AbsorbedEffect, ...]
     left_out: dict[str, str]
+    odds: Mapping[str, float] = field(default_factory=dict)
+
+    def log_prior_among(self, names: Sequence[str]) -> float:
+        """Return the log prior that these act, of all sets of as many classes."""
+        if not self.odds:
+            return -float(np.log(comb(len(self.members), len(names))))
+        every = [self.odds.get(members[0], 1.0) for members in self.members]
+        # Of the polynomial whose roots are −odds a coefficient is the sum of all products.
+        products = np.poly(-np.array(every))[len(names)]
+        return float(np.log(np.prod([self.odds.get(name, 1.0) for name in names]) / products))
 
 
 def classes_of(model: LinearModel, psi: Array) -> Classes:
@@ -114,19 +125,26 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
     members: list[list[str]] = []
     for name in entering:
-        for known in members:
-            if _alias(model, names, columns, direction, name, known[0]):
-                known.append(name)
+        for alias_class in members:
+            if _alias(model, names, columns, direction, name, alias_class[0]):
+                alias_class.append(name)
                 break
         else:
             members.append([name])
-    return Classes(tuple(tuple(one) for one in members), tuple(absorbed), left_out)
+    chosen = tuple(tuple(alike) for alike in members)
+    odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
+    likelier = odds if any(value != 1 for value in odds.values()) else {}
+    return Classes(chosen, tuple(absorbed), left_out, likelier)
+
+
+def _odds(model: LinearModel, places: Sequence[int]) -> float:
+    return model.candidates[places[0]].effect.odds
 
 
 def _absent(model: LinearModel, place: int) -> str:
     """Return why nothing of an effect shows: no rig here can, or it does not matter."""
     reasons = [rig.rows.relative_force(model.candidates[place]) for rig in model.rigs]
-    unsupported = [one.reason for one in reasons if isinstance(one, Unsupported)]
+    unsupported = [reason.reason for reason in reasons if isinstance(reason, Unsupported)]
     if len(unsupported) == len(reasons):
         return f"absent from these data: {unsupported[0]}"
     return "no influence on the prediction"
@@ -171,11 +189,11 @@ def _alias(
     names: dict[str, list[int]],
     columns: tuple[int, ...],
     direction: Array,
-    one: str,
+    first: str,
     other: str,
 ) -> bool:
     """Return whether some law of one effect is some law of the other, whatever its shape."""
-    for law in _laws(model, names[one]):
+    for law in _laws(model, names[first]):
         for rival in _laws(model, names[other]):
             mine = [columns.index(place) for place in law if place in columns]
             theirs = [columns.index(place) for place in rival if place in columns]

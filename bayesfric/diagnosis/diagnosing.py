@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,12 +21,14 @@ from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examinable, examined_effects, no_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
@@ -61,14 +62,12 @@ from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import identified, provenance
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts, model_errors
 from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
-
-__all__ = ["Diagnosed", "diagnose"]
 
 NOTHING_TOLD = "these data tell no number of the model"
 MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
@@ -77,51 +76,6 @@ LN10 = float(np.log(10))
 SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
 FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
-
-
-@dataclass(frozen=True)
-class Diagnosed:
-    """A diagnosis, ready to be written.
-
-    Parameters
-    ----------
-    summary : DiagnosisFile
-        What ``diagnosis.json`` says.
-    curves : DataTree
-        What ``diagnosis.nc`` holds: ``residuals``, ``law``, and where there are any
-        ``trajectories`` and ``amplitudes``.
-    seconds : float
-        Wall time.
-    amounts : ModelAmounts or None
-        How wrong the machine's model is.
-    own_sentence : str
-        The verdict in words, without what it says of that model.
-    """
-
-    summary: DiagnosisFile
-    curves: xr.DataTree
-    seconds: float
-    amounts: ModelAmounts | None = None
-    own_sentence: str = ""
-
-    def write(self, folder: Path | str) -> None:
-        """Write ``diagnosis.json`` and ``diagnosis.nc``.
-
-        Parameters
-        ----------
-        folder : Path or str
-            Created if it is not there; other files in it are left alone.
-
-        Raises
-        ------
-        InputError
-            The folder cannot be written.
-        """
-        writers: dict[str, Callable[[Path], object]] = {
-            "diagnosis.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
-            "diagnosis.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-        }
-        replace_outputs(Path(folder), writers)
 
 
 def diagnose(
@@ -237,7 +191,7 @@ def _diagnose(
     held = held_of(fixed, data, law_shipped)
     examined, lacking = examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
-    examined = {name: widened(one, analysis) for name, one in examined.items()}
+    examined = {name: widened(effect, analysis) for name, effect in examined.items()}
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis=analysis,
@@ -254,7 +208,7 @@ def _diagnose(
         keeping.keep_each_call("unknown", Unknown | None, unknown_force),
     )
     data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
-    candidates = [one for effect in examined.values() for one in candidates_of(effect)]
+    candidates = [candidate for effect in examined.values() for candidate in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
@@ -265,16 +219,16 @@ def _diagnose(
         return around, _first_look(around, climbing(around, psi, Acting()), steps)
 
     first, first_found = without_strays(first, first_found, with_weights)
-    model, found = _finals(first, first_found, steps)
+    model, searched = _finals(first, first_found, steps)
     fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
     )
-    judged = judge(model, found, law_shipped, practical, draw_rng)
-    found, best = judged.search, judged.search.best()
+    judged = judge(model, searched, law_shipped, practical, draw_rng)
+    searched, best = judged.search, judged.search.best()
     residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
-    known, named, settled = judged.known, judged.named, judged.settled
+    effects_known, named, settled = judged.effects_known, judged.named, judged.settled
     present, possible = judged.present, judged.possible
-    chances = found.probabilities()
+    chances = searched.probabilities()
     friction, above, plain = residuals.friction_rms, judged.above, judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
@@ -282,32 +236,36 @@ def _diagnose(
     densities = keeping.record(
         "held-out-density",
         BlockDensities | None,
-        lambda: block_densities(model, found, named, block_rng),
+        lambda: block_densities(model, searched, named, block_rng),
     )
     gap = gap.model_copy(update=density_of(densities, named, like_clocks=arms.like_clocks(plain)))
-    gap_share, asked = float(np.median(posterior.gap)) / friction, found
+    gap_share, asked = float(np.median(posterior.gap)) / friction, searched
     remainder = remainder_of(model, asked, best, gap_share, left) if named else None
     others = data.rigs[0].other_joints
-    rivals = [name for effects in sets_of_one(chances, known, named) for name in effects]
+    rivals = [name for effects in sets_of_one(chances, effects_known, named) for name in effects]
     amounts = amounts_of(model, best)
-    elsewhere = looks_like_others([*named, *rivals], examined, others, gap, amounts)
+    elsewhere = looks_like_others(named, rivals, examined, others, gap, amounts)
     why = None
     if remainder is not None:
         why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
     contradicted = why is not None or elsewhere
     if contradicted:
-        apart = overruled(found, known, [named] if named else [[name] for name in rivals], above)
-        found, known = apart.search, apart.known
+        apart = overruled(
+            searched, effects_known, [named] if named else [[name] for name in rivals], above
+        )
+        searched, effects_known = apart.search, apart.effects_known
         present, possible = apart.present, apart.possible
-        chances = found.probabilities()
-    together = () if elsewhere else sets_of_one(chances, known, named)
-    not_shown = why_not_shown(found, residuals) or loosely_known(model, residuals, posterior)
+        chances = searched.probabilities()
+    together = () if elsewhere else sets_of_one(chances, effects_known, named)
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
+    not_shown = why_not_shown(searched, residuals) or loosely_known(model, residuals, posterior)
+    not_shown = not_shown or why_bent(instrument)
     unexplained_by_scatter = unlike_scatter(
         gap, residuals, held_out.inside[1], posterior, practical, order_rng
     )
     verdict, chance = decide(
         chances,
-        [] if contradicted else [effect for effect in known if effect.effect in named],
+        [] if contradicted else [effect for effect in effects_known if effect.effect in named],
         above,
         together,
         none_before=analysis.diagnosis.hypotheses.none,
@@ -320,30 +278,31 @@ def _diagnose(
 
     checks: dict[str, Checked] = {}
 
-    def check(one: Weighed | Unknown) -> Checked:
-        label = UNKNOWN if isinstance(one, Unknown) else one.label
+    def check(hypothesis: Weighed | Unknown) -> Checked:
+        label = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.label
         if label not in checks:
-            checks[label] = noise_checked(model, found, one, check_rng)
+            checks[label] = noise_checked(model, searched, hypothesis, check_rng)
         return checks[label]
 
-    def told(names: list[str]) -> tuple[Cause, ...]:
-        return causes_of(names, model, found, posterior, practical, floor, check)
+    def causes_named(names: list[str]) -> tuple[Cause, ...]:
+        return causes_of(names, model, searched, posterior, practical, floor, check)
 
-    causes, beside = told(named), told(present)
+    causes, beside = causes_named(named), causes_named(present)
     considered: tuple[Cause, ...] = ()
     if contradicted:
-        considered = causes if named else told(rivals)
+        considered = causes if named else causes_named(rivals)
         causes = ()
-    unseparated = unseparated_of(found.classes, together)
-    proposals, no_proposal = next_experiment(model, found, chances)
+    unseparated = unseparated_of(searched.classes, together)
+    proposals, no_proposal = next_experiment(model, searched, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    law_found = by_the_instrument(law_found, instrument)
     to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
         asked_for = friction_at(target, model, law, law_found, posterior, named, examined, doubt)
-    if verdict == "unknown" and found.unknown is not None:
-        remainder = all_left(found, found.unknown)
+    if verdict == "unknown" and searched.unknown is not None:
+        remainder = all_left(searched, searched.unknown)
     elif remainder is None:
         remainder = remainder_of(model, asked, best, gap_share, left)
     prior = analysis.diagnosis.hypotheses
@@ -364,10 +323,9 @@ def _diagnose(
         windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
-    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     summary = DiagnosisFile(
         **attributes.model_dump(),
-        rigs=tuple(one.rig.name for one in data.rigs),
+        rigs=tuple(rig.rig.name for rig in data.rigs),
         baseline=law.name,
         simulator=simulator_used(own, model, settled),
         fixed=tuple(sorted(held)),
@@ -386,14 +344,14 @@ def _diagnose(
         probabilities=chances,
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
-            "0.1": found.probabilities(0.1),
-            "0.9": found.probabilities(0.9),
+            "0.1": searched.probabilities(0.1),
+            "0.9": searched.probabilities(0.9),
         },
-        unvisited_probability=found.unvisited(),
-        inclusion=inclusion_of(known, posterior, practical),
+        unvisited_probability=searched.unvisited(),
+        inclusion=inclusion_of(effects_known, posterior, practical),
         causes=causes,
         present=beside,
-        possible=told(possible),
+        possible=causes_named(possible),
         considered=considered,
         overruled_by=why,
         enter=to_enter,
@@ -402,8 +360,8 @@ def _diagnose(
         law=law_found,
         unseparated=unseparated,
         absorbed=tuple(
-            Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
-            for one in found.classes.absorbed
+            Absorbed(effect=effect.effect, by=effect.by, bias=effect.bias, unit=effect.unit)
+            for effect in searched.classes.absorbed
         ),
         remainder=remainder,
         where=where,
@@ -442,7 +400,7 @@ def _in_model(recording: Recording) -> str | None:
 
 def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     """Return what the data contradict of what was declared, the first thing to know."""
-    return tuple(line for one in rigs for line in one.doubts(law))
+    return tuple(line for rig in rigs for line in rig.doubts(law))
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
@@ -455,16 +413,16 @@ def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
     return search(model, none, inverse, 0.0, classes, steps)
 
 
-def _finals(first: LinearModel, found: Search, steps: Steps) -> tuple[LinearModel, Search]:
+def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearModel, Search]:
     """Compare the finalists alike, around the law that was fitted with the leader."""
     model = first
-    if found.probabilities().get(NONE, 0.0) > SURELY:
+    if searched.probabilities().get(NONE, 0.0) > SURELY:
         # All are compared alike already, and nothing is large enough to have another form.
-        return model, found
+        return model, searched
     for _ in range(ROUNDS):
-        leader = found.best()
+        leader = searched.best()
         acting = model.amplitudes(leader.at, leader.acting)
-        forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, found))
+        forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, searched))
         around = around_nearby(
             model,
             model.fitted_laws(leader.at),
@@ -472,22 +430,22 @@ def _finals(first: LinearModel, found: Search, steps: Steps) -> tuple[LinearMode
             scattering=acting,
             forms=forms,
         )
-        around.merge(found.classes.members)
+        around.merge(searched.classes.members)
         around = squeezed(around, leader.at.psi)
-        model, found = around, compare(around, found, steps)
-        if found.best().names == leader.names:
+        model, searched = around, compare(around, searched, steps)
+        if searched.best().names == leader.names:
             break
-    return model, found
+    return model, searched
 
 
-def _acting_once(model: LinearModel, found: Search) -> list[tuple[Candidate, float]]:
+def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, float]]:
     """Return each effect of the likeliest hypotheses, as the best with it has it."""
-    ranked = sorted(found.weighed.values(), key=lambda one: -found.worth(one))
-    top = found.worth(ranked[0])
+    ranked = sorted(searched.weighed.values(), key=lambda weighed: -searched.worth(weighed))
+    top = searched.worth(ranked[0])
     acting: dict[str, tuple[Candidate, float]] = {}
-    for one in ranked:
-        if found.worth(one) < top - FORMED:
+    for weighed in ranked:
+        if searched.worth(weighed) < top - FORMED:
             break
-        for candidate, amplitude in model.amplitudes(one.at, one.acting):
+        for candidate, amplitude in model.amplitudes(weighed.at, weighed.acting):
             acting.setdefault(candidate.effect.name, (candidate, amplitude))
     return list(acting.values())

@@ -13,8 +13,6 @@ from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
 from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
 
-__all__ = ["numbers_to_enter"]
-
 OF_PULLEYS = "of pulleys it is the coefficients of the friction law that are entered, under `law`"
 NO_JOINT = "no number of this law has a field in a simulator of joints"
 EVERY_FIELD = "every simulator has a field for it"

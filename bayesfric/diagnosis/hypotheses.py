@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import comb
 
 import numpy as np
 from scipy.special import logsumexp
@@ -14,8 +13,6 @@ from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.probabilities import normalised, total
-
-__all__ = ["NONE", "UNKNOWN", "Search"]
 
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
@@ -79,9 +76,9 @@ class Search:
             return float(np.log(prior.none if none is None else none))
         if name == UNKNOWN:
             return float(np.log(rest * prior.unknown))
-        number = name.count("+") + 1
-        mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
-        return float(np.log(rest * mass / comb(len(self.classes.members), number)))
+        names = name.split("+")
+        mass = {1: prior.one, 2: prior.two}.get(len(names), prior.more)
+        return float(np.log(rest * mass)) + self.classes.log_prior_among(names)
 
     def with_unknown(self, alone: Unknown, beside: Unknown, name: str) -> "Search":
         """Return these with an unknown force, alone or beside the effects of a hypothesis.
@@ -96,14 +93,14 @@ class Search:
         larger = alone if parts[0] > parts[1] else beside
         return replace(self, unknown=replace(larger, log_evidence=float(logsumexp(parts))))
 
-    def worth(self, one: Weighed) -> float:
+    def worth(self, hypothesis: Weighed) -> float:
         """Return the log of evidence times prior."""
-        return one.log_evidence + self.log_prior(one.label)
+        return hypothesis.log_evidence + self.log_prior(hypothesis.label)
 
     def probabilities(self, none: float | None = None) -> dict[str, float]:
         """Return posterior probabilities, the largest first, summing to 1."""
-        values = {name: one.log_evidence for name, one in self.weighed.items()}
-        values |= {name: one for name, one in self.rough.items() if name not in values}
+        values = {name: value.log_evidence for name, value in self.weighed.items()}
+        values |= {name: value for name, value in self.rough.items() if name not in values}
         if self.unknown is not None:
             values[UNKNOWN] = self.unknown.log_evidence
         elif self.unheard:
@@ -113,10 +110,10 @@ class Search:
         chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
         listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
-        found = normalised({name: float(chances[name]) for name in ranked})
-        found.setdefault(UNKNOWN, 0.0)
-        chances = self._without_minor(found)
-        return self._with_foreign(chances) if self.foreign else chances
+        by_name = normalised({name: float(chances[name]) for name in ranked})
+        by_name.setdefault(UNKNOWN, 0.0)
+        by_name = self._without_minor(by_name)
+        return self._with_foreign(by_name) if self.foreign else by_name
 
     def overruled(self, effects: frozenset[str]) -> "Search":
         """Return these where held-out data contradict that effects make the gap."""
@@ -139,14 +136,14 @@ class Search:
         return dict(ranked)
 
     def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
-        found = chances.copy()
+        shared = chances.copy()
         for name, chance in chances.items():
             acting = set(name.split("+"))
             shares = [share for effects, share in self.foreign.items() if effects <= acting]
             kept = math.prod(1 - share for share in shares)
-            found[name] -= (1 - kept) * chance
-            found[UNKNOWN] += (1 - kept) * chance
-        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+            shared[name] -= (1 - kept) * chance
+            shared[UNKNOWN] += (1 - kept) * chance
+        ranked = sorted(normalised(shared).items(), key=lambda pair: (-pair[1], pair[0]))
         return dict(ranked)
 
     def unvisited(self) -> float:
@@ -158,6 +155,7 @@ class Search:
         """Return the most probable hypothesis of those with names, none among them."""
         weighed = list(self.weighed.values())
         if self.minor is not None and self.minor[1] >= MOSTLY:
-            largest = self.minor[0]
-            weighed = [rival for rival in weighed if not largest < set(rival.names)]
+            weighed = [
+                hypothesis for hypothesis in weighed if not self.minor[0] < set(hypothesis.names)
+            ]
         return max(weighed, key=self.worth)

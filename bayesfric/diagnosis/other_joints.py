@@ -10,16 +10,16 @@ from bayesfric.effects import Effect
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, ModelError
 
-__all__ = ["amounts_of", "looks_like_others", "model_error_words"]
-
 PLACED = frozenset({"angle", "load-both-ways", "period", "play", "position", "spring"})
 """Needs of effects of a position, of reversals behind a play or a spring, and of a gear's load."""
 LEFT = 0.1  # of friction, that nothing explains: so much is left where other joints pull
+OF_GAP = 0.05  # of the gap, at the least: a weight of ten times friction may leave as much of that
 LISTED = 3  # numbers of a model that a sentence has
 
 
 def looks_like_others(
     named: Collection[str],
+    rivals: Collection[str],
     examined: Mapping[str, Effect],
     others: str | None,
     gap: Gap,
@@ -35,6 +35,8 @@ def looks_like_others(
     ----------
     named : collection of str
         Causes.
+    rivals : collection of str
+        Effects of which one acts, and these data do not tell which.
     examined : mapping of str to Effect
         All effects that were examined.
     others : str or None
@@ -44,10 +46,13 @@ def looks_like_others(
     amounts : ModelAmounts or None
         Of the errors of the machine's model; None without one.
     """
-    left = max(gap.floor.q50, gap.after.q50) >= LEFT * gap.friction_rms
+    # Where no cause is named nothing was added whose rest could be seen.
+    rest = max(gap.floor.q50, gap.after.q50) if named else gap.floor.q50
+    left = rest >= max(LEFT * gap.friction_rms, OF_GAP * gap.before.q50)
     open_still = others in ("unknown", "logged") and amounts is None
     moved = others == "moving" or (open_still and left)
-    return moved and any(_is_placed(examined[name]) for name in named if name in examined)
+    acting = [examined[name] for name in (*named, *rivals) if name in examined]
+    return moved and any(_is_placed(effect) for effect in acting)
 
 
 def _is_placed(effect: Effect) -> bool:
@@ -63,13 +68,13 @@ def amounts_of(model: LinearModel, best: Weighed) -> ModelAmounts | None:
 
 def model_error_words(errors: Collection[ModelError]) -> str:
     """Return that a model is off, a sentence with a blank before it; empty where it is not."""
-    off = [one for one in errors if one.significant]
+    off = [error for error in errors if error.significant]
     if not off:
         return ""
     parts = [
-        f"{one.number} of {one.link} by {one.error.mean:+.3g} ± {one.error.sd:.2g} {one.unit} "
-        f"(your model has {one.in_your_model:.3g})"
-        for one in off[:LISTED]
+        f"{error.number} of {error.link} by {error.error.mean:+.3g} ± {error.error.sd:.2g} "
+        f"{error.unit} (your model has {error.in_your_model:.3g})"
+        for error in off[:LISTED]
     ]
     more = f", and {len(off) - LISTED} more" if len(off) > LISTED else ""
     return f" Your model of the machine is off: {'; '.join(parts)}{more}."

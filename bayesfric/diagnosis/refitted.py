@@ -19,8 +19,6 @@ from bayesfric.inference.priors import from_normal
 from bayesfric.physics.friction import Coefficients
 from bayesfric.stored_names import variable_of
 
-__all__ = ["RefittedLaw"]
-
 
 class RefittedLaw:
     """Draws of coefficients, scatter and effects, laid out hypothesis by hypothesis.

@@ -14,14 +14,12 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-__all__ = ["loosely_known", "share_of_friction", "why_not_shown", "windows_told"]
-
 WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
 HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
-TOLD = float(np.log(2))  # by which an unknown force is less likely than none, at least
+LEAST_ODDS = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
 
 def why_not_shown(search: Search, residuals: Residuals) -> str | None:
@@ -34,7 +32,7 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
     residuals : Residuals
         Windows of the recording.
     """
-    windows, numbers = residuals.size.size, _numbers(residuals)
+    windows, numbers = residuals.independent, _numbers(residuals)
     if windows < WINDOWS_A_NUMBER * numbers:
         return (
             f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
@@ -43,7 +41,7 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
     if search.unknown is None:
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
-    if better > -TOLD:
+    if better > -LEAST_ODDS:
         return (
             f"{windows_told(residuals)} do not tell an unknown force from none "
             f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"
@@ -87,16 +85,17 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
 def windows_told(residuals: Residuals) -> str:
     """Return how much was recorded, in words."""
     trials = len(residuals.names)
-    return f"{residuals.size.size} windows of {trials} trial{'' if trials == 1 else 's'}"
+    return f"{residuals.independent} windows of {trials} trial{'' if trials == 1 else 's'}"
 
 
 def _numbers(residuals: Residuals) -> int:
-    """Return how many numbers of the law do anything here."""
+    """Return how many numbers of the law do anything here, an offset among them."""
     sizes = np.unique(residuals.size)
+    shared = int(np.any(residuals.columns[:, list(residuals.shared)], axis=0).sum())
     shown = [
         np.any(residuals.columns[residuals.size == size, :COEFFICIENTS], axis=0) for size in sizes
     ]
-    return int(np.sum(shown))
+    return int(np.sum(shown)) + shared
 
 
 def share_of_friction(

@@ -14,8 +14,6 @@ from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_o
 from bayesfric.schemas import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
-__all__ = ["curves_of", "excess_of", "floor_disagrees", "gap_of"]
-
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
@@ -184,8 +182,8 @@ def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedL
 
         def padded(values: list[Array]) -> Array:
             table = np.full((len(values), longest), np.nan)
-            for row, one in enumerate(values):
-                table[row, : one.size] = one
+            for row, row_values in enumerate(values):
+                table[row, : row_values.size] = row_values
             return table
 
         curves = {

@@ -18,19 +18,6 @@ from bayesfric.physics.friction import (
     tension_slope,
 )
 
-__all__ = [
-    "LADDER",
-    "ActsOn",
-    "Effect",
-    "EffectParameter",
-    "Law",
-    "Load",
-    "Reading",
-    "State",
-    "after_passes",
-    "followed",
-]
-
 LADDER = (
     "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
     "2024 (M3 to M6), and the parameters published with it"
@@ -332,6 +319,9 @@ class Effect:
         Along which its force changes once the law is recalibrated, as ``where`` of a diagnosis
         names axes; empty where nobody says. Of phases that nobody recorded it is what they go
         round with.
+    odds : float
+        How much likelier it is than any other effect, where a rig offers what it needs, before
+        the data.
     """
 
     name: str
@@ -348,6 +338,7 @@ class Effect:
     turning: Mapping[str, Law] = field(default_factory=dict)
     two_ends: str | None = None
     axes: frozenset[str] = frozenset()
+    odds: float = 1.0
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

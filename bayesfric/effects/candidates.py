@@ -16,16 +16,6 @@ from bayesfric.analysis import HalfCauchy, HalfNormal, LogNormal, Normal, Prior,
 from bayesfric.effects import Effect
 from bayesfric.inference.priors import from_normal
 
-__all__ = [
-    "Candidate",
-    "candidates_of",
-    "goes_to_and_fro",
-    "is_positive",
-    "on_friction",
-    "prior_moments",
-    "unit_values",
-]
-
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
 """Shapes that are tried, as normal quantiles of the prior."""
 LINEAR_STEP = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude

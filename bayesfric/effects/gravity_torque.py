@@ -1,4 +1,7 @@
-"""A weight on a lever: torque that goes with sine and cosine of the angle."""
+"""A weight on a lever: torque that goes with sine and cosine of the angle.
+
+On a small stroke about where it hangs it is a spring; few joints have one, and most have a weight.
+"""
 
 from collections.abc import Mapping
 
@@ -40,4 +43,5 @@ EFFECT = Effect(
     along_path=True,
     needs=frozenset({"angle", "position"}),
     axes=frozenset({"direction", "displacement", "rotation_angle"}),
+    odds=10.0,  # argued: of joints pulled to a place ten have a weight where one has a spring
 )

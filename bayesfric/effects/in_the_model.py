@@ -2,8 +2,6 @@
 
 from types import MappingProxyType
 
-__all__ = ["IN_THE_MODEL"]
-
 IN_THE_MODEL = MappingProxyType(
     {
         "coupling": "other joints that are logged are in every hypothesis, with amounts of their "

@@ -1,7 +1,5 @@
 """The file that ``bayesfric effects new`` writes: an effect to be changed by its author."""
 
-__all__ = ["template"]
-
 TEXT = '''"""An effect of your own: say in a line what the law of friction leaves out."""
 
 import numpy as np

@@ -11,16 +11,6 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.inference.priors import Parameter, from_normal, prior_width, to_normal
 
-__all__ = [
-    "ActiveEffect",
-    "LinearTerm",
-    "linear_terms",
-    "parameters_of",
-    "rough_values",
-    "small_values",
-    "total",
-]
-
 SHAPE_RANGE = 3.0  # prior standard deviations of a shape parameter that are tabulated
 SHAPE_NODES = 33
 START_SHARE = 0.1  # of the prior's sd, an amplitude to climb from

@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["MODES", "cosine_variances", "cosines", "log_variance_slopes"]
-
 MODES = 6  # more would be lost in the noise of events at an rms of 2 %
 
 

@@ -25,20 +25,6 @@ from scipy.special import logsumexp, ndtri
 from bayesfric.arrays import Array
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-__all__ = [
-    "Convergence",
-    "batch_means_ess",
-    "diagnose_all",
-    "diagnose_draws",
-    "mean_ess",
-    "multivariate_r_hat",
-    "power_scaling",
-    "rank_counts",
-    "smooth_weights",
-    "walkers_r_hat",
-]
-
-
 BATCHES = 10  # of an ensemble
 LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
 POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences

@@ -18,8 +18,6 @@ from scipy.special import softmax
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = ["Group", "drawn_in_groups"]
-
 BURN_IN = 10  # sweeps over all groups before the first draw
 DRAWS_A_SWEEP = 10  # draws of numbers at the same sizes
 LEAST_INFORMATION = 1e-3  # information beside a prior of 1, below which data tell nothing

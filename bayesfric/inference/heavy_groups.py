@@ -18,8 +18,6 @@ from bayesfric.inference.grouped_normal import LOG_2PI, Grouped, GroupedNormal
 from bayesfric.inference.quadratic import eliminate, gram
 from bayesfric.inference.student import drawn_node, log_density_given, weight_given
 
-__all__ = ["HeavyGroups"]
-
 NODES = 41  # in log λ: the rule converges exponentially
 LOWER, UPPER = 1e-12, 1e-8  # probability beyond the grid; groups far out are at its lower end
 

@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array
 from bayesfric.inference.model import Model
 
-__all__ = ["NormalBoard", "second_stage"]
-
 LEAST_PRECISION = 0.01  # of a direction that a board leaves open, its prior's being 1
 FREEDOM, INFLATION = 6.0, 1.3  # of the proposals of a board, whose tails may be heavy
 

@@ -14,8 +14,6 @@ from scipy.linalg.lapack import dpotri
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = ["Information", "Reduced"]
-
 ROUNDED = 1e-12  # of the largest eigenvalue, that rounding may take off the least
 
 

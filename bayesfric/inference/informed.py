@@ -7,8 +7,6 @@ from bayesfric.arrays import Array
 from bayesfric.inference.laplace import curvature_steps, finite_hessian
 from bayesfric.inference.model import Model
 
-__all__ = ["informed_by_data"]
-
 LEAST_CURVATURE = (
     1e-3  # least curvature of a direction: flatter ones differ by finite differences only
 )

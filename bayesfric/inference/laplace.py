@@ -12,8 +12,6 @@ import scipy
 
 from bayesfric.arrays import Array
 
-__all__ = ["Laplace", "NoModeError", "curvature_steps", "finite_hessian", "laplace_approximation"]
-
 LogDensity = Callable[[Array], Array]
 
 DROP = 0.02  # step of a difference, in curvature standard deviations squared

@@ -19,8 +19,6 @@ from bayesfric.inference.priors import (
     to_normal,
 )
 
-__all__ = ["GivenRest", "Model", "RigLikelihood"]
-
 START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
 BATCH = 24_000  # trials times walkers: more at once fall out of the processor's cache
 

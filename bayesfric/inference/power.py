@@ -18,8 +18,6 @@ from bayesfric.analysis import Prior
 from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI, from_normal, log_density, prior_sd
 
-__all__ = ["amplitude_error", "log_bayes_factor", "smallest_found"]
-
 NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
 LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
 LEAST_PRECISION_RATIO = (

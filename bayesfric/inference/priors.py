@@ -29,20 +29,6 @@ from bayesfric.families import (
 )
 from bayesfric.inference.tails import from_tails, to_tails
 
-__all__ = [
-    "Kind",
-    "Parameter",
-    "describe",
-    "draw",
-    "from_normal",
-    "joined",
-    "log_density",
-    "prior_sd",
-    "prior_width",
-    "quantile",
-    "to_normal",
-]
-
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_2 = float(np.log(2))
 QUANTILES = 1000  # of a parameter of which another is a share

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["contract", "eliminate", "gram", "matrices", "side"]
-
 
 def side(triangle: Array) -> int:
     """Return the side of a matrix that is given by its upper triangle."""

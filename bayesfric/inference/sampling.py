@@ -38,8 +38,6 @@ from bayesfric.inference.proposals import (
 if TYPE_CHECKING:  # it loads scipy.stats, so that each function that draws imports it
     import emcee
 
-__all__ = ["Draws", "SamplingError", "sample"]
-
 Progress = Callable[[int, int], None]
 
 PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to

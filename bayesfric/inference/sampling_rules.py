@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from bayesfric.rules import rule
 
-__all__ = ["SAMPLING_RULES", "SamplingRules"]
-
 
 @dataclass(frozen=True)
 class SamplingRules:

@@ -14,8 +14,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 
-__all__ = ["Block", "explained_by_subsets", "shapley_values"]
-
 
 @dataclass(frozen=True)
 class Block:

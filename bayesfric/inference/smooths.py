@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 
-__all__ = ["BROAD", "KEPT", "NARROW", "SHARP", "WHOLE", "Smooth", "Span", "smooth_along"]
-
 NODES = 25
 BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, as shares of the range
 KEPT, WHOLE = 0.99, 0.999  # of a process' variance, and where much is told of it

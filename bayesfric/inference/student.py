@@ -18,8 +18,6 @@ from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI, Grouped
 from bayesfric.inference.quadratic import gram, matrices
 
-__all__ = ["GroupedStudent", "drawn_node", "log_density_given", "weight_given"]
-
 REWEIGHTINGS = 12
 
 

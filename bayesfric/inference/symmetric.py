@@ -5,8 +5,6 @@ from scipy.linalg import eigh
 
 from bayesfric.arrays import Array
 
-__all__ = ["eigen_of"]
-
 
 def eigen_of(matrix: Array) -> tuple[Array, Array]:
     """Return eigenvalues, ascending, and eigenvectors of a symmetric matrix.

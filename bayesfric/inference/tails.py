@@ -12,8 +12,6 @@ from scipy import special
 from bayesfric.arrays import Array
 from bayesfric.families import Beta, Family, Gamma, HalfCauchy, StudentT, TruncatedNormal
 
-__all__ = ["from_tails", "to_tails"]
-
 Pair = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]
 
 

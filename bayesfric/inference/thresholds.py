@@ -20,8 +20,6 @@ from scipy.special import log_ndtr, logsumexp
 from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI
 
-__all__ = ["Thresholds", "log_probability_above"]
-
 NEWTON_STEPS = 20  # at most
 MODE_TOLERANCE = 1e-6  # to the mode, in standard deviations of u: nodes need be no closer
 REACH = 7.0  # of the nodes around the mode, in standard deviations of u

@@ -11,8 +11,6 @@ from scipy.special import ndtr, ndtri
 
 from bayesfric.arrays import Array
 
-__all__ = ["FARTHEST", "drawn_above", "normal_above"]
-
 LEAST_DRAWS = 3  # draws, of which a standard deviation is told
 FARTHEST = 4.0  # standard deviations of a bound above the mean, at the most
 

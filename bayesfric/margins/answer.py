@@ -185,7 +185,7 @@ def _equals(chance: str) -> str:
 
 
 def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
-    """Yield which number of the loop's file the friction's uncertainty rests on, if on one."""
+    """Yield the assumed number that explains most of the variance of friction, if it is much."""
     of_friction = shares.get("gamma_necessary") or shares.get("steady_error_servo") or {}
     own = {key: share for key, share in of_friction.items() if "." in key}
     if own:
@@ -198,7 +198,7 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
 
 
 def share_of(happened: Flags) -> str:
-    """Return a share of draws in words: none of them is a bound at 95 %, as all of them is."""
+    """Return a share of draws in words; for none and for all, its bound at 95 %."""
     count, hits = happened.size, int(happened.sum())
     bound = 100 * bound_of(count)
     if hits == 0:

@@ -1,4 +1,4 @@
-"""A loop file's plant in numbers at the motor's shaft, in which a forgotten gearbox shows."""
+"""The plant of a loop file in numbers at the motor's shaft, where a wrong ratio shows."""
 
 import numpy as np
 

@@ -16,7 +16,7 @@ LONGEST_M = 100.0  # cable, or lever to the tip
 
 
 def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
-    """Return the faults of a loop whose numbers contradict one another, or all joints.
+    """Return the faults of numbers that contradict each other, or that no joint has.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
 
 
 def _ratio(loop: Loop) -> Iterator[tuple[str, float, str]]:
-    """Yield where gearbox, capstan and the joint's transmission do not go together."""
+    """Yield the fault of a gearbox, capstan and transmission that contradict each other."""
     joint, drive, stage = loop.joint, loop.drive, loop.second_stage
     if loop.coupling is not None:  # its matrix may have any number there
         return

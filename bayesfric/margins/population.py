@@ -85,7 +85,7 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
 
 
 def _taking_turns(boards: Sequence[Array], count: int) -> Array:
-    """Return so many draws, of one board after the other."""
+    """Return a given number of draws, taken from the boards in turn."""
     least = min(board.size for board in boards)
     draws = (boards[k % len(boards)][(k // len(boards)) % least] for k in range(count))
     return np.fromiter(draws, dtype=np.float64)

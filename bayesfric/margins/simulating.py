@@ -240,7 +240,7 @@ class _Run:
         self.results["hunts"] = np.zeros(loop.draws, dtype=bool)
 
     def advance(self, record: Record | None) -> None:
-        """Go from one sample to the next."""
+        """Advance all running draws by one sample."""
         running = self.k < self.swing.end
         plant = self.plant
         torque, reading = self.controller.command(self.k, plant.position)
@@ -271,7 +271,7 @@ class _Run:
         return np.asarray(asked - self.plant.joint)
 
     def _acting(self, older: int) -> Array:
-        """Return the command that acts, of an age in samples a draw."""
+        """Return the command that acts: that of `older` samples before the newest to arrive."""
         if self.alike:
             return self.commands[int(self.whole[0]) + older]
         age = self.whole + older
@@ -308,7 +308,7 @@ class _Run:
         self.swing.pass_over(rows, samples, self.k, before, self._error()[rows])
 
     def judge_early(self) -> None:
-        """Judge shafts that have moved for long, and no longer those that stand again."""
+        """Judge early the draws that have moved for long; take it back where they stand again."""
         swing = self.swing
         going = self.k < swing.end  # draws that are over stay over
         stands = np.flatnonzero(going & self.early & (self.moving < self.settling))
@@ -373,7 +373,7 @@ def _plant(loop: SampledLoop, position: Array, speed: Array) -> StiffShaft | End
 
 
 def _reached(constant: Array, linear: Array, square: Array) -> Array:
-    """Return where constant + linear j + square j², not above 0 at j = 0, first is; else inf."""
+    """Return the first j at which constant + linear j + square j² reaches 0; inf if never."""
     root = np.sqrt(np.maximum(linear**2 - 4.0 * square * constant, 0.0))
     real = linear**2 >= 4.0 * square * constant
     below = linear + root

@@ -68,7 +68,7 @@ class Swing:
             setattr(self, name, value[rows])
 
     def judge_from(self, rows: Whole, begin: Whole, half: Whole) -> None:
-        """Judge some draws by other stretches than the third and fourth quarter of their run.
+        """Judge some draws by two stretches of their own, in place of the last two quarters.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class Swing:
         self._turned_at[rows] = np.nan
 
     def next_look(self, k: Whole) -> Whole:
-        """Return the last sample of the stretch of judgement in which each k lies."""
+        """Return, for each k, the last sample of the quarter that is being judged."""
         return np.select(
             [k < self.begin, k < self.middle], [self.begin - 1, self.middle - 1], self.end
         )

@@ -159,7 +159,7 @@ class _Grid:
 
 
 def _none(grid: _Grid, final: LoopAtShaft) -> Tuning:
-    """Return that no setting will do, and which spec stands in the way of all of them."""
+    """Return a tuning without a setting, and the spec that no setting meets."""
     best = np.unravel_index(grid.missed.argmin(), grid.missed.shape)
     kp, kd = grid.scales[list(best)]
     missed = float(_missed(scaled(final, float(kp), float(kd))).mean())
@@ -174,7 +174,7 @@ def _none(grid: _Grid, final: LoopAtShaft) -> Tuning:
 
 
 def _no_setting(why: str, missed: float, error: float) -> Tuning:
-    """Return that no setting meets all specs, and the chance that the nearest one misses any."""
+    """Return a tuning without a setting; its probability is that of the nearest one."""
     return Tuning(
         kp_scale=None,
         kp_scale_why=why,

@@ -67,7 +67,7 @@ class Wrist:
     joint_net_load: tuple[Array, ...]
 
     def worst(self, of_motors: Sequence[Array]) -> Array:
-        """Return the joint's largest error by motor errors of either sign, Σ_m |D_km| e_m [rad]."""
+        """Return the joint's largest error if motor errors have any sign, Σ_m |D_km| e_m [rad]."""
         return _weighted(np.abs(self.own_row), of_motors)
 
     def reversing(self, of_motors: Sequence[Array]) -> Array:
@@ -75,7 +75,7 @@ class Wrist:
         return np.abs(_weighted(np.array(self.own_row) * np.sign(self.own_column), of_motors))
 
     def by_hand(self, of_motors: Sequence[Array]) -> Array:
-        """Return the torque at the joint against which all its motors give way [N·m]."""
+        """Return the torque at the joint at which all of its motors are driven back [N·m]."""
         return _weighted(np.abs(self.own_column), of_motors)
 
     def under_friction(self) -> Array:

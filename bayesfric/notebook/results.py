@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from bayesfric.claims.checking import Checked
-from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.fitting.result import Fit
 from bayesfric.margins.computing import Margins
 from bayesfric.report.stored import StoredResults

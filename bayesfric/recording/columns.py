@@ -4,7 +4,8 @@ The reader checks against this list, the writer takes its column order and units
 from it, and ``docs/recording.md`` says the same in prose.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 MOST_PULLEYS = 1000  # the paper has 19
@@ -126,15 +127,16 @@ class TableFormat:
 
 HOTTEST_C = 250.0  # of a joint that runs, and below any room in kelvin
 
+optional = partial(Column, required=False)
+with_blanks = partial(Column, required=False, may_be_empty=True)
+
 RUN = Column("run", "id", "unique id of the run", unique=True)
-ORDER = Column("order", "integer", "place in the order of measuring", required=False, unique=True)
-SETUP = Column("setup", "id", "id of one assembly of the rig", required=False)
-ROLE = Column(
+ORDER = optional("order", "integer", "place in the order of measuring", unique=True)
+SETUP = optional("setup", "id", "id of one assembly of the rig")
+ROLE = with_blanks(
     "role",
     "choice",
     "calibrate: fits the baseline; test: shows the gap; absent: both",
-    required=False,
-    may_be_empty=True,
     choices=("calibrate", "test"),
 )
 SIZE = Column("pulley_size", "text", "pulley size")
@@ -146,19 +148,9 @@ CURRENT = Column("current_a", "number", "mean motor current", "A")
 
 # Kind 3 has the same columns as kinds 1 and 2, none of them compulsory.
 STEADY_CONDITION = (
-    Column("pulley_size", "text", "pulley size", required=False),
-    Column("n_pulleys", "integer", "number of pulleys", required=False, most=MOST_PULLEYS),
-    Column(
-        "wrap_angle_deg",
-        "number",
-        "mean individual wrap angle",
-        "deg",
-        required=False,
-        least=0,
-        most=180,
-    ),
-    Column("tension_n", "number", "nominal tension", "N", required=False, least=0),
-    Column("velocity_m_s", "number", "speed, signed", "m/s", required=False),
+    *(replace(column, required=False) for column in (SIZE, COUNT, WRAP)),
+    optional("tension_n", "number", "nominal tension", "N", least=0),
+    optional("velocity_m_s", "number", "speed, signed", "m/s"),
 )
 
 GRAVITY_TRIALS = TableFormat(
@@ -172,46 +164,36 @@ GRAVITY_TRIALS = TableFormat(
         WRAP,
         Column("mass_drive_kg", "number", "falling mass m1", "kg", above=0),
         Column("mass_load_kg", "number", "rising mass m2 < m1", "kg", above=0),
-        Column(
+        with_blanks(
             "drive_end",
             "choice",
             "physical end that carried the drive mass",
-            required=False,
-            may_be_empty=True,
             choices=("left", "right"),
         ),
         ROLE,
-        Column(
+        with_blanks(
             "did_not_move",
             "choice",
             "true: the heavier side stayed where it was, and there are no events",
-            required=False,
-            may_be_empty=True,
             choices=("true", "false"),
         ),
-        Column(
+        with_blanks(
             "wrap_angles_deg",
             "text",
             "individual wrap angles [deg], separated by blanks",
-            required=False,
-            may_be_empty=True,
             longest=30 * MOST_PULLEYS,
         ),
-        Column(
+        with_blanks(
             "acceleration_m_s2",
             "number",
             "measured acceleration, for a trial with no events",
             "m/s²",
-            required=False,
-            may_be_empty=True,
         ),
-        Column(
+        with_blanks(
             "acceleration_sd_m_s2",
             "number",
             "standard error of the acceleration",
             "m/s²",
-            required=False,
-            may_be_empty=True,
             least=1e-6,
         ),
     ),
@@ -249,15 +231,7 @@ STEADY_FRICTION = TableFormat(
         SETUP,
         *STEADY_CONDITION,
         Column("friction_n", "number", "friction", "N"),
-        Column(
-            "friction_sd_n",
-            "number",
-            "standard error of the friction",
-            "N",
-            required=False,
-            may_be_empty=True,
-            above=0,
-        ),
+        with_blanks("friction_sd_n", "number", "standard error of the friction", "N", above=0),
         ROLE,
     ),
     keeps_covariates=True,
@@ -269,29 +243,22 @@ AXIS_SAMPLES = TableFormat(
         Column("run", "id", "run of the sample"),
         TIME,
         Column("position_m", "number", "position", "m"),
-        Column("force_n", "number", "drive force", "N", required=False),
-        Column("joint", "id", "joint of the sample", required=False),
-        Column("force_time_s", "number", "time of the force", "s", required=False),
-        Column(
-            "known_force_n",
-            "number",
-            "drive force by the user's rigid-body model",
-            "N",
-            required=False,
-        ),
-        Column("command_m", "number", "commanded position", "m", required=False),
-        Column("command_time_s", "number", "time of the command", "s", required=False),
-        Column(
+        optional("force_n", "number", "drive force", "N"),
+        optional("joint", "id", "joint of the sample"),
+        optional("force_time_s", "number", "time of the force", "s"),
+        optional("known_force_n", "number", "drive force by the user's rigid-body model", "N"),
+        optional("command_m", "number", "commanded position", "m"),
+        optional("command_time_s", "number", "time of the command", "s"),
+        optional(
             "temperature_c",
             "number",
             "temperature of the joint",
             "°C",
-            required=False,
             least=-100.0,
             most=HOTTEST_C,
         ),
-        Column("sim_force_n", "number", "force of the user's simulator", "N", required=False),
-        Column("sim_position_m", "number", "position of the user's simulator", "m", required=False),
+        optional("sim_force_n", "number", "force of the user's simulator", "N"),
+        optional("sim_position_m", "number", "position of the user's simulator", "m"),
     ),
 )
 

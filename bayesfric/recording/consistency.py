@@ -26,7 +26,7 @@ CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 def check_across(
     tables: Mapping[str, Table], rig: RigConstants, unreadable: frozenset[str]
 ) -> list[Fault]:
-    """Faults of rows against rows and of tables against tables.
+    """Return the faults that show where rows, or tables, are compared with each other.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def _events(events: Table, trials: Table | None, rig: RigConstants) -> list[Faul
 
 
 def _of_unknown_end(events: pd.DataFrame) -> "pd.Series[int]":
-    """Return how many rows at fault may be a row's neighbours: of its trial, or of any."""
+    """Return, for each event, how many unreadable rows may belong to the same train."""
     trial, endless = events["trial"], events["sensor"].isna()
     of_any = int(trial.isna().sum())
     if not endless.any():

@@ -58,30 +58,32 @@ def without_copies(
         same, unlike = _of_trains(gravity)
         notes += _unlike("gravity_trials.csv", "events", unlike)
         copies |= same
-        trials = gravity.trials[~gravity.trials["trial"].isin(copies)].reset_index(drop=True)
-        events = gravity.events[~gravity.events["trial"].isin(copies)].reset_index(drop=True)
         notes += _said("gravity_trials.csv", "trial", copies)
-        recording = replace(recording, gravity=Gravity(trials, events) if copies else gravity)
-    if recording.motor is not None and (copies := _of_readings(tables, "motor_runs.csv")):
-        runs = recording.motor.runs
-        kept = runs[~runs["run"].isin(copies)].reset_index(drop=True)
-        recording = replace(recording, motor=replace(recording.motor, runs=kept))
+        trials = _counted_once(gravity.trials, "trial", copies)
+        events = _counted_once(gravity.events, "trial", copies)
+        recording = replace(recording, gravity=Gravity(trials, events))
+    if recording.motor is not None:
+        copies = _of_readings(tables, "motor_runs.csv")
         notes += _said("motor_runs.csv", "run", copies)
-    if recording.steady is not None and (copies := _of_readings(tables, "steady_friction.csv")):
-        points = recording.steady
-        kept = points[~points["run"].isin(copies)].reset_index(drop=True)
-        recording = replace(recording, steady=kept)
+        runs = _counted_once(recording.motor.runs, "run", copies)
+        recording = replace(recording, motor=replace(recording.motor, runs=runs))
+    if recording.steady is not None:
+        copies = _of_readings(tables, "steady_friction.csv")
         notes += _said("steady_friction.csv", "run", copies)
+        recording = replace(recording, steady=_counted_once(recording.steady, "run", copies))
     if recording.axis is not None:
         axis = recording.axis
         copies, unlike = _of_runs(axis)
         notes += _unlike("axis_runs.csv", "samples", unlike)
-        if copies:
-            runs = axis.runs[~axis.runs["run"].isin(copies)].reset_index(drop=True)
-            samples = axis.samples[~axis.samples["run"].isin(copies)].reset_index(drop=True)
-            recording = replace(recording, axis=Axis(runs, samples))
-            notes += _said("axis_runs.csv", "run", copies)
+        notes += _said("axis_runs.csv", "run", copies)
+        runs, samples = (_counted_once(part, "run", copies) for part in (axis.runs, axis.samples))
+        recording = replace(recording, axis=Axis(runs, samples))
     return recording, tuple(notes)
+
+
+def _counted_once(rows: pd.DataFrame, key: str, copies: Copies) -> pd.DataFrame:
+    """Return the rows that are not copies; all of them where nothing is a copy."""
+    return rows[~rows[key].isin(copies)].reset_index(drop=True) if copies else rows
 
 
 def _said(file: str, what: str, copies: Copies) -> Iterator[str]:
@@ -119,7 +121,7 @@ def _of_readings(tables: Mapping[str, Table], file: str) -> Copies:
 
 
 def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
-    """Return of which rows events are there, which are what was measured."""
+    """Return which rows have events: these, and not the reading, are what was measured."""
     events = tables.get("gravity_events.csv")
     if events is None or not (events.has("trial") and table.has("trial")):
         return pd.Series(False, index=table.frame.index)
@@ -127,7 +129,7 @@ def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
 
 
 def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
-    """Return how many digits of a reading agree by no chance where it is repeated, (N,).
+    """Return how many equal digits of each reading chance would not explain, (N,).
 
     Repeats that differ by a standard deviation s and are written in steps of δ are alike with
     probability δ / (2 √π s).
@@ -141,7 +143,7 @@ def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
 
 
 def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int]:
-    """Return the rows of stretches that repeat earlier ones row by row, with what they repeat."""
+    """Return each row of a stretch that repeats earlier rows in order, and the row repeated."""
     earlier: dict[int, list[int]] = {}
     first: dict[int, int] = {}
     agreed_before: dict[
@@ -165,7 +167,7 @@ def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int
 
 
 def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
-    """Return trials whose events are those of another, under its condition and under another."""
+    """Return trials whose events equal those of another: of its condition, and of another."""
     events, trials = gravity.events, gravity.trials
     if events.empty:
         return {}, {}
@@ -180,7 +182,7 @@ def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
 
 
 def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
-    """Return runs whose samples are those of another, likewise."""
+    """Return runs whose samples equal those of another: of its condition, and of another."""
     samples, runs = axis.samples, axis.runs
     names = [name for name in samples if name != "run"]
     columns = [
@@ -200,7 +202,7 @@ def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
 
 
 def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
-    """Return groups of rows that are those of an earlier one, on a clock that may begin anew.
+    """Return ids of row groups that equal an earlier group, wherever their clocks begin.
 
     Parameters
     ----------
@@ -238,7 +240,7 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
 
 
 def _by_condition(alike: Copies, ids: pd.Series, condition: pd.DataFrame) -> tuple[Copies, Copies]:
-    """Part what is alike by whether its condition is too."""
+    """Divide equal groups into those of one condition and those of two."""
     if not alike:
         return {}, {}
     if condition.columns.empty:

@@ -101,12 +101,12 @@ class TextTable:
 
 
 def with_rest(faults: list[Fault], rest: int) -> list[Fault]:
-    """Let the last fault stand for `rest` more that are like it."""
+    """Return the faults; the last one counts `rest` further faults of its kind."""
     return [*faults[:-1], replace(faults[-1], like=rest)] if faults and rest else faults
 
 
 def with_more(faults: list[Fault], more: int) -> list[Fault]:
-    """Let the last fault stand for `more` beyond those that it stands for already."""
+    """Return the faults; the last one counts `more` in addition to those it counts already."""
     return with_rest(faults, faults[-1].like + more) if faults and more else faults
 
 
@@ -173,7 +173,7 @@ def _is_comment(row: Sequence[str]) -> bool:
 
 
 def _blank_comments(columns: Sequence[Cells], ragged: Ragged) -> None:
-    """Empty the cells of comments, which are no id of anything."""
+    """Empty the cells of comment lines, so that none is read as an id."""
     for position in (place for place, row in ragged.items() if _is_comment(row)):
         for column in columns:
             column[position] = ""  # type: ignore[index]
@@ -239,7 +239,7 @@ def _check_header(file: str, header: list[str]) -> None:
 def _in_columns(
     file: str, data: bytes, text: str
 ) -> tuple[list[str], list[Cells], Sequence[int], Ragged] | None:
-    """Return what :func:`_split` returns, many times as fast, or None where it has to look.
+    """Return what :func:`_split` returns, many times faster; None where only that one can read.
 
     A table is plain where there are no quotation marks, each line has as many commas as the
     header, no line ends within the table but by a line feed, and no first cell is empty or that

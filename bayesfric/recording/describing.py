@@ -55,7 +55,7 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
 
 
 def _log(samples: pd.DataFrame, rotary: bool) -> str:
-    """Return how long, how far and with which force: what shows a wrong unit at a glance."""
+    """Return duration, travel and force of a log, in which a wrong unit shows."""
     keys = [name for name in ("run", "joint") if name in samples]
     runs = samples.groupby(keys, sort=False)
     longest = (runs["time_s"].last() - runs["time_s"].first()).max()

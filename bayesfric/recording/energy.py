@@ -1,4 +1,4 @@
-"""Motions and forces that would need friction to push, or a cable to be pushed.
+"""Measurements in which friction would drive the motion or a cable would push.
 
 Noise, an outlier or an effect may do that to a row. Where it happens in many rows a unit, a
 sign or a constant of the rig is wrong.

@@ -38,7 +38,7 @@ def with_setup(runs: pd.DataFrame) -> pd.DataFrame:
 
 
 def did_not_move(trials: pd.DataFrame) -> "pd.Series[bool]":
-    """Return of which trials it is said that the heavier side stayed where it was."""
+    """Return which trials are marked as not having moved, shape (N,)."""
     if "did_not_move" not in trials:
         return pd.Series(False, index=trials.index)
     return trials["did_not_move"] == "true"

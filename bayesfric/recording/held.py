@@ -14,7 +14,7 @@ FEWEST = 10  # new readings, by which a rhythm is told
 
 
 def renewed(values: Array) -> Flags:
-    """Return at which samples a reading is a new one, (N,); the first is."""
+    """Return at which samples a reading differs from the one before, (N,); true at the first."""
     return np.concatenate([[True], np.diff(values) != 0])
 
 
@@ -106,7 +106,7 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
 
 
 def position_held_for(position: Array) -> int:
-    """Return how many samples each position is held for, which a coarse encoder does not do.
+    """Return how many samples each position is held for; 1 for a coarse encoder, which is not.
 
     Parameters
     ----------

@@ -11,12 +11,11 @@ from bayesfric.recording.robot_file import faults_of_joints
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
-COMMANDS = ("command_m", "command_rad")
 SAMPLES = "axis_samples.csv"
 
 
 def joint_of_run(samples: Table) -> list[str]:
-    """Return the columns within whose values times increase: a joint has a clock of its own."""
+    """Return the columns that name a clock: the run, and the joint where there are joints."""
     return [name for name in ("run", "joint") if samples.has(name)]
 
 
@@ -79,7 +78,7 @@ def _command_in_rad(samples: Table, rig: RigConstants) -> list[Fault]:
 
 
 def _backwards(samples: Table, column: str) -> list[Fault]:
-    """Return the faults of a channel's clock, on which a value may be held."""
+    """Return the faults of a channel's clock that goes back; equal times are a held value."""
     if not samples.has(column):
         return []
     clock = samples.frame[column]

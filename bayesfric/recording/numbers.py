@@ -99,7 +99,7 @@ def cause_of(cell: str) -> str | None:
 
 
 def one_cause(hints: Iterable[str]) -> dict[str, str]:
-    """Return what to say for each of several causes: ``1,234`` is what its neighbours are.
+    """Return the hint for each cause; an ambiguous ``1,234`` takes that of the cells around it.
 
     Parameters
     ----------

@@ -274,7 +274,7 @@ def parse_package(data: bytes) -> Package:
 
 
 def _folded(faults: list[Fault]) -> list[Fault]:
-    """List the first faults of a kind, of which the last stands for the rest."""
+    """Return the first faults of each kind; the last of them counts the rest."""
     kinds: dict[str, list[Fault]] = {}
     for fault in faults:
         kinds.setdefault(fault.expected, []).append(fault)
@@ -296,7 +296,7 @@ def _notes(unknown: list[str]) -> Iterator[str]:
 def _checked(
     model: type[_Strict], raw: Any, place: tuple[str | int, ...], faults: list[Fault]
 ) -> dict[str, Any]:
-    """Keys of `raw` that obey the model; what does not goes to `faults`."""
+    """Return the keys of `raw` that obey the model; the others are added to `faults`."""
     try:
         return model.model_validate(raw).model_dump(exclude_none=True)
     except ValidationError as error:

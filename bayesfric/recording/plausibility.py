@@ -33,7 +33,7 @@ STRAY = 3.0  # of g: a missed or doubled event makes an interval odd, and is no 
 def implausible(
     tables: Mapping[str, Table], rig: RigConstants, at_fault: Collection[str]
 ) -> list[Fault]:
-    """Return the faults of tables whose numbers no rig on earth can show.
+    """Return the faults of numbers that no rig can produce.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _radians(table: Table) -> list[Fault]:
 
 
 def _swapped(table: Table) -> list[Fault]:
-    """Pulleys in tens and angles of a few degrees: each is the other."""
+    """Return the fault of a table whose pulley counts and wrap angles are exchanged."""
     if not table.has("n_pulleys", "wrap_angle_deg"):
         return []
     numbers, angles = table.frame["n_pulleys"], table.frame["wrap_angle_deg"]
@@ -134,7 +134,7 @@ def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
 
 
 def _pulls(runs: Table, idle: Table | None, rig: RigConstants) -> list[Fault]:
-    """Faults of weights too heavy for the cable, and of currents that are not their motor's."""
+    """Return the faults of weights beyond the cable's strength, and of impossible currents."""
     weight = runs.frame["hanging_mass_kg"] * rig.gravity_m_s2
     faults = _overloaded(runs, "hanging_mass_kg", weight, rig, "grams")
     pull = motor_pull(runs, idle, rig) if idle else None

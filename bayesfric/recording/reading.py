@@ -163,7 +163,7 @@ def _read_inside(folder: Path, name: str) -> bytes:
 
 
 def _beside(file: Path) -> str:
-    """Return the question whether a file of nearly this name is meant."""
+    """Return hints at files in the folder that have nearly this name."""
     spreadsheets = [file.with_suffix(end) for end in (".xlsx", ".xls", ".ods", ".txt")]
     hints = [f" (is {path.name} meant? save it as CSV)" for path in spreadsheets if path.is_file()]
     folder = sorted(file.parent.iterdir()) if file.parent.is_dir() else []

@@ -136,7 +136,7 @@ def _unknown(joints: Mapping[str, str], names: Collection[str], file: str) -> li
 
 
 def faults_of_joints(robot: Robot, joints: Collection[str] | None) -> list[Fault]:
-    """Return what is wrong between a model and the joints of the table.
+    """Return the joints of the table that the model lacks, and names that are missing.
 
     Parameters
     ----------

@@ -122,7 +122,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
 
 
 def _check_names(text: TextTable) -> None:
-    """Refuse names of columns that hold what nobody sees, or that no file can hold."""
+    """Refuse column names that are too long or hold characters that cannot be seen."""
     faults = []
     for name in map(str, text.cells.columns):
         if len(name) > LONGEST_NAME:
@@ -204,7 +204,7 @@ def _typed(cells: pd.Series, column: Column) -> pd.Series:
 def _checked(
     frame: pd.DataFrame, text: TextTable, table: TableFormat
 ) -> tuple[pd.DataFrame, list[Fault]]:
-    """Blank the cells that break their column's rule, and say which they were."""
+    """Return the frame without the cells that break their column's rule, and their faults."""
     faults: list[Fault] = []
     slips: dict[str, list[tuple[int, Column]]] = {}
     names = {column.name for column in table.columns}
@@ -237,7 +237,7 @@ def _without_cause(
     column: Column,
     slips: dict[str, list[tuple[int, Column]]],
 ) -> npt.NDArray[np.intp]:
-    """Return which of these cells are wrong for no known cause; the others are added to `slips`."""
+    """Return the rows of unrecognised mistakes; recognised ones are added to `slips`."""
     wrong = cells.iloc[positions]
     cause_of_cell = {cell: _cause(cell, column) for cell in wrong.unique()}
     has_cause = np.zeros(positions.size, dtype=np.bool_)
@@ -255,7 +255,7 @@ def _cause(cell: str, column: Column) -> str | None:
 
 
 def _slips(text: TextTable, slips: Mapping[str, Sequence[tuple[int, Column]]]) -> list[Fault]:
-    """Return one fault for each cause: a file that has it in many cells was written so."""
+    """Return one fault for each recognised mistake, which a file often has in many cells."""
     joined: dict[str, list[tuple[int, Column]]] = {}
     for cause, cause_told in one_cause(slips).items():
         joined.setdefault(cause_told, []).extend(slips[cause])
@@ -270,7 +270,7 @@ def _slips(text: TextTable, slips: Mapping[str, Sequence[tuple[int, Column]]]) -
 def _unlike(
     text: TextTable, positions: npt.NDArray[np.intp], values: pd.Series, column: Column
 ) -> list[Fault]:
-    """Return the faults of cells that no cause is known for."""
+    """Return the faults of cells whose mistake is not recognised."""
     if column.is_text:
         return _unlike_names(text, positions, column)
     if column.name == "temperature_c" and (values > HOTTEST_C).mean() > 0.5:
@@ -282,7 +282,7 @@ def _unlike(
 
 
 def _unlike_names(text: TextTable, positions: npt.NDArray[np.intp], column: Column) -> list[Fault]:
-    """Return one fault for each name that is none, however many rows have it."""
+    """Return one fault for each unusable name, however many rows have it."""
     cells = text.cells[column.name].iloc[positions]
     first = ~cells.duplicated().to_numpy()
     rows = cells.value_counts()

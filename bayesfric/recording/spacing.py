@@ -16,7 +16,7 @@ def spacing_counts(
 
 
 def printed_tolerance(cells: pd.Series, spacing_m: float) -> float:
-    """How far a printed displacement may be from a multiple of the spacing [m].
+    """Return how far a printed displacement may be from a multiple of the spacing [m].
 
     1 µm, or half a unit of the last digit that the column prints if that is more; in
     any case so little that it is clear which multiple was meant.

@@ -65,7 +65,7 @@ def build_document(stored: StoredResults) -> Document:
 
 
 def _rigs(stored: StoredResults) -> tuple[str, ...]:
-    """Return the rigs of the results, those that were fitted first."""
+    """Return the rigs of the fit; where there is none, those of the diagnosis."""
     if stored.fitted is not None:
         return stored.fitted.fit.rigs
     if stored.pooled is not None:
@@ -114,14 +114,14 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
 
 
 def _mentioned(details: Sequence[Block]) -> Iterator[Paragraph]:
-    """Yield what else the HTML page has, by its headings."""
+    """Yield a sentence that lists the details of the HTML page by their headings."""
     headings = [block.text for block in details if isinstance(block, Heading) and block.level > 1]
     if headings:
         yield Paragraph(["The details of ", Code("report.html"), f" add: {'; '.join(headings)}."])
 
 
 def _details(stored: StoredResults) -> Iterator[Block]:
-    """Yield what few readers look for: it stands at the end of the HTML page, and not on paper."""
+    """Yield the details, which stand at the end of the HTML page and not in the PDF."""
     chapters: list[Block] = []
     if stored.diagnosis is not None:
         chapters += diagnosis_tables(stored.diagnosis.record)

@@ -27,7 +27,7 @@ class Windows:
     covariates : mapping of str to ndarray, shape (R,)
         Where each window lies.
     counts : ndarray, shape (R,), or None
-        How much each counts, 1 but for strays; None where there is none.
+        How much each counts, 1 but for strays and for windows that overlap; None where all are 1.
     """
 
     row: Whole

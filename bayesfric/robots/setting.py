@@ -16,8 +16,6 @@ from bayesfric.robots.xml_text import (
 
 KINDS = {"mujoco": "mjcf", "robot": "urdf", "sdf": "sdf"}
 """Formats by the element that a file begins with."""
-NO_JOINTS = ("default", "actuator", "tendon", "equality", "transmission")
-"""Elements below which `joint` is none of the chain."""
 TURNS = {
     "mjcf": {"hinge": True, "slide": False},
     "urdf": {"revolute": True, "continuous": True, "prismatic": False},

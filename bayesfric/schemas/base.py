@@ -25,7 +25,7 @@ class Record(BaseModel):
     """Frozen, without unknown keys, and with a reason for what is null."""
 
     # Built when first used: all of them at once take a tenth of a second of each command.
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Number, Record, RecordingId, Why
 
@@ -57,5 +57,3 @@ class CalibrationFile(Record):
     calibrated: bool = Field(description="Every quantity is inside its band, and boards move.")
     attention: tuple[str, ...] = Field(description="What a reader must know.")
     cases: tuple[CalibrationCase, ...] = Field(description="In the order of the campaign.")
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

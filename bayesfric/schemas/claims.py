@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Number, Provenance, Record, Why
 
@@ -73,5 +73,3 @@ class ClaimsFile(Provenance):
     self_contradictions: tuple[SelfContradiction, ...] = Field(
         description="Where the paper contradicts itself."
     )
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

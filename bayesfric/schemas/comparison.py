@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Number, Record, Why
 
@@ -58,5 +58,3 @@ class ComparisonFile(Record):
     settings: tuple[Setting, ...] = Field(description="What went in.")
     flips: tuple[Flip, ...] = Field(description="What is concluded.")
     shifts: tuple[Shift, ...] = Field(description="Every number that is in both, largest first.")
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
@@ -73,8 +73,13 @@ class LawNumber(Record):
     unit: str = Field(description="SI, degrees for angles.")
     before: Interval = Field(description="Of the law alone.")
     after: Interval = Field(
-        description="Averaged over all hypotheses, what acts beside the law taken apart."
+        description="Averaged over all hypotheses, what acts beside the law taken apart; by the "
+        "instrument where that alarms."
     )
+    least_squares: Interval | None = Field(
+        None, description="The same by least squares, where `after` is by the instrument."
+    )
+    least_squares_why: Annotated[Why, Because("`after` is by least squares")] = None
 
 
 class ModelError(Record):
@@ -488,5 +493,3 @@ class DiagnosisFile(Provenance):
         None, description="Conditions that were asked about, if any."
     )
     target_why: Annotated[Why, Because("no conditions were asked about (--target)")] = None
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

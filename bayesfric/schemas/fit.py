@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 from bayesfric.schemas.parameter import ParameterSummary
@@ -270,8 +270,6 @@ class FitFile(Provenance):
     )
     pooled_why: Annotated[Why, Because("it is a fit of one recording")] = None
 
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
 
 class TimingsFile(Record):
     """``timings.json``: what may differ between two runs of the same result."""
@@ -283,5 +281,3 @@ class TimingsFile(Record):
         default_factory=dict,
         description="Paths of the recording and the loop files, as `bayesfric rerun` finds them.",
     )
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

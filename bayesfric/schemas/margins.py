@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 
@@ -360,5 +360,3 @@ class MarginsFile(Provenance):
     law: LawUsed | None = Field(None, description="Null in files of earlier versions.")
     attention: tuple[str, ...] = Field((), description="Every check that failed.")
     loops: tuple[LoopMargins, ...] = Field(description="In the order given.")
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

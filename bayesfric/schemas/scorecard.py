@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Record, RecordingId, Why
 
@@ -192,5 +192,3 @@ class ScorecardFile(Record):
         description="Effects that show between setups only, beside the best test possible."
     )
     targets: tuple[Target, ...] = Field(description="Promises, and whether they are kept.")
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -45,6 +45,18 @@ def test_inertia_friction_and_offset_are_the_law_and_no_cause():
     assert "a mass that is declared" in why["torque-gain"]
 
 
+@pytest.mark.parametrize(("gravity", "noise", "seed"), [(1.0, 0.02, 1), (0.5, 0.05, 2)])
+def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
+    """On ± 0.25 rad the two differ by less than what is measured: it is said, or it is a weight."""
+    joint = Joint(gravity=gravity, strokes_rad=(0.2, 0.05), noise=noise, resolution=1e-4, seed=seed)
+    found = bf.diagnose(joint.recording()).summary
+    rivals = {name for one in found.unseparated for name in one.effects}
+    weighed = list(causes_of(found)) == ["gravity-torque"]
+    assert weighed or {"gravity-torque", "spring"} <= rivals
+    assert found.verdict in ("named", "unseparated")
+    assert found.law["inertia"].after.mean == pytest.approx(joint.inertia, rel=0.06)
+
+
 def test_a_drag_that_takes_more_than_friction_is_itself_and_no_stribeck_curve():
     """With a prior of a third of friction, a cube and a Stribeck curve took its place."""
     joint = Joint(gravity=0.0, drag=0.02, noise=0.02, seed=10)

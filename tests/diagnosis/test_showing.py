@@ -17,7 +17,11 @@ def recorded(windows, numbers=2):
     columns = np.zeros((windows, 3))
     columns[:, :numbers] = 1.0
     return SimpleNamespace(
-        size=np.zeros(windows, dtype=int), columns=columns, names=("a", "b", "c")
+        size=np.zeros(windows, dtype=int),
+        columns=columns,
+        names=("a", "b", "c"),
+        independent=windows,
+        shared=(),
     )
 
 
@@ -92,7 +96,7 @@ def test_a_recording_of_one_stroke_is_refused(tmp_path):
     )
     runs = pd.DataFrame({"run": ["a"], "order": [1]})
     written = write(tmp_path / "stroke", Machine(), runs, samples, rotary=True)
-    with pytest.raises(InputError, match=r"6 windows .* and it takes 12"):
+    with pytest.raises(InputError, match=r"6 windows .* and it takes 8"):
         bf.diagnose(bf.read_recording(written))
 
 

@@ -345,3 +345,7 @@ def two_causes():
         ),
         where=diagnosis().where + many,
     )
+
+
+def glance(stored):
+    return {question: " ".join(answer) for question, answer in rows(stored, "glance").items()}

@@ -35,8 +35,8 @@ def levels(run, setup):
 def shared(rows, at):
     columns, further = rows
     z = np.column_stack([columns, further])
-    grams = np.stack([z[run == RUN].T @ z[run == RUN] / ERROR**2 for run in range(5)])
-    return Shared(grams, SETUP, at)
+    grams = np.stack([columns[run == RUN].T @ z[run == RUN] / ERROR**2 for run in range(5)])
+    return Shared(grams, further.T @ further / ERROR**2, SETUP, at)
 
 
 def dense(rows, at):

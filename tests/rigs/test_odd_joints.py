@@ -94,7 +94,7 @@ NOTHING = {
     "held in place": (still(), "position_m never changes"),
     "20 Hz": (
         Joint(sampled_hz=20.0, rates_hz=(1.0, 1.7)).samples(),
-        r"in which \d+ samples come and it takes 20: take \d+ samples a second",
+        r"in which \d+ samples come and it takes 16: take \d+ samples a second",
     ),
     "a second": (Joint(seconds=1.0, sampled_hz=50.0).samples(), "record it for longer"),
     "noise": (
@@ -115,6 +115,27 @@ def test_what_tells_nothing_is_refused_with_the_rule_and_its_numbers(samples, sa
     told = CliRunner().invoke(app, ["validate", str(tmp_path / "joint")])
     assert told.exit_code == 0
     assert "expected a run that enters" in told.output
+
+
+def test_a_few_short_passes_tell_viscous_friction_and_are_no_proof_of_nothing():
+    """Two seconds at 50 Hz, some nineteen samples a pass, viscous friction thrice Coulomb's."""
+    short = Joint(
+        viscous=0.3,
+        coulomb=0.1,
+        gravity=0.0,
+        rates_hz=(1.3,),
+        strokes_rad=(1.0,),
+        seconds=1.9,
+        sampled_hz=50.0,
+        seed=3,
+    )
+    found = diagnose(short.recording()).summary
+    assert found.verdict == "undecided"
+    assert "windows of motion for 4 numbers of the law" in found.sentence
+    for name, truth in {"viscous": 0.3, "coulomb": 0.1, "inertia": 0.06}.items():
+        number = found.law[name].after
+        assert abs(number.mean - truth) < 3 * number.sd + 0.02 * truth
+    assert found.law["viscous"].after.sd < 0.1
 
 
 def test_the_rate_that_is_asked_for_is_enough():

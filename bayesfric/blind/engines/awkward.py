@@ -14,8 +14,6 @@ from bayesfric.blind.engines.motion import acceleration_of
 from bayesfric.blind.engines.recorder import Train
 from bayesfric.blind.engines.state import ImposedEffect, Kind
 
-__all__ = ["Awkward", "background_of", "draw_awkward", "nearly_stalling", "spoiled"]
-
 SELDOM = 0.12  # of each gap in the design
 BACKGROUND_STRENGTH = (
     0.045  # strength of the background, below 0.5 % rms of friction in the worst case

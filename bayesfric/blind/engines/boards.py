@@ -10,18 +10,6 @@ from bayesfric.blind.engines.law import GRAVITY, RADII_M, Nature
 from bayesfric.blind.engines.motion import Board, Motion, friction_along, times_at
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect, Passage
 
-__all__ = [
-    "CAPSTAN_M",
-    "SPACING_M",
-    "TORQUE_CONSTANT",
-    "board_of",
-    "law_friction",
-    "motor_currents",
-    "motor_state",
-    "passages_of",
-    "run_friction",
-]
-
 SPACING_M = 0.0098
 TORQUE_CONSTANT = 0.0259  # N·m/A
 CAPSTAN_M = 0.0065

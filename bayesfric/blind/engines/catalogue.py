@@ -7,8 +7,6 @@ from bayesfric.blind.engines.measuring_forms import MEASURING_KINDS
 from bayesfric.blind.engines.outsiders import OUTSIDERS
 from bayesfric.blind.engines.state import Form, ImposedEffect, Kind
 
-__all__ = ["EFFECTS", "OUTSIDERS_BY_NAME", "drawn", "forms_of"]
-
 EFFECTS = {
     kind.name: kind
     for kind in (

@@ -13,18 +13,6 @@ from bayesfric.blind.engines.factors import Parameters, scaled, share, uniform
 from bayesfric.blind.engines.law import RADII_M
 from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
-__all__ = [
-    "BED_IN",
-    "END_ASYMMETRY",
-    "FIXED_DRAG",
-    "PULLEY_COUNT_CURVATURE",
-    "PULLEY_INERTIA",
-    "TENSION_CURVATURE",
-    "WEAR_DRIFT",
-    "WRAP_CURVATURE",
-    "WRAP_INTERCEPT",
-]
-
 MEDIUM_M = float(RADII_M[1])
 MIDDLE_RAD = float(np.deg2rad(85.0))  # the angle of Table I
 

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from bayesfric.blind.engines.law import GRAVITY, SIZES, TABLE_I
 from bayesfric.blind.engines.state import Array
 
-__all__ = ["TRAVEL_M", "Bench", "Trials", "bench_of", "trials_of", "unbalanced"]
-
 TRAVEL_M = 0.6
 CELLS = (  # pulleys, wrap angle [deg], times assembled
     (5, 85.0, 1),

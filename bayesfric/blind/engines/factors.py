@@ -8,8 +8,6 @@ from numpy.random import Generator
 
 from bayesfric.blind.engines.state import Array, BoardState
 
-__all__ = ["Draw", "Factor", "Parameters", "scaled", "share", "uniform", "with_tension"]
-
 Parameters = Mapping[str, Any]
 Draw = Callable[[Generator, int], dict[str, Any]]
 Factor = Callable[[Parameters, BoardState], Any]

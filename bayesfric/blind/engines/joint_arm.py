@@ -165,7 +165,7 @@ class Drive:
     """From a command to the torque that acts: late, lagging, clipped."""
 
     def __init__(self, acting: Sequence[Acting], step_s: float) -> None:
-        parts = {force.mechanism.part: force.amplitude for force in acting}
+        parts = {form.mechanism.part: form.amplitude for form in acting}
         self.step_s = step_s
         self.lag_s = parts.get("lag_s", 0.0)
         self.limit = parts.get("limit", np.inf)
@@ -188,8 +188,8 @@ class Follower:
 
     def __init__(self, acting: Sequence[Acting], now: Now, step_s: float) -> None:
         self.now, self.step_s = now, step_s
-        self.acting = [force for force in acting if force.mechanism.rubs or force.mechanism.pulls]
-        lengths = [force.numbers["length"] for force in acting if force.mechanism.part == "bristle"]
+        self.acting = [form for form in acting if form.mechanism.rubs or form.mechanism.pulls]
+        lengths = [form.numbers["length"] for form in acting if form.mechanism.part == "bristle"]
         self.bristle_length = lengths[0] if lengths else 0.0
         self._resting = True
 
@@ -209,11 +209,11 @@ class Follower:
             kept = np.exp(-abs(speed) * step / self.bristle_length)
             now.bristle = way + (now.bristle - way) * float(kept)
         rubs = pulls = 0.0
-        for force in self.acting:
-            if force.mechanism.rubs is not None:
-                rubs += force.amplitude * force.mechanism.rubs(force.numbers, now)
-            if force.mechanism.pulls is not None:
-                pulls += force.amplitude * force.mechanism.pulls(force.numbers, now)
+        for form in self.acting:
+            if form.mechanism.rubs is not None:
+                rubs += form.amplitude * form.mechanism.rubs(form.numbers, now)
+            if form.mechanism.pulls is not None:
+                pulls += form.amplitude * form.mechanism.pulls(form.numbers, now)
         return rubs, pulls
 
 
@@ -232,8 +232,8 @@ class Link:
 
 
 def link_of(acting: Sequence[Acting], rotor: float, load: float, friction: float) -> Link | None:
-    """Return the spring of what acts; None where rotor and joint are force."""
-    parts = {force.mechanism.part: force.amplitude for force in acting}
+    """Return the spring of what acts; None where rotor and joint are one."""
+    parts = {form.mechanism.part: form.amplitude for form in acting}
     if not {"gap", "wound"} & parts.keys():
         return None
     reduced = rotor * load / (rotor + load)
@@ -281,7 +281,7 @@ def moved(
     seed : int
         Of the drive's ripple.
     """
-    parts = {force.mechanism.part: force.amplitude for force in acting}
+    parts = {form.mechanism.part: form.amplitude for form in acting}
     rotor = arm.armature[target] if {"gap", "wound"} & parts.keys() else 0.0
     machine = Machine(arm, control, acting, target, rotor, behind)
     machine.start(goals[0], rates[0], 1.0 if rough is None else rough, order)
@@ -333,7 +333,7 @@ class Machine:
         joints = arm.joints
         self.model.dof_damping[:joints] = arm.viscous
         self.model.dof_armature[:joints] = arm.armature
-        payload = sum(force.amplitude for force in acting if force.mechanism.part == "payload")
+        payload = sum(form.amplitude for form in acting if form.mechanism.part == "payload")
         self.model.dof_armature[target] += payload
         self.rotor = rotor
         inertia = self.inertia()

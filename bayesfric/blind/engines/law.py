@@ -11,8 +11,6 @@ from numpy.random import Generator
 
 from bayesfric.blind.engines.state import Array
 
-__all__ = ["GRAVITY", "RADII_M", "SIZES", "TABLE_I", "Nature", "draw_nature"]
-
 GRAVITY = 9.80665
 SIZES = ("small", "medium", "large")
 TABLE_I = np.array(

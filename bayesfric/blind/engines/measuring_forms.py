@@ -12,8 +12,6 @@ from numpy.random import Generator
 
 from bayesfric.blind.engines.state import Array, Form, Kind, Passage
 
-__all__ = ["MAGNETS", "MEASURING_KINDS"]
-
 Parameters = Mapping[str, Any]
 MAGNETS = 5
 

@@ -14,8 +14,6 @@ import scipy
 from bayesfric.blind.engines.design import TRAVEL_M
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect
 
-__all__ = ["Board", "Motion", "acceleration_of", "friction_along", "move", "times_at"]
-
 GRID = 240  # points of the dense output in each stage
 STAGES = 12
 TOLERANCE = 1e-9

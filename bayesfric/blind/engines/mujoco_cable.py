@@ -11,8 +11,6 @@ import numpy as np
 from bayesfric.blind.engines.law import GRAVITY
 from bayesfric.blind.engines.state import Array
 
-__all__ = ["STEP_S", "Cable", "closed_form", "moved"]
-
 MODEL = """
 <mujoco>
   <option integrator="RK4" timestep="{step}" gravity="0 0 -{gravity}" density="{density}"/>

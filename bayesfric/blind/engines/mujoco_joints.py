@@ -297,10 +297,10 @@ def make(
                 "form": mechanism.name,
                 "own": mechanism.own,
                 "strength": strength,
-                "parameters": {"amplitude": force.amplitude, **force.numbers},
+                "parameters": {"amplitude": acting_form.amplitude, **acting_form.numbers},
                 "axes": list(mechanism.axes),
             }
-            for (mechanism, strength), force in zip(chosen, acting, strict=True)
+            for (mechanism, strength), acting_form in zip(chosen, acting, strict=True)
         ],
         "noise_free_gap": gap_of(world, runs),
         "beside": ["gravity-torque"] if _weight_is_unknown(world) else [],
@@ -326,11 +326,11 @@ def moved_run(world: World, acting: Sequence[Acting], run: int, seed: int) -> Mo
     rough = 1 + world.scatter * rng.standard_normal(world.arm.joints)
     half = world.runs / 2
     if world.tested and run < half:
-        acting = [force for force in acting if force.mechanism.part != "payload"]
+        acting = [form for form in acting if form.mechanism.part != "payload"]
     arm = world.arm
     if world.loads and run >= half:
         arm = replace(arm, masses=(*arm.masses[:-1], (1 + PAYLOAD) * arm.masses[-1]))
-    two_bodies = any(force.mechanism.part in ("gap", "wound") for force in acting)
+    two_bodies = any(form.mechanism.part in ("gap", "wound") for form in acting)
     return moved(
         arm,
         replace(world.control, step_s=2.5e-4 if two_bodies else 5e-4),

@@ -14,8 +14,6 @@ from bayesfric.blind.engines.motion import Board
 from bayesfric.blind.engines.recorder import Train
 from bayesfric.blind.engines.state import Array
 
-__all__ = ["Nuisances", "disturbed", "disturbed_trains", "draw_nuisances"]
-
 WAVES = 60  # random Fourier features of a Gaussian process with the squared exponential kernel
 WANDER, WANDER_LENGTH_M, LENGTH_SD_LOG = 0.01, 0.1, 0.4
 LARGEST_INTERCEPT, LARGEST_PUSH_M_S, LARGEST_LATE_S, LARGEST_ENDS = 0.08, 0.06, 3e-4, 0.01

@@ -14,8 +14,6 @@ from numpy.random import Generator
 from bayesfric.blind.engines.law import TABLE_I
 from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
-__all__ = ["OUTSIDERS"]
-
 Parameters = Mapping[str, Any]
 MEDIUM_N = float(TABLE_I[1, 0] * 15 + TABLE_I[1, 1])  # of one pulley at 15 N and 85°
 

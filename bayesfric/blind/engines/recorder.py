@@ -24,8 +24,6 @@ from bayesfric.blind.engines.motion import Board, Motion, times_at
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect
 from bayesfric.recording import Recording, read_recording
 
-__all__ = ["CLOCK_S", "Train", "event_trains", "gravity_tables", "motor_tables", "recorded"]
-
 Table = dict[str, list[str]]  # cells by column, as they are printed
 CLOCK_S = 4e-6
 LEAST_EVENTS = 5  # of a sensor in a trial, that the format asks for

@@ -39,15 +39,6 @@ from bayesfric.blind.engines.state import Array, Form, ImposedEffect
 from bayesfric.blind.engines.strength import CleanDesign, scaled
 from bayesfric.recording import Recording
 
-__all__ = [
-    "Made",
-    "Withheld",
-    "effect_names",
-    "forms",
-    "make",
-    "outsider_names",
-]
-
 KINDS = {"none": 0, "effect": 1, "pair": 2, "outsider": 1}  # and how many are withheld
 FORMS = ("own", "foreign", "random")
 # Independent streams of random numbers: what is drawn in one leaves the others alone.

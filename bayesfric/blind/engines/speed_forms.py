@@ -9,8 +9,6 @@ import numpy as np
 from bayesfric.blind.engines.factors import scaled, share, uniform, with_tension
 from bayesfric.blind.engines.state import Form, Kind
 
-__all__ = ["AIR_DRAG", "STRIBECK", "VISCOUS"]
-
 VISCOUS = Kind(
     "viscous",
     "slope",

@@ -25,8 +25,6 @@ from bayesfric.blind.engines.measuring_forms import MAGNETS
 from bayesfric.blind.engines.motion import Board, Motion, friction_along
 from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect, Passage
 
-__all__ = ["FULL", "CleanDesign", "scaled", "share_of_friction"]
-
 FULL = 0.1  # rms share of friction at strength 1
 WINDOWS = 8
 POINTS = 60  # of time in a trial

@@ -13,8 +13,6 @@ from numpy.random import Generator
 from bayesfric.blind.engines.factors import Parameters, share, uniform
 from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
-__all__ = ["CABLE_WEIGHT", "HYSTERESIS", "PRESLIDING", "RUNOUT"]
-
 
 def _building_up(missing: Callable[[Parameters, Array], Array]) -> Any:
     """Return a law: a share of friction that is missing at first; none of it in a steady run."""

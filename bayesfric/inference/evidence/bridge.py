@@ -33,9 +33,6 @@ from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.proposals import LogDensity, StudentT
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-__all__ = ["bridge_evidence", "bridge_ratio", "in_one_place"]
-
-
 DRAWS_A_HALF = 2000  # at which the density is evaluated, and as many proposals
 STEPS_A_HALF = (20, 10)  # the first that there are; multiples of the batches of an error
 

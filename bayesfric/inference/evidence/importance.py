@@ -36,9 +36,6 @@ from bayesfric.inference.proposals import (
 )
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-__all__ = ["LEAST_FOR_A_MEAN", "importance_draws"]
-
-
 SIZE = 4000
 LEAST_FOR_A_MEAN = 0.1  # of a sample; a mean over draws takes fewer than an evidence
 TRIES = 3  # each from a proposal that is fitted to the sample before

@@ -35,9 +35,6 @@ from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
-__all__ = ["ELPD", "Difference", "Without", "difference", "elpd", "loo_pit", "without_each"]
-
-
 LEAST_DRAWS = 100
 
 

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-__all__ = ["Evidence", "SeparatedModes"]
-
 
 class SeparatedModes(ValueError):  # noqa: N818 — a finding about the density, named as one
     """The draws lie in modes between which they do not move; the message has the numbers.

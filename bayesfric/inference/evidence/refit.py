@@ -25,8 +25,6 @@ from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 
-__all__ = ["Refit", "refit_without"]
-
 SIZE = 2000  # of the draws
 
 

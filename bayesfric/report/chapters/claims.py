@@ -1,4 +1,4 @@
-"""The paper's claims: what fell on page one, and a chapter with what they rest on."""
+"""The paper's claims: refuted and open ones on page one, and a chapter with their evidence."""
 
 from collections.abc import Iterator
 from typing import Literal, TypeAlias
@@ -44,7 +44,7 @@ FAMILIES = {
 
 
 def fallen(judged: ClaimsFile) -> Notice:
-    """Return, for page one, which of the paper's claims fell and which stay open."""
+    """Return, for page one, which of the paper's claims are refuted and which stay open."""
     by_verdict = {
         verdict: [claim for claim in judged.claims if claim.verdict == verdict] for verdict in SIGNS
     }

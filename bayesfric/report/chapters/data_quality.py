@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import (
     Block,
@@ -22,7 +21,6 @@ from bayesfric.report.quantities import (
     format_number,
     format_share,
 )
-from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
 
@@ -33,8 +31,6 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
     """Yield trials left out, repaired events, agreement of the sensors, and stalls."""
     quality = stored.fit.data_quality
     yield Heading(1, "Data quality")
-    entered = "; ".join(counted(rig) for rig in rig_tables(stored.predictive))
-    yield Paragraph(f"Data used: {entered}.")
     if quality.trials:
         yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)
@@ -46,7 +42,7 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
 
 
 def _clean(quality: DataQuality) -> Iterator[str]:
-    """Yield in a sentence each what no table tells."""
+    """Yield a sentence for each kind of fault that does not occur."""
     if not quality.excluded:
         yield "No trial was left out."
     if not quality.repaired:

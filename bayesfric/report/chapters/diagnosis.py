@@ -48,7 +48,6 @@ from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
-FURTHER = 2  # axes after the first that the caption names
 
 
 def verdict_line(record: DiagnosisFile) -> Notice:
@@ -96,7 +95,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     yield from not_told_apart(record)
     yield Heading(2, "Where it lies")
     if has_gap(record):
-        yield _axes_in_words(record)
+        if blind := _blind_axes(record):
+            yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
         yield _where(stored)
     else:
         yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
@@ -148,10 +148,20 @@ def _lies_along(record: DiagnosisFile) -> str:
     shared = [axis for axis in record.where if axis.share is not None]
     if record.all_unexplained_because or not shared:
         return f"open: {record.all_unexplained_because}"
-    if shared[0].answers:
-        return f"along {_with_share(shared[0])}"
+    first = shared[0]
+    chance = ""
+    if (first.p_value or 0.0) > CHANCE:
+        p = format_probability(first.p_value)
+        chance = f"; held-out residuals alone do not show it (adjusted p {p})"
+    if first.answers:
+        return f"along {_with_share(first)}{chance}"
     nearest = " and ".join(_with_share(axis) for axis in shared[:2])
     return f"no axis leads; the largest shares are those of {nearest}"
+
+
+def _blind_axes(record: DiagnosisFile) -> str:
+    """Return the axes that did not vary, in words."""
+    return ", ".join(axis_words(axis.axis) for axis in record.where if axis.blind)
 
 
 def _with_share(axis: Axis) -> str:
@@ -177,51 +187,11 @@ def _caused(record: DiagnosisFile) -> list[Inline]:
     return [uncaused.get(record.verdict, "open: none is certain enough to be named")]
 
 
-def _axes_in_words(record: DiagnosisFile) -> Paragraph:
-    axes = record.where
-    blind = [axis_words(axis.axis) for axis in axes if axis.blind]
-    return Paragraph(
-        [
-            _largest(record),
-            f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
-            Reference("where"),
-            " shows where the gap lies.",
-        ]
-    )
-
-
-def _largest(record: DiagnosisFile) -> str:
-    """Return which axes explain most, in a sentence."""
-    shared = [axis for axis in record.where if axis.share is not None]
-    if record.all_unexplained_because or not shared:
-        return f"No axis has a share: {record.all_unexplained_because}. "
-    first, *others = shared
-    rest = ", ".join(_with_share(axis) for axis in others[:FURTHER])
-    along = (
-        f"It lies along {_with_share(first)}"
-        if first.answers
-        else (f"No axis leads; the largest share is that of {_with_share(first)}")
-    )
-    chance = (
-        ""
-        if (first.p_value or 0.0) <= CHANCE
-        else (
-            f"; held-out residuals alone do not show it (adjusted p "
-            f"{format_probability(first.p_value)})"
-        )
-    )
-    return (
-        f"{along}{chance}. "
-        + (f"Next come {rest}. " if rest else "")
-        + f"What no axis explains is {share_words(record.unexplained)}. "
-    )
-
-
 def _where(stored: StoredDiagnosis) -> Figure:
     record = stored.record
     axes = record.where
     shared = [axis for axis in axes if axis.share is not None]
-    blind = [axis_words(axis.axis) for axis in axes if axis.blind]
+    blind = _blind_axes(record)
     residuals = stored.group("residuals")
     shapes = any(axis.shape is not None for axis in axes)
     first = f", {_with_share(shared[0])} first" if shared else ""
@@ -240,7 +210,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
         ],
         f"Left, a horizontal bar for the share of each axis{first}"
         + ("; right, the residual force along the largest axes with a band" if shapes else "")
-        + (f"; {', '.join(blind)} did not vary." if blind else "."),
+        + (f"; {blind} did not vary." if blind else "."),
         label="where",
         floats=True,
     )

@@ -266,20 +266,16 @@ def share_words(share: Interval | None) -> str:
 
 
 def gap_words(diagnosis: DiagnosisFile) -> Paragraph:
-    """Return how large the gap is, and where every figure of it stands."""
-    gap, size = diagnosis.gap, diagnosis.gap.systematic
+    """Return where every figure of the gap stands, and what contradicts the model."""
+    disagreement = diagnosis.gap.floor_disagreement
     return Paragraph(
         [
-            "The systematic gap, rms of the force that the recalibrated baseline leaves out, is ",
-            f"{format_interval(size.q50, size.q05, size.q95, gap.unit)}, where "
-            f"friction is {format_number(gap.friction_rms, unit=gap.unit)} (rms); less "
-            f"than {format_share(diagnosis.practical_share)} of that counts as no gap. ",
             Reference("gap"),
             " has every figure on data that the fit has not seen; every parameter is refitted "
             "both before and after.",
             ""
-            if gap.floor_disagreement is None
-            else f" The two do not agree: {gap.floor_disagreement}.",
+            if disagreement is None
+            else f" Held-out data and the model do not agree: {disagreement}.",
         ]
     )
 

@@ -1,4 +1,4 @@
-"""What a stored result breaks of what must hold of every result."""
+"""The invariants that stored results break."""
 
 from collections.abc import Iterator
 

@@ -50,7 +50,7 @@ WORDS = {
 
 
 def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
-    """Yield, for page one, which gain each loop bears.
+    """Yield, for page one, the largest safe compensation gain of each loop.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _verdict(loop: LoopMargins) -> str:
 
 
 def _missed(loop: LoopMargins) -> Iterator[str]:
-    """Yield by how much: each number that is missed, with its 90 % interval, beside its spec."""
+    """Yield each metric that misses its spec, with its 90 % interval and the spec."""
     for metric in loop.metrics:
         name = " ".join(filter(None, (metric.name, metric.direction)))
         if name not in (loop.missed_specs or ()) or metric.interval is None or metric.spec is None:

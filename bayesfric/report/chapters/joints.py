@@ -9,7 +9,7 @@ from bayesfric.schemas import DiagnosisFile, Interval
 
 
 def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
-    """Yield a table of all joints, and one of the numbers of the model that are told."""
+    """Yield a table of all joints, and one of the errors found in the machine's model."""
     yield Heading(2, "The joints")
     names = dict.fromkeys(number.parameter for joint in diagnosis.joints for number in joint.enter)
     rows = []

@@ -198,7 +198,7 @@ def _uninformed(fit: FitFile) -> tuple[str, ...]:
 
 
 def _remark(line: str, fit: FitFile) -> str:
-    """Return a remark as a sentence, parameters of scatter and noise by what they are."""
+    """Return a remark as a sentence, with scatter and noise parameters named in words."""
     for name in sorted({**fit.scatter, **fit.noise}, key=len, reverse=True):
         if name not in WORDS:
             said = meaning(name, fit.rigs)

@@ -1,4 +1,4 @@
-"""The numbers of a law that knows no pulleys: mass and friction of a machine."""
+"""The numbers of a law without pulleys: mass and friction of a machine."""
 
 from collections.abc import Iterator, Sequence
 
@@ -32,7 +32,7 @@ def force_unit(fit: FitFile) -> str:
 
 
 def own_law(rigs: Sequence[str]) -> str:
-    """Return the law of the first rig as the rig itself tells it; nothing of the paper's."""
+    """Return the law of the first rig in its own words; empty for the paper's law."""
     return rig_words(rigs[0]).law if rigs else ""
 
 

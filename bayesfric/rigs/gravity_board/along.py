@@ -16,8 +16,6 @@ from bayesfric.physics.gravity import tension_feedback
 from bayesfric.rigs.gravity_board.measurements import Columns, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 
-__all__ = ["EffectsAlong"]
-
 
 class EffectsAlong:
     """What effects add along N trials.

@@ -29,8 +29,6 @@ from bayesfric.rigs.gravity_board.forces import SteadyForces
 from bayesfric.rigs.gravity_board.places import trial_condition
 from bayesfric.rigs.gravity_board.wander import Wander
 
-__all__ = ["TrialsAtRest"]
-
 
 class TrialsAtRest:
     """M trials that did not move, beside those of their assemblies that did.

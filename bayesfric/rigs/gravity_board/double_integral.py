@@ -10,8 +10,6 @@ from scipy.sparse import csr_array
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.gravity_board.paths import POINTS
 
-__all__ = ["DoubleIntegral"]
-
 
 @dataclass(frozen=True)
 class DoubleIntegral:

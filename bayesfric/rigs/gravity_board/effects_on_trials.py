@@ -13,8 +13,6 @@ from bayesfric.physics.gravity import Condition, nominal_tension, trajectory
 from bayesfric.physics.stepped import SteppedMotion, step_board
 from bayesfric.rigs.acting import PhasedEffect, of_kind, total
 
-__all__ = ["TrialMotion", "passing_times", "trial_motion"]
-
 STEPS = 900  # of Runge-Kutta, over LONGEST times the time without effects
 LONGEST = 3.0
 CORRECTIONS = 3  # of an acceleration that its own tension changes, by a hundredth of itself

@@ -28,8 +28,6 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.rigs.gravity_board.event_trains import SENSORS, event_trains, quadratic_fits
 
-__all__ = ["LARGEST_SHARE", "RepairedEvents", "repair_events"]
-
 CLEAN_SPACING = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
 SEED = 6  # events: three more than a quadratic takes
 WINDOW = 6  # events: with more, friction that changes fast at a slow start looks like faults

@@ -10,8 +10,6 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.trial_motion import Events
 
-__all__ = ["ROUGH_SD", "rows_of_trials", "variance_of", "with_accelerations"]
-
 ROUGH_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 LEAST_SD_M = 1e-7  # of an event: below it, as without noise, rounding is all that is left
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows

@@ -11,8 +11,6 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.recording.spacing import spacing_counts
 
-__all__ = ["SENSORS", "EventTrains", "QuadraticFits", "event_trains", "quadratic_fits"]
-
 SENSORS = ("drive", "load")
 
 

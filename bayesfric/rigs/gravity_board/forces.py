@@ -13,8 +13,6 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, tension_feedback
 from bayesfric.physics.laws import FrictionLaw
 
-__all__ = ["Forces", "SteadyForces"]
-
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 100
 
 

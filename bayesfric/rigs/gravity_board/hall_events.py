@@ -53,14 +53,6 @@ from bayesfric.rigs.gravity_board.trial_motion import (
     prepare_events,
 )
 
-__all__ = [
-    "EventTable",
-    "Motions",
-    "TrialAcceleration",
-    "TrialForm",
-    "reduce_events",
-]
-
 Motions: TypeAlias = Sequence[Sequence[Array | float]]
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
 CACHED = 200_000  # numbers of forms at a time: more are given back to the system each time

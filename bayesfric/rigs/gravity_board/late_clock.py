@@ -16,17 +16,6 @@ from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.trial_motion import NUISANCES, Events
 
-__all__ = [
-    "CLOCK",
-    "SHIFT",
-    "ClockPrior",
-    "clock_prior",
-    "clock_sd_s",
-    "clock_shifts",
-    "late_column",
-    "none_late",
-]
-
 SHIFT = "clock_shift_s"
 """Column of the events: what was taken off a time to put both sensors on one clock [s]."""
 PASSAGES = 2.0  # of a stretch along the cable, out and back: the standard deviation of an offset

@@ -38,8 +38,6 @@ from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["GravityPart", "LinearEvents"]
-
 _Sizes = tuple[OneSize, ...]
 
 

@@ -11,21 +11,6 @@ from bayesfric.inference.priors import log_density
 from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 
-__all__ = [
-    "ALWAYS",
-    "CLOCK",
-    "ELSEWHERE",
-    "EVENT_SD_M",
-    "INTERCEPT",
-    "TRIAL",
-    "UNEVEN",
-    "UNEVEN_SHARE",
-    "WANDER",
-    "WAVES",
-    "noise_of",
-    "wander_weights",
-]
-
 WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 UNEVEN, CLOCK = 3 + WAVES, 4 + WAVES

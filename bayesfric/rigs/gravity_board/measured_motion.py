@@ -15,8 +15,6 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
-__all__ = ["MeasuredMotion", "measured_motion", "travel_to_speed"]
-
 DEGREE = 4
 PIECES, EVENTS_A_PIECE = 8, 7  # at most; at least
 STAGES, CORRECTIONS = 33, 6  # of the motion from rest to a speed

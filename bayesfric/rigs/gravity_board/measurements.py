@@ -28,17 +28,6 @@ from bayesfric.rigs.gravity_board.hall_events import (
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = [
-    "Columns",
-    "TrialMeasurements",
-    "event_table",
-    "joined",
-    "noise_parameters",
-    "optional_column",
-    "pilot_accelerations",
-    "rough_noise",
-]
-
 START_SIGMA_A = 0.01  # m/s², a place to climb from
 
 

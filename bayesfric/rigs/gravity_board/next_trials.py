@@ -11,8 +11,6 @@ from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
-__all__ = ["lay_out", "on_time"]
-
 PAIRS_OF_MASSES = 10  # of each size
 MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
 

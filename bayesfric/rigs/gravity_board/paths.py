@@ -25,8 +25,6 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
-__all__ = ["Paths", "motion_untold", "trial_paths"]
-
 DEGREE = 4  # of the travel in time: a force that changes linearly in time needs 3
 POINTS = 129  # of the grid in time; odd, for Simpson's rule
 LEAST_SPEED_SHARE = 0.02  # of a trial's greatest speed, where smoothing would reverse it

@@ -35,8 +35,6 @@ from bayesfric.rigs.gravity_board.trial_motion import (
     prepare_events,
 )
 
-__all__ = ["TrialPlaces", "trial_condition"]
-
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
 SHAPED_PHASES = Unsupported(
     "Nobody recorded its phases, and how it varies between them is not known either."

@@ -14,8 +14,6 @@ from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.residuals import beside_predicted
 
-__all__ = ["CURVE_POINTS", "curves", "trials"]
-
 CURVE_POINTS = 41
 
 

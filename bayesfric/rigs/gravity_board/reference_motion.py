@@ -21,8 +21,6 @@ from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
 from bayesfric.rigs.linear import pulley_radii, rank
 
-__all__ = ["PUSHED", "ReferenceMotion"]
-
 PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
 SPACING_M = 0.01  # where the rig does not say
 

@@ -11,8 +11,6 @@ from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.linear import Run
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["runs_of", "whitening", "windows_of"]
-
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
 SENSOR_POWERS = (1, 2, 3)  # powers of the travel, by which two sensors differ

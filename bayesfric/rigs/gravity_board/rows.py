@@ -33,8 +33,6 @@ from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotio
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
 from bayesfric.rigs.linear import rms_of
 
-__all__ = ["NO_CURRENT", "GravityRows"]
-
 PRETENDED = 8  # windows of a trial
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 

@@ -4,8 +4,6 @@ from bayesfric.analysis import Analysis
 from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.observation.scatter import ScatterLevels
 
-__all__ = ["gravity_scatter"]
-
 NAMES = ("tau", "omega", "omega_intercept")
 
 

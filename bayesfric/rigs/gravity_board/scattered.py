@@ -11,8 +11,6 @@ from scipy.linalg.lapack import dtrtri
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.gravity_board.linear_scatter import INTERCEPT, TRIAL
 
-__all__ = ["OneSize", "Scattered"]
-
 SHARED = slice(TRIAL, INTERCEPT + 1)  # of all friction and of its intercept alone
 
 

@@ -29,8 +29,6 @@ from bayesfric.rigs.gravity_board.sensor_clocks import (
 )
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = ["RULES", "SELECTS_ON", "Screened", "screen_trials"]
-
 RULES = {
     "unrepairable-events": (
         f"no sensor is left: of each, more than {LARGEST_SHARE:.0%} of the events were missed, "

@@ -24,14 +24,6 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
-__all__ = [
-    "MATERIAL_SHARE",
-    "TAIL",
-    "SensorAgreement",
-    "noise_variance",
-    "sensor_agreement",
-]
-
 TAIL = 1e-4  # probability of a |z| beyond the limit by noise alone
 MATERIAL_SHARE = 0.01  # of friction; the mean of both is then off by half of it
 CLIPPED = 4.0  # standard deviations: events beyond do not inform the noise

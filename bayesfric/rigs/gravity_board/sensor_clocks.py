@@ -24,13 +24,6 @@ from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains,
 from bayesfric.rigs.gravity_board.late_clock import SHIFT, clock_sd_s
 from bayesfric.rigs.gravity_board.sensor_agreement import noise_variance
 
-__all__ = [
-    "SensorClocks",
-    "clock_faults",
-    "on_one_clock",
-    "sensor_clocks",
-]
-
 FURTHEST = 5.0  # of these standard deviations, that no cable explains
 SURE_SD = 5.0  # standard errors by which an offset is beyond them
 SHARP = 10.0  # standard errors of an acceleration that tells when the cable was at rest

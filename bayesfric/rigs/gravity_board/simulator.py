@@ -24,8 +24,6 @@ from bayesfric.rigs.gravity_board.event_trains import SENSORS
 from bayesfric.rigs.protocols import Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
 
-__all__ = ["conditions_of", "draw_events", "lay_trials"]
-
 LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
 LEAST_MOTION_M = 1e-6  # below it a trial did not move
 RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts

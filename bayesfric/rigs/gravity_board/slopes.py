@@ -27,8 +27,6 @@ from bayesfric.rigs.gravity_board.estimator import (
 from bayesfric.rigs.gravity_board.estimator.slopes import LEAST_TENSION_RATIO
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 
-__all__ = ["paper_slopes"]
-
 GRID = 13
 LEVELS = 3  # tensions at which friction is shown against the wrap angle
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Flags
 
-__all__ = ["far_from_their_own"]
-
 FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
 MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 

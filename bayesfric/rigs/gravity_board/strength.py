@@ -11,8 +11,6 @@ from bayesfric.rigs.gravity_board.simulator import conditions_of, lay_trials
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
-__all__ = ["change_of_readings", "change_of_trials"]
-
 TIMES = 33  # of a trial, at which friction is compared
 READING_TIMES = 513  # the same for readings, which may go to and fro
 DERIVATIVE_SHARE = 1e-4  # of a trial's duration, the step of a second derivative

@@ -11,8 +11,6 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
-__all__ = ["friction_ratios"]
-
 
 def friction_ratios(
     gravity: Gravity,

@@ -14,8 +14,6 @@ from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.trial_motion import PilotFit, pilot_fits
 
-__all__ = ["trajectories"]
-
 SHOWN_TRIALS = 6
 
 

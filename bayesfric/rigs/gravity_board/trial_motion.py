@@ -11,16 +11,6 @@ import pandas as pd
 
 from bayesfric.arrays import Array, Flags, Whole
 
-__all__ = [
-    "NUISANCES",
-    "Events",
-    "PilotFit",
-    "pilot_coefficients",
-    "pilot_fits",
-    "pilot_of",
-    "prepare_events",
-]
-
 NUISANCES = 3  # offsets of the two sensors and first speed
 
 

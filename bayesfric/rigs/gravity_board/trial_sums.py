@@ -17,8 +17,6 @@ from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
-__all__ = ["Beyond", "TrialSums", "orthogonal", "trial_sums"]
-
 
 @dataclass(frozen=True)
 class Beyond:

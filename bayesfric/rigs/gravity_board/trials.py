@@ -48,9 +48,6 @@ from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
-__all__ = ["RIG", "GravityBoard", "GravityTrials"]
-
-
 STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
 DISAGREEING_SHARE = (
     0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing

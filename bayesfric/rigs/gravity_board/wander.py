@@ -19,8 +19,6 @@ from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.measurements import Columns
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 
-__all__ = ["Wander"]
-
 START_LENGTH_M = 0.1  # a place to climb from
 
 

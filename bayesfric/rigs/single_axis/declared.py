@@ -7,8 +7,6 @@ import numpy as np
 from bayesfric.recording.tables import RigConstants
 from bayesfric.schemas import Interval, LawNumber
 
-__all__ = ["MEASURED", "contradicts", "doubts", "gain_sd", "mass_sd_kg"]
-
 MEASURED = frozenset({"motor", "link", "measured"})
 """Kinds of force that act as they were logged, whatever was commanded."""
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
@@ -82,10 +80,10 @@ def _contradicted(
     declared: float, sd: float, numbers: Sequence[Interval], unit: str
 ) -> Iterator[str]:
     for number in numbers:
-        told = _by_the_data(number, declared, sd)
-        if told is None:
+        by_data = _by_the_data(number, declared, sd)
+        if by_data is None:
             continue
-        value, error = told
+        value, error = by_data
         apart = abs(value - declared) / float(np.hypot(error, sd))
         if apart > FAR:
             yield (

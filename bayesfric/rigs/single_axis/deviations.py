@@ -23,17 +23,6 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 
-__all__ = [
-    "COLUMNS",
-    "COSINES",
-    "Levels",
-    "Shared",
-    "deviating_columns",
-    "integrated",
-    "map_columns",
-    "map_spectrum",
-]
-
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
 COLUMNS = COSINES + 2  # of deviations: of all friction, along the path, and of the law's alone
 
@@ -81,7 +70,7 @@ def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
     weight = np.exp(log_weight - log_weight[0])  # the first is not 0 however steep they fall
     total = weight.sum()
     changes = (-2 * decay * weight * turn2 / (1 + turn2), -decay * weight * np.log1p(turn2))
-    slopes = [2 * (one - weight * one.sum() / total) / total for one in changes]
+    slopes = [2 * (change - weight * change.sum() / total) / total for change in changes]
     return 2 * weight / total, slopes[0], slopes[1]
 
 
@@ -108,9 +97,12 @@ class Shared:
 
     Parameters
     ----------
-    grams : ndarray, shape (N, n, n)
-        Of each run: products of its columns, weighted by the inverse covariance of what rows
-        have of their own. The columns are C = :data:`COLUMNS` of deviations, then any others.
+    grams : ndarray, shape (N, C, n)
+        Of each run: products of its columns of deviations, of which there are C = :data:`COLUMNS`,
+        with all of its columns, these and any others, weighted by the inverse covariance of what
+        rows have of their own.
+    others : ndarray, shape (n − C,) twice
+        The same of the other columns with each other, all runs together.
     setup : ndarray of int, shape (N,)
         Assembly of each run.
     levels : Levels
@@ -124,20 +116,18 @@ class Shared:
         What the log density is more by the determinant.
     """
 
-    def __init__(self, grams: Array, setup: Whole, levels: Levels) -> None:
+    def __init__(self, grams: Array, others: Array, setup: Whole, levels: Levels) -> None:
         k = COLUMNS
         self._grams, self._setup, self._levels = grams, setup, levels
         own = np.concatenate([[levels.run], levels.run_map, [0.0]])
-        self._run, log_run = _taken(grams[:, :k, :k], own)
-        left = grams - grams[:, :, :k] @ self._run @ grams[:, :k, :]
-        self._left = left
+        self._run, log_run = _taken(grams[:, :, :k], own)
+        taken_by_run = self._run @ grams
+        self._left = left = grams - grams[:, :, :k] @ taken_by_run
         self._assemblies = int(setup.max()) + 1
         # Columns that several runs share: one an assembly, the cosines of all, and what all
         # runs have in common, of all friction and of the law's.
-        above = self._lifted(np.broadcast_to(np.eye(k), (len(grams), k, k)))
-        products = np.einsum("nka,nkl,nlb->ab", above, left[:, :k, :k], above, optimize=True)
-        self._shared = products
-        self._across = np.einsum("nka,nkl->al", above, left[:, :k, k:], optimize=True)
+        self._shared = products = self._summed(self._lifted(left[:, :, :k]))
+        self._across = self._summed(left[:, :, k:])
         # The variance of the mean of all runs' η + ε, and its derivatives by both variances.
         sizes = np.bincount(setup).astype(np.float64)
         of_mean = levels.run + levels.setup * sizes
@@ -150,7 +140,9 @@ class Shared:
         )
         taken, log_shared = _taken(products[None], variance)
         self._taken = taken[0]
-        self.rest = left[:, k:, k:].sum(axis=0) - self._across.T @ self._taken @ self._across
+        rows = len(grams) * k
+        of_runs = grams[:, :, k:].reshape(rows, -1).T @ taken_by_run[:, :, k:].reshape(rows, -1)
+        self.rest: Array = others - of_runs - self._across.T @ self._taken @ self._across
         self.constant = -0.5 * float(log_run.sum() + log_shared.sum())
 
     def moments(self, mixed: Array) -> tuple[float, float, Array, Array]:
@@ -174,11 +166,9 @@ class Shared:
         pulled = (across - shared @ self._taken @ across) @ mixed
         own = np.diag(shared) - np.einsum("ij,jk,ki->i", shared, self._taken, shared)
         above = (pulled**2).sum(axis=1) - own
-        inner = self._lifted(self._left[:, :k, :k])  # of a run's columns by those above
-        pulled = self._left[:, :k, k:] @ mixed - inner @ (self._taken @ across @ mixed)
-        own = np.einsum("nkk->nk", self._left[:, :k, :k]) - np.einsum(
-            "nka,ab,nkb->nk", inner, self._taken, inner, optimize=True
-        )
+        inner = self._lifted(self._left[:, :, :k])  # of a run's columns by those above
+        pulled = self._left[:, :, k:] @ mixed - inner @ (self._taken @ across @ mixed)
+        own = np.einsum("nkk->nk", self._left[:, :, :k]) - ((inner @ self._taken) * inner).sum(2)
         below = ((pulled**2).sum(axis=2) - own).sum(axis=0)
         run, setup = self._in_common * (above[-1] - above[-2])
         return (
@@ -199,20 +189,28 @@ class Shared:
             The same of the inverse covariance, from both sides.
         """
         k = COLUMNS
-        free = np.eye(k) - self._run @ self._grams[:, :k, :k]
+        free = np.eye(k) - self._run @ self._grams[:, :, :k]
         lifted = self._lifted(free)
-        numbers = self._run @ self._grams[:, :k, k:] + lifted @ (self._taken @ self._across)
+        numbers = self._run @ self._grams[:, :, k:] + lifted @ (self._taken @ self._across)
         inverse = self._run + lifted @ self._taken @ lifted.swapaxes(1, 2)
         return numbers, inverse
 
     def _lifted(self, columns: Array) -> Array:
         """Return columns of a run's deviations, (N, k, C), where those above stand."""
         assemblies = self._assemblies
-        found = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
-        found[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
-        found[:, :, assemblies:-2] = columns[:, :, 1:-1]
-        found[:, :, -2:] = columns[:, :, [0, -1]]
-        return found
+        lifted = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
+        lifted[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
+        lifted[:, :, assemblies:-2] = columns[:, :, 1:-1]
+        lifted[:, :, -2:] = columns[:, :, [0, -1]]
+        return lifted
+
+    def _summed(self, values: Array) -> Array:
+        """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
+        sums = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
+        np.add.at(sums, self._setup, values[:, 0])
+        sums[self._assemblies : -2] = values[:, 1:-1].sum(axis=0)
+        sums[-2:] = values[:, [0, -1]].sum(axis=0)
+        return sums
 
 
 def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:

@@ -20,8 +20,6 @@ from bayesfric.rigs.single_axis.run_rows import SMOOTHED, turns_back
 from bayesfric.rigs.single_axis.weak_form import test_function
 from bayesfric.rigs.single_axis.windows import half_samples, position_sd
 
-__all__ = ["Dither", "steady"]
-
 ANSWERS = 0.5  # correlation of quick forces with quick changes of the position, against them
 LEFT = 0.2  # of the windows that must stay, so that those that dither are left out
 

@@ -10,10 +10,8 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.run_rows import FEWEST
 from bayesfric.rigs.single_axis.windows import pass_s, position_sd
 
-__all__ = ["too_few_windows", "too_little_motion", "too_short", "without_force"]
-
-ROWS = 12  # windows, thrice the numbers of the law and its clocks: below that nothing is told
-AT_EASE = 5 * FEWEST  # samples in a pass: with fewer, windows are no narrower than its motion
+ROWS = 8  # windows, twice the numbers of the law and its clocks: below that nothing is told
+AT_EASE = 4 * FEWEST  # samples in a pass: with fewer, few windows run one way all through
 
 
 def too_short(samples: Sequence[int]) -> Unsupported:
@@ -64,7 +62,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
 
 def too_few_windows(readings: Readings | None) -> Unsupported | None:
     """Return why rows do not tell mass and friction; None where there are enough."""
-    count = 0 if readings is None else readings.count
+    count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
     if count >= ROWS:
         return None
     return Unsupported(

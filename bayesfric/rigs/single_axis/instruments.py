@@ -26,8 +26,6 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 from bayesfric.schemas import Instrument, InstrumentNumber
 
-__all__ = ["Compared", "Estimate", "compared", "instruments_of"]
-
 BEFORE = 2  # windows, whose motion tells that of the present one
 MOVED = 2  # regressors that are the motion's: acceleration and speed
 FEWEST_PIECES = 12  # stretches of rows, between which errors are independent

@@ -8,8 +8,6 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-__all__ = ["following", "late_rates"]
-
 
 def late_rates(
     log: EvenLog, test: TestFunction, centres: NDArray[np.intp], curvature: Array, late_s: float

@@ -22,8 +22,6 @@ from bayesfric.rigs.single_axis.measures import SPREAD, Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import state_of
 
-__all__ = ["with_lengths"]
-
 CLEARLY = 1.05  # times what a load of tied shares takes off the squares, that one of its own does
 
 

@@ -28,8 +28,6 @@ from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["AxisPart"]
-
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
@@ -53,7 +51,7 @@ class AxisPart:
 
     Parameters
     ----------
-    rows : AxisRows
+    rows : LinearAxis
         The rows, linear around the reference law.
     model : ModelColumns
         What is made of them; rows are kept one by one, and the axis has priors of its own.
@@ -61,7 +59,7 @@ class AxisPart:
         Of the rig among all.
     """
 
-    def __init__(self, rows: AxisRows, model: ModelColumns, place: int) -> None:
+    def __init__(self, rows: "LinearAxis", model: ModelColumns, place: int) -> None:
         self.rows, self.layout = rows, model.layout
         sizes = rows.table["pulley_size"]
         self._which = model.layout.sizes.index(sizes.iloc[0])
@@ -117,9 +115,11 @@ class AxisPart:
         solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
         lent = solved.times(z)
         ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
-        grams = np.stack([z[i:j].T @ lent[i:j] for i, j in pairwise(ends)])
+        runs = [slice(start, stop) for start, stop in pairwise(ends)]
+        grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
+        others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
         levels, (spectrum, by_length, by_decay) = self._levels(noise)
-        shared = Shared(grams, self.setup, levels)
+        shared = Shared(grams, others, self.setup, levels)
         k = x.shape[1]
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)
@@ -142,10 +142,11 @@ class AxisPart:
             numbers, inverse = shared.of_rows()
             pulled = lent[:, :COLUMNS]
             pulls = lent[:, COLUMNS:] @ mixed
-            pulls -= np.einsum("wk,wkm->wm", pulled, (numbers @ mixed)[trial], optimize=True)
-            found = solved.gradient(pulls, pulled, inverse[trial], kept)
+            for rows, of_run in zip(runs, numbers @ mixed, strict=True):
+                pulls[rows] -= pulled[rows] @ of_run
+            slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
-            return found | {
+            return slopes | {
                 NAMES[4]: noise[NAMES[4]] ** 2 * run,
                 NAMES[5]: noise[NAMES[5]] ** 2 * setup,
                 NAMES[6]: noise[NAMES[6]] ** 2 * float(spectrum @ machine_map),
@@ -159,14 +160,14 @@ class AxisPart:
     def _levels(self, noise: Mapping[str, float]) -> tuple[Levels, tuple[Array, Array, Array]]:
         """Return the variances of deviations, and the spectrum of maps with its slopes."""
         tau, omega, machine, run, length, decay = (noise[name] for name in NAMES[4:])
-        found = map_spectrum(length / self.rows.stroke, decay)
-        return Levels(tau**2, omega**2, run**2 * found[0], machine**2 * found[0]), found
+        levels = map_spectrum(length / self.rows.stroke, decay)
+        return Levels(tau**2, omega**2, run**2 * levels[0], machine**2 * levels[0]), levels
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "AxisPart":
         """Return the rig with mixtures of its columns in their place."""
-        found = copy(self)
-        found.layout, found.columns = layout, self.columns @ squeeze
-        return found
+        rig = copy(self)
+        rig.layout, rig.columns = layout, self.columns @ squeeze
+        return rig
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
@@ -178,12 +179,13 @@ class AxisPart:
             levels.run + levels.setup, 0.0, levels.run_map + levels.machine_map, 0 * levels.run_map
         )
         first = np.zeros(1, dtype=np.intp)
-        return np.stack(
-            [
-                Shared((z[trial == one].T @ lent[trial == one])[None], first, alone).rest
-                for one in range(len(self.size))
-            ]
-        )
+
+        def of_trial(rows: Flags) -> Array:
+            grams = z[rows].T @ lent[rows]
+            others = grams[COLUMNS:, COLUMNS:]
+            return Shared(grams[None, :COLUMNS], others, first, alone).rest
+
+        return np.stack([of_trial(trial == place) for place in range(len(self.size))])
 
     def phase_strength(self, place: int) -> float:
         """Return 0: what has a phase anew in each run does not enter."""
@@ -192,8 +194,8 @@ class AxisPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
-        each = np.array([noise[NAMES[4]] ** 2, noise[NAMES[5]] ** 2])
-        return np.tile(each, (len(self.size), 1))
+        variances = np.array([noise[NAMES[4]] ** 2, noise[NAMES[5]] ** 2])
+        return np.tile(variances, (len(self.size), 1))
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of some neighbouring rows."""
@@ -235,7 +237,7 @@ class AxisPart:
                 "travel_since_reversal": mean @ travel,
                 "time_s": mean @ readings.time_s,
             },
-            counts=root**2,
+            counts=min(readings.hop, 1.0) * root**2,
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
@@ -297,3 +299,11 @@ def _noise(
         ),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
     )
+
+
+class LinearAxis(AxisRows):
+    """Rows of an axis, with which a diagnosis can be made."""
+
+    def laid_out(self, model: ModelColumns, place: int) -> AxisPart:
+        """Return the rig with the columns of a model."""
+        return AxisPart(self, model, place)

@@ -24,8 +24,6 @@ from bayesfric.rigs.single_axis.limit import Limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 
-__all__ = ["LITTLE", "SPREAD", "Measures", "measures_of"]
-
 BOARD_M, BOARD_M_S = 0.6, 1.3
 SPREAD = 0.1  # of a load's length, by half a step between those that were tried
 PULLING = frozenset({"position", "angle"})  # needs of effects that pull towards a place
@@ -136,33 +134,33 @@ class Measures:
             amplitude = replace(
                 amplitude, prior=amplitude.prior.times(2), plausible=(2 * low, 2 * high)
             )
-        found = replace(effect, amplitude=amplitude, shape=shape, laws=laws)
+        measured = replace(effect, amplitude=amplitude, shape=shape, laws=laws)
         if shape is not None and "period" in effect.needs:
             prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
-            return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
+            return replace(measured, shape=replace(shape, prior=prior), searched=SEARCHED)
         if shape is not None and "limit" in effect.needs:
             prior = LogNormal(median=self.limit.force, sd_log=self.limit.error)
-            return replace(found, shape=replace(shape, prior=prior), searched=self.limit.tried)
-        held = next((one for one in self.lengths if one in effect.needs), None)
+            return replace(measured, shape=replace(shape, prior=prior), searched=self.limit.tried)
+        held = next((length for length in self.lengths if length in effect.needs), None)
         if shape is not None and held is not None:
             tried = self.lengths[held]
             prior = LogNormal(median=float(tried[tried.size // 2]), sd_log=SPREAD)
-            return replace(found, shape=replace(shape, prior=prior), searched=TRIED[held])
-        return found
+            return replace(measured, shape=replace(shape, prior=prior), searched=TRIED[held])
+        return measured
 
-    def _parameter(self, one: EffectParameter) -> EffectParameter:
-        scale = self.scale(one.unit)
-        low, high = one.plausible
-        reference = one.reference
-        if one.on_joints is not None:
-            low, high, reference = one.on_joints
+    def _parameter(self, parameter: EffectParameter) -> EffectParameter:
+        scale = self.scale(parameter.unit)
+        low, high = parameter.plausible
+        reference = parameter.reference
+        if parameter.on_joints is not None:
+            low, high, reference = parameter.on_joints
         return replace(
-            one,
-            unit=self.unit(one.unit),
-            prior=(one.joint_prior or one.prior).times(scale),
+            parameter,
+            unit=self.unit(parameter.unit),
+            prior=(parameter.joint_prior or parameter.prior).times(scale),
             plausible=(low * scale, high * scale),
             reference=reference,
-            typical=None if one.typical is None else one.typical * scale,
+            typical=None if parameter.typical is None else parameter.typical * scale,
         )
 
     @property

@@ -28,8 +28,6 @@ from bayesfric.rigs.single_axis.windows import (
     widest_half_s,
 )
 
-__all__ = ["OnTime", "margin_s", "on_time"]
-
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 REACH_S = 1.0  # looked at, either way
@@ -107,7 +105,7 @@ def _moved(log: EvenLog, late_s: float) -> EvenLog:
     place = np.arange(log.force.size) - late_s / log.interval_s
     force = np.interp(place, np.arange(log.force.size), log.force)
     inside = (place >= 0) & (place <= log.force.size - 1)
-    return replace(log, force=force, known=log.known & inside)
+    return replace(log, force=force, is_known=log.is_known & inside)
 
 
 class _Squares(NamedTuple):

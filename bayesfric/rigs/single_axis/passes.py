@@ -6,8 +6,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 
-__all__ = ["REMEMBERED", "passes_of", "rests_of"]
-
 REMEMBERED = 4  # passes before the present one
 
 

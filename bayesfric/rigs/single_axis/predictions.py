@@ -8,8 +8,6 @@ from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 
-__all__ = ["runs"]
-
 
 def runs(model: AxisModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new run on a new assembly.

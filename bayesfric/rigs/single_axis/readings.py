@@ -15,9 +15,9 @@ from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
 
-__all__ = ["PIECE", "Readings", "readings_of", "rough_law_of"]
-
 FOLLOWED = 12  # samples in half a window, of the path along which loads are followed
+SPARSE = 24  # windows, below which they lie closer: their errors hang together the more
+CLOSER = 0.5
 PIECE = 16  # rows of a stretch whose friction wanders as one
 
 
@@ -151,11 +151,14 @@ def readings_of(
     limit : float
         Of the drive: what is commanded beyond it neither acts later nor changes what acts.
     """
-    stroke = max(float(np.ptp(one.position)) for one in logs)
+    stroke = max(float(np.ptp(run_log.position)) for run_log in logs)
     if like is None:
         noise = position_sd(logs, resolution)
         half_s, hop = window_width(logs, noise, stroke)
-        late_s = late_by([given(one, limit) for one in logs], half_s, noise, stroke)
+        if _count(logs, half_s, noise, stroke) < SPARSE:
+            half = half_samples(half_s, logs[0])
+            hop *= max(1, round(CLOSER * half)) / half
+        late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
@@ -197,6 +200,16 @@ def readings_of(
         known_inertia=float(np.mean([log.known_inertia for log in logs])),
         mixing=mixing,
     )
+
+
+def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> int:
+    """Return how many windows run one way, each half a window behind the one before."""
+    count = 0
+    for log in logs:
+        half = half_samples(half_s, log)
+        rows = rows_of_run(log, test_function(half, log.interval_s), half, noise, stroke)
+        count += rows["way"].size
+    return count
 
 
 def _drive_path(

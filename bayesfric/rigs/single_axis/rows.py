@@ -15,18 +15,24 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import ModelColumns
-from bayesfric.rigs.linear import LinearRig, rank, rms_of
+from bayesfric.rigs.linear import rank, rms_of
 from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
-__all__ = ["AxisRows", "state_of", "varied_columns"]
-
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
-KNOWN = ("run", "order", "setup", "role", "trial", "pulley_size", "n_pulleys", "wrap_angle_deg")
+OWN_COLUMNS = (
+    "run",
+    "order",
+    "setup",
+    "role",
+    "trial",
+    "pulley_size",
+    "n_pulleys",
+    "wrap_angle_deg",
+)
 PLACES = (
     "velocity",
     "tension",
@@ -139,13 +145,13 @@ class AxisRows:
     def covariates(self) -> dict[str, Array]:
         """Return where every row is, arrays of shape (W,)."""
         rows = self.readings
-        one = np.ones(rows.count)
+        ones = np.ones(rows.count)
         own = {name: self.table[name].to_numpy(dtype=np.float64) for name in self.further}
         return {name: values[rows.trial] for name, values in own.items()} | {
             "velocity": self.mean(rows.speed),
-            "tension": one,
-            "n_pulleys": one,
-            "wrap_angle": one,
+            "tension": ones,
+            "n_pulleys": ones,
+            "wrap_angle": ones,
             "displacement": self.mean(rows.position),
             "acceleration": rows.acceleration,
         }
@@ -193,12 +199,6 @@ class AxisRows:
         """Return no trial: runs differ by their scatter."""
         return ()
 
-    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        from bayesfric.rigs.single_axis.linear import AxisPart
-
-        return AxisPart(self, model, place)
-
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return prior standard deviations of the columns of :meth:`nuisance_columns`.
 
@@ -217,7 +217,7 @@ class AxisRows:
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:
     """Return columns of the user's own, of a table of runs, that took more than one value."""
-    own = [str(name) for name in runs if name not in (*KNOWN, *PLACES)]
+    own = [str(name) for name in runs if name not in (*OWN_COLUMNS, *PLACES)]
     return tuple(name for name in own if np.ptp(runs[name].to_numpy(dtype=np.float64)) > 0)
 
 

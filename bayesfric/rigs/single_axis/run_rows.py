@@ -15,8 +15,6 @@ from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce, node_weights
 
-__all__ = ["FAR", "FEWEST", "NARROWEST", "SMOOTHED", "rows_of_run", "turns_back"]
-
 NARROWEST = 8  # samples on either side of a window's middle
 FEWEST = 4  # the same, where the axis turns too soon for so many
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
@@ -152,11 +150,15 @@ def _known_load(log: EvenLog) -> tuple[Array, Array]:
 
     Of a force that somebody computed elsewhere all counts as held.
     """
-    known, nothing = log.known_force, np.zeros(log.time_s.size)
-    if known is None:
+    known_force, nothing = log.known_force, np.zeros(log.time_s.size)
+    if known_force is None:
         return nothing, nothing
-    moved = nothing if known.momentum is None else np.gradient(known.momentum, log.interval_s)
-    return known.value, moved
+    moved = (
+        nothing
+        if known_force.momentum is None
+        else np.gradient(known_force.momentum, log.interval_s)
+    )
+    return known_force.value, moved
 
 
 def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:

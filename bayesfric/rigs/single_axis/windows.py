@@ -11,17 +11,6 @@ from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import FEWEST, NARROWEST, SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
-__all__ = [
-    "LATEST_S",
-    "half_samples",
-    "joined",
-    "late_by",
-    "pass_s",
-    "position_sd",
-    "widest_half_s",
-    "window_width",
-]
-
 QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
 PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording

@@ -33,7 +33,7 @@ from bayesfric.rigs.steady_points.places import (
 )
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.simulator import DESIGN
-from bayesfric.rigs.steady_points.warming import WARMTH, has_temperature, over_the_points
+from bayesfric.rigs.steady_points.warming import WARMTH, over_the_points, warms_unseen
 
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
@@ -142,7 +142,7 @@ class SteadyTrials(PlainTrials):
     def offers(self) -> frozenset[str]:
         """Loads as pulleys have them, and the covariates that were recorded."""
         recorded = PULLEYS | {NO_OFFSET} | frozenset(covariates_of(self.bench))
-        return recorded if has_temperature(self.bench) else recorded | {WARMTH}
+        return recorded | ({WARMTH} if warms_unseen(self.bench) else set())
 
     @property
     def asked(self) -> tuple[str, ...]:

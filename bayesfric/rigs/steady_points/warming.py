@@ -10,15 +10,13 @@ from dataclasses import replace
 from bayesfric.effects import Effect, all_effects
 from bayesfric.rigs.steady_points.bench import Bench
 
-__all__ = ["WARMTH", "has_temperature", "over_the_points"]
-
 WARMTH = "warmth"  # what an effect of temperature needs
 IN_ORDER = "wear-drift"  # the effect that goes by the order of the points
 
 
-def has_temperature(bench: Bench) -> bool:
-    """Return whether a temperature was written down, or anything in its place, that varied."""
-    return any("temp" in name.lower() for name in bench.covariates)
+def warms_unseen(bench: Bench) -> bool:
+    """Return whether grease may warm up of which nobody wrote a temperature down."""
+    return not bench.has_pulleys and not any("temp" in name.lower() for name in bench.covariates)
 
 
 def over_the_points(effect: Effect) -> Effect:

@@ -14,8 +14,6 @@ from bayesfric.arrays import Array
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.gravity_board.estimator.trials import TrialFriction
 
-__all__ = ["CellLine", "SizeEstimate", "Slope", "WrapLine", "is_upright", "lines_of_sizes"]
-
 LEAST_TENSION_RATIO = 1.1  # largest over least tension of a line
 LEAST_ANGLE_SPAN_DEG = 5.0
 ANGLE_TOLERANCE_DEG = 0.5  # around 85°

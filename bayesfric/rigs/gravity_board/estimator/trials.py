@@ -8,8 +8,6 @@ import pandas as pd
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
 
-__all__ = ["TrialFriction", "constant_friction", "trial_frictions"]
-
 
 @dataclass(frozen=True)
 class TrialFriction:
