@@ -53,14 +53,14 @@ def by_the_instrument(
     """
     if isinstance(instrument, str) or not instrument.alarms:
         return dict(law)
-    called = {name: "inertia" for name in ACCELERATES}
+    called = dict.fromkeys(ACCELERATES, "inertia")
     return {
-        name: _told(name, number, instrument, called.get(name, name))
+        name: _number_told(name, number, instrument, called.get(name, name))
         for name, number in law.items()
     }
 
 
-def _told(name: str, number: LawNumber, instrument: Instrument, called: str) -> LawNumber:
+def _number_told(name: str, number: LawNumber, instrument: Instrument, called: str) -> LawNumber:
     if called not in instrument.numbers:
         return number
     value = instrument.numbers[called]
