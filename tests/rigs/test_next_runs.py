@@ -163,9 +163,9 @@ def test_runs_of_both_roles_are_run_again_with_their_payload(tmp_path):
 def question(tmp_path_factory):
     """Return slow runs, their model, two hypotheses that they leave open, and what is proposed.
 
-    Runs of seed 1 tell the two apart at more than 10 to 1: these are the next ones.
+    Most seeds tell the two apart at more than 10 to 1: of the first six this one leaves them open.
     """
-    runs, folder = slow_runs(2), tmp_path_factory.mktemp("slow")
+    runs, folder = slow_runs(6), tmp_path_factory.mktemp("slow")
     recording = recorded(folder / "axis", runs, limits={"velocity_m_s": [0.0, REACHED]})
     model, acting = modelled(recording)
     found = hypotheses(model, acting)
