@@ -28,6 +28,7 @@ from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
@@ -256,7 +257,9 @@ def _diagnose(
         present, possible = apart.present, apart.possible
         chances = searched.probabilities()
     together = () if elsewhere else sets_of_one(chances, effects_known, named)
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     not_shown = why_not_shown(searched, residuals) or loosely_known(model, residuals, posterior)
+    not_shown = not_shown or why_bent(instrument)
     unexplained_by_scatter = unlike_scatter(
         gap, residuals, held_out.inside[1], posterior, practical, order_rng
     )
@@ -292,6 +295,7 @@ def _diagnose(
     unseparated = unseparated_of(searched.classes, together)
     proposals, no_proposal = next_experiment(model, searched, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    law_found = by_the_instrument(law_found, instrument)
     to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
@@ -319,7 +323,6 @@ def _diagnose(
         windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
-    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),

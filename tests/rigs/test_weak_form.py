@@ -3,10 +3,16 @@
 import numpy as np
 import pytest
 from rigs.driven_mass import Machine, simulate, write
+from scipy.signal import savgol_filter
 
 from bayesfric.recording import read_recording
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.even_log import even_grid, position_noise, smooth_motion
+from bayesfric.rigs.single_axis.even_log import (
+    even_grid,
+    local_polynomial,
+    position_noise,
+    smooth_motion,
+)
 from bayesfric.rigs.single_axis.force_curvature import _beside
 from bayesfric.rigs.single_axis.passes import passes_of
 from bayesfric.rigs.single_axis.readings import PIECE, readings_of
@@ -35,6 +41,16 @@ def test_integration_by_parts_is_the_mean_of_the_derivative():
     assert test.curvature @ wave == pytest.approx(-(omega**2) * (test.value @ wave), rel=1e-4)
     slope = omega * np.cos(omega * time + 0.3)
     assert -test.slope @ wave == pytest.approx(test.value @ slope, rel=1e-4)
+
+
+@pytest.mark.parametrize(("half", "degree"), [(1, 2), (3, 2), (20, 4)])
+@pytest.mark.parametrize("slope", [False, True])
+def test_a_local_polynomial_is_that_of_savitzky_and_golay_up_to_the_ends(half, degree, slope):
+    values = np.random.default_rng(4).standard_normal(120).cumsum()
+    expected = savgol_filter(values, 2 * half + 1, degree, deriv=int(slope))
+    np.testing.assert_allclose(
+        local_polynomial(values, half, degree, slope=slope), expected, rtol=0, atol=1e-11
+    )
 
 
 def test_a_few_places_have_the_mean_of_all():

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from bayesfric.blind.engines.joint_forms import Mechanism, Now
@@ -272,7 +271,7 @@ def moved(
     target : int
         Place of a joint.
     behind : float
-        Share of friction that is behind a link's spring, where there is one.
+        Share of friction that is behind a link's spring, where there is force.
     rough : ndarray, shape (joints,), or None
         Factor of each joint's friction in this run.
     warmth : ndarray, shape (N,), or None
@@ -324,6 +323,9 @@ class Machine:
     ) -> None:
         self.arm, self.control, self.target, self.behind = arm, control, target, behind
         self.steps = round(1 / control.rate_hz / control.step_s)
+        import mujoco
+
+        self.physics: Any = mujoco
         text = mjcf(arm, step_s=control.step_s, rotor=rotor)
         self.model: Any = mujoco.MjModel.from_xml_string(text)
         self.data: Any = mujoco.MjData(self.model)
@@ -348,9 +350,9 @@ class Machine:
 
     def inertia(self) -> Array:
         """Return the inertia about each joint where all stand at 0 [kg·m²]."""
-        mujoco.mj_forward(self.model, self.data)
+        self.physics.mj_forward(self.model, self.data)
         whole = np.empty((self.model.nv, self.model.nv))
-        mujoco.mj_fullM(self.model, self.data, whole)
+        self.physics.mj_fullM(self.model, self.data, whole)
         return np.diagonal(whole)[: self.arm.joints].copy()
 
     def start(self, place: Array, speed: Array, rough: Array | float, order: float) -> None:
@@ -366,7 +368,7 @@ class Machine:
             self.model.dof_frictionloss[joints] = (1 - self.behind) * friction[self.target]
 
     def read(self) -> Array:
-        """Return what encoders are at: the rotor, where there is one."""
+        """Return what encoders are at: the rotor, where there is force."""
         place = np.array(self.data.qpos[: self.arm.joints])
         if self.link is not None:
             place[self.target] = self.data.qpos[self.arm.joints]
@@ -416,7 +418,7 @@ class Machine:
                 torque = passed
             see.applied[target] = torque + pulls
             see.lost[target] = max(law + rubs, 0.0)
-            mujoco.mj_step(self.model, self.data)
+            self.physics.mj_step(self.model, self.data)
             rubbed = see.constraint.item(target) + see.passive.item(target)
             self._load = torque + rubbed - armature * see.acceleration.item(target)
         means = command.copy()

@@ -31,6 +31,8 @@ KNOWLEDGE = ("nothing", "known-force", "model", "others")
 MODEL_ERROR = 0.1  # of masses, sd
 PLAIN_SHARE = 0.05  # s, over which torques are averaged where a gap is measured
 SEARCHES = 3  # of the length of a play or a spring that makes a gap as large as asked for
+KICK = 2.0  # of Coulomb friction, that a controller's damping makes of one count at the most
+MOST_KEPT = 0.9  # of the speed before, by a filter that leaves the loop damped
 PERFECT, REAL = "perfect", "real"
 BY_NAME = {mechanism.name: mechanism for mechanism in (*MECHANISMS, *OUTSIDERS)}
 
@@ -154,6 +156,8 @@ def drawn_world(seed: int, needs: frozenset[str], design: str) -> World:
         waits=int(rng.integers(0, 2)) if real else 0,
         kept=float(rng.uniform(0.3, 0.8)),
     )
+    if real:
+        control = _without_buzz(arm, control, target)
     telemetry = _telemetry(rng, rate) if real else Telemetry()
     force_is = "commanded" if "commanded" in needs or rng.random() < 0.5 else "motor"
     return World(
@@ -193,6 +197,20 @@ def _arm(rng: Generator, joints: int, upright: bool) -> Arm:
         tuple(map(float, inertia * rng.uniform(0.2, 0.6, joints))),
         tuple(map(float, coulomb * rng.uniform(-0.2, 0.2, joints))),
     )
+
+
+def _without_buzz(arm: Arm, control: Control, target: int) -> Control:
+    """Return a controller whose damping does not kick harder at a count than :data:`KICK`.
+
+    As somebody who tunes it would, it filters speed more, and takes a finer encoder then.
+    """
+    reach = sum(arm.lengths[target:])
+    inertia = sum(arm.masses[target:]) * reach**2 / 3 + arm.armature[target]
+    damped = 1.4 * inertia * 2 * np.pi * control.bandwidth_hz
+    share = KICK * arm.coulomb[target] / (damped * control.rate_hz * control.count)
+    kept = float(np.clip(1 - share, control.kept, MOST_KEPT))
+    finest = KICK * arm.coulomb[target] / (damped * control.rate_hz * (1 - kept))
+    return replace(control, kept=kept, count=min(control.count, float(finest)))
 
 
 def _telemetry(rng: Generator, rate_hz: float) -> Telemetry:

@@ -1,6 +1,7 @@
 """A run on an even grid, and what is known of its speed."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -120,13 +121,53 @@ def given(log: EvenLog, limit: float) -> EvenLog:
     return replace(log, force=np.clip(log.force, -limit, limit))
 
 
+def local_polynomial(values: Array, half: int, degree: int, *, slope: bool = False) -> Array:
+    """Return the polynomial through `half` values on either side of each, at it, (N,).
+
+    Near an end it is that through the values at the end. This is
+    :func:`scipy.signal.savgol_filter`, whose fits at the ends are made anew in each call: most
+    of its time where runs are short.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        At even steps; at least 2 `half` + 1 of them.
+    half, degree : int
+        Of the polynomial.
+    slope : bool
+        Whether its slope a step is asked for.
+
+    References
+    ----------
+    A. Savitzky, M. J. E. Golay, "Smoothing and differentiation of data by simplified least
+    squares procedures", Analytical Chemistry 36 (1964).
+    """
+    at = _polynomials(half, degree, slope)
+    smoothed = np.convolve(values, at[half][::-1], "same")
+    smoothed[:half] = at[:half] @ values[: 2 * half + 1]
+    smoothed[-half:] = at[-half:] @ values[-2 * half - 1 :]
+    return smoothed
+
+
+@lru_cache(maxsize=64)
+def _polynomials(half: int, degree: int, slope: bool) -> Array:
+    """Return what values tell of a polynomial through them, at each, (2 half + 1,) twice."""
+    place = np.linspace(-1, 1, 2 * half + 1)
+    powers = np.vander(place, degree + 1, increasing=True)
+    of_values = np.linalg.pinv(powers)
+    if not slope:
+        return np.asarray(powers @ of_values)
+    of_slope = np.arange(1, degree + 1)[:, None] * of_values[1:]
+    return np.asarray(powers[:, :-1] @ of_slope) / half
+
+
 def position_noise(log: EvenLog, resolution: float | None) -> float:
     """Return the standard deviation of a position's error.
 
     What a parabola over seven samples leaves; at least that of rounding to the encoder's
     resolution, or to the least step that the log has where nobody says.
     """
-    smooth = scipy.signal.savgol_filter(log.position, 7, 2)
+    smooth = local_polynomial(log.position, 3, 2)
     left = np.abs(log.position - smooth)[3:-3]
     # A parabola through seven samples takes up a third of the variance at its middle.
     noise = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
@@ -192,7 +233,7 @@ def smooth_motion(
     if quick:
         fine = max(fine, QUICK)
     degree = 4 if quick else 2
-    position = scipy.signal.savgol_filter(log.position, 2 * fine + 1, degree)
+    position = local_polynomial(log.position, fine, degree)
     return position, _speed(log, fine, degree), np.where(log.is_known, way, 0.0)
 
 
@@ -210,7 +251,4 @@ def _surely(log: EvenLog, half: int, noise: float) -> Array:
 
 def _speed(log: EvenLog, half: int, degree: int = 2) -> Array:
     """Return the slope at the middle of a polynomial through `half` samples either side, (N,)."""
-    length = 2 * half + 1
-    return np.asarray(
-        scipy.signal.savgol_filter(log.position, length, degree, deriv=1, delta=log.interval_s)
-    )
+    return local_polynomial(log.position, half, degree, slope=True) / log.interval_s

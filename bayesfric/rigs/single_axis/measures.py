@@ -52,6 +52,9 @@ class Measures:
         Rms of the force that goes with the place, where it takes much of the force.
     lengths : mapping of str to ndarray
         Of how a load is held: lengths at which it is followed [m or rad].
+    endless : frozenset of str
+        Of how a load is held: those that explain most at the longest length of all that were
+        tried, so that no length is better than those beside it.
     damping : float
         Of a load's spring, over what is critical.
     mass_over_friction : float
@@ -77,6 +80,7 @@ class Measures:
     limit: Limit
     pull: float = 0.0
     lengths: Mapping[str, Array] = field(default_factory=dict)
+    endless: frozenset[str] = frozenset()
     damping: float = DAMPINGS[2]
     mass_over_friction: float = 1.0
     carried: Carried | None = None

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from bayesfric.arrays import Array
-from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise
+from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial, position_noise
 
 DEGREE = 3  # of the polynomial by which a path is smoothed
 FINE = 0.003  # of the top speed, to which a smoothed speed is told
@@ -49,15 +49,12 @@ def path_of(log: EvenLog, time_s: Array | None = None) -> Path:
     half = LEAST_HALF
     while half < most:
         kernel = scipy.signal.savgol_coeffs(2 * half + 1, DEGREE, deriv=1, delta=step)
-        velocity = scipy.signal.savgol_filter(
-            log.position, 2 * half + 1, DEGREE, deriv=1, delta=step
-        )
+        velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
         if noise * np.linalg.norm(kernel) < FINE * np.abs(velocity).max():
             break
         half = min(most, half + max(1, half // 4))
-    width = 2 * half + 1
-    position = scipy.signal.savgol_filter(log.position, width, DEGREE)
-    velocity = scipy.signal.savgol_filter(log.position, width, DEGREE, deriv=1, delta=step)
+    position = local_polynomial(log.position, half, DEGREE)
+    velocity = local_polynomial(log.position, half, DEGREE, slope=True) / step
     if time_s is None:
         return Path(position, velocity, noise, step)
     return Path(
