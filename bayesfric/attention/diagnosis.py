@@ -41,7 +41,7 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
     yield (
         "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "
         f"an instrument (the {instrument.kind}) gives {numbers} (Durbin, Wu and Hausman: "
-        f"p = {instrument.p_value:.1g})"
+        f"p = {instrument.p_value:.1g}). What it gives are the numbers to use"
     )
 
 

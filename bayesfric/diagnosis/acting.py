@@ -110,9 +110,9 @@ def phase_name(law: Law) -> str:
 
 def lawbook(candidates: Sequence[Candidate]) -> dict[str, tuple[Law, ...]]:
     """Return the laws of each effect."""
-    found: dict[str, dict[str, list[int]]] = {}
+    by_effect: dict[str, dict[str, list[int]]] = {}
     for place, candidate in enumerate(candidates):
-        found.setdefault(candidate.effect.name, {}).setdefault(candidate.law, []).append(place)
+        by_effect.setdefault(candidate.effect.name, {}).setdefault(candidate.law, []).append(place)
     return {
         name: tuple(
             Law(
@@ -124,7 +124,7 @@ def lawbook(candidates: Sequence[Candidate]) -> dict[str, tuple[Law, ...]]:
             )
             for law, places in laws.items()
         )
-        for name, laws in found.items()
+        for name, laws in by_effect.items()
     }
 
 
@@ -140,12 +140,12 @@ def merged(
     members : sequence of sequence of str
         Effects that no data tell apart, class by class.
     """
-    found = dict(laws_of)
+    merged_laws = dict(laws_of)
     for first, *others in members:
-        laws = [law for name in (first, *others) for law in found[name]]
+        laws = [law for name in (first, *others) for law in merged_laws[name]]
         share = np.log(1 + len(others))
         if others:
-            found[first] = tuple(
+            merged_laws[first] = tuple(
                 replace(
                     law,
                     effect=first,
@@ -154,4 +154,4 @@ def merged(
                 )
                 for law in laws
             )
-    return found
+    return merged_laws

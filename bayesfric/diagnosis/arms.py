@@ -50,7 +50,7 @@ class Arms:
     ----------
     plain : LinearModel
         Without discrepancy; its candidates are the causes.
-    known : LinearModel
+    with_discrepancy : LinearModel
         The same with discrepancy, from which the causes are known; trials can be left out.
     psi : ndarray
         Logarithms of the noise.
@@ -61,7 +61,7 @@ class Arms:
     """
 
     plain: LinearModel
-    known: LinearModel
+    with_discrepancy: LinearModel
     psi: Array
     causes: Acting
     shipped: Mapping[str, Coefficients] | None
@@ -78,7 +78,7 @@ class Arms:
         The law is recalibrated before and after alike; after, with the causes as they are
         known without the trials of the windows that are left out.
         """
-        used = used_of(self.known, residuals, out) if out.any() else None
+        used = used_of(self.with_discrepancy, residuals, out) if out.any() else None
         before = self._refitted(Acting(), residuals, out, used)
         after = before
         if self.causes.laws:
@@ -133,18 +133,18 @@ class Arms:
         out: Flags,
         used: Mapping[str, Flags] | None,
     ) -> Fitted:
-        at = self.known.evaluate(self.psi, acting, used=used)
-        mixing = self.known.mixing(acting)
-        layout, plain = self.known.layout, self.plain.layout
+        at = self.with_discrepancy.evaluate(self.psi, acting, used=used)
+        mixing = self.with_discrepancy.mixing(acting)
+        layout, plain = self.with_discrepancy.layout, self.plain.layout
 
         def held(numbers: Array) -> Array:
             """Return local numbers of the plain model, those of the law left at zero."""
-            found = spread_numbers(self.known, numbers, mixing)
-            local = np.zeros((*found.shape[:-1], plain.local))
-            effects = found[..., layout.own : layout.own + layout.candidates]
+            spread_out = spread_numbers(self.with_discrepancy, numbers, mixing)
+            local = np.zeros((*spread_out.shape[:-1], plain.local))
+            effects = spread_out[..., layout.own : layout.own + layout.candidates]
             local[..., COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
             nuisances = sum(plain.nuisances)
-            local[..., plain.local - nuisances :] = found[..., layout.local - nuisances :]
+            local[..., plain.local - nuisances :] = spread_out[..., layout.local - nuisances :]
             return local
 
         refit = refit_of(self.plain, residuals, ~out)

@@ -29,12 +29,12 @@ def data_of(
         There is no rig to diagnose, or the law is unknown.
     """
     opened = [rig.trials(recording) for rig in all_rigs().values()]
-    there = [one for one in opened if one is not None]
+    there = [rig for rig in opened if rig is not None]
     if simulator is not None:
         there = beside_simulator(there, simulator)
     law = diagnosed_law(baseline, there)
-    rigs = tuple(one.under(law).entering() for one in there)
-    data = Data(tuple(one for one in rigs if not one.table.empty))
+    rigs = tuple(rig.under(law).entering() for rig in there)
+    data = Data(tuple(rig for rig in rigs if not rig.table.empty))
     if not data.rigs:
         names = " or ".join(dict.fromkeys(rig.words.trial for rig in all_rigs().values()))
         none = Fault(recording.name, f"a {names} that enters the diagnosis")
@@ -81,9 +81,9 @@ def fitted_baseline(
         at = climb(model, model.noise.start if psi is None else psi, Acting())
         psi, laws = at.psi, model.fitted_laws(at)
         if not last:
-            stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())
-            left = (one.select(~one.table["trial"].isin(stray)) for one in data.rigs)
-            data = Data(tuple(one for one in left if one is not None)) if stray else data
+            stray = tuple(name for rig in data.rigs for name in rig.linear(laws).strays())
+            left = (rig.select(~rig.table["trial"].isin(stray)) for rig in data.rigs)
+            data = Data(tuple(rig for rig in left if rig is not None)) if stray else data
     assert psi is not None
     return data, stray, laws, psi
 
@@ -91,7 +91,7 @@ def fitted_baseline(
 def _rough_laws(data: Data, analysis: Analysis, law: FrictionLaw) -> dict[str, Coefficients]:
     """Return laws by plain least squares, without what the law lacks."""
     start: dict[str, float] = {}
-    for one in reversed(data.rigs):
-        start |= one.likelihood(analysis, law).start()
+    for rig in reversed(data.rigs):
+        start |= rig.likelihood(analysis, law).start()
     none = dict.fromkeys(law.without, 0.0)
     return {size: law_of(start, size)._replace(**none) for size in data.sizes}

@@ -10,7 +10,7 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.verdict import Known, measures
+from bayesfric.diagnosis.verdict import KnownEffect, measures
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import EffectParameter
 from bayesfric.inference.priors import describe
@@ -21,7 +21,7 @@ LN10 = float(np.log(10))
 
 def known_of(
     model: LinearModel, search: Search, posterior: Posterior, practical: float
-) -> list[Known]:
+) -> list[KnownEffect]:
     """Return what is known of each effect that was weighed, the most probable first.
 
     Parameters
@@ -36,7 +36,7 @@ def known_of(
         Practical share of friction.
     """
     chances = inclusion(search)
-    found = []
+    effects_known = []
     for members in search.classes.members:
         name = members[0]
         strength = posterior.strengths.get(name)
@@ -44,8 +44,8 @@ def known_of(
         above = 0.0 if acts is None or not acts.size else float(np.mean(acts >= practical))
         middle = 0.0 if acts is None or not acts.size else float(np.median(acts))
         effect = model.analysed(name)
-        found.append(
-            Known(
+        effects_known.append(
+            KnownEffect(
                 name,
                 chances.get(name, 0.0),
                 above,
@@ -53,29 +53,31 @@ def known_of(
                 measures(effect),
             )
         )
-    return sorted(found, key=lambda one: (-one.probability, one.effect))
+    return sorted(
+        effects_known, key=lambda known_effect: (-known_effect.probability, known_effect.effect)
+    )
 
 
 def inclusion_of(
-    known: Sequence[Known], posterior: Posterior, practical: float
+    effects_known: Sequence[KnownEffect], posterior: Posterior, practical: float
 ) -> tuple[Inclusion, ...]:
     """Return what is known of each effect, as it is stored."""
-    found = []
-    for one in known:
-        strength = posterior.strengths.get(one.effect)
+    rows = []
+    for effect in effects_known:
+        strength = posterior.strengths.get(effect.effect)
         acts = None if strength is None else strength[strength > 0]
         drawn = acts is not None and acts.size > 0
-        found.append(
+        rows.append(
             Inclusion(
-                effect=one.effect,
-                probability=one.probability,
+                effect=effect.effect,
+                probability=effect.probability,
                 strength=interval(acts) if drawn and acts is not None else None,
                 strength_why=None if drawn else "it is too improbable to be drawn",
-                probability_above_practical=one.probability * one.above_practical,
-                makes_a_gap=posterior.left.get(one.effect, 0.0) >= practical,
+                probability_above_practical=effect.probability * effect.above_practical,
+                makes_a_gap=posterior.left.get(effect.effect, 0.0) >= practical,
             )
         )
-    return tuple(found)
+    return tuple(rows)
 
 
 def causes_of(
@@ -101,9 +103,9 @@ def causes_of(
         Of a hypothesis to what importance draws say of its evidence.
     """
     chances = inclusion(search)
-    found = []
+    causes = []
     for name in names:
-        within = [one for one in search.weighed.values() if name in one.names]
+        within = [weighed for weighed in search.weighed.values() if name in weighed.names]
         if not within or name not in posterior.amplitudes:
             continue
         best = max(within, key=search.worth)
@@ -120,13 +122,13 @@ def causes_of(
         strengths = posterior.strengths[name]
         strength = float(np.median(strengths[strengths > 0])) if (strengths > 0).any() else 0.0
         rivals: list[Weighed | Unknown] = [
-            one for one in search.weighed.values() if name not in one.names
+            weighed for weighed in search.weighed.values() if name not in weighed.names
         ]
         if search.unknown is not None:
             rivals.append(search.unknown)
-        rival = max(rivals, key=lambda one: one.log_evidence)
+        rival = max(rivals, key=lambda weighed: weighed.log_evidence)
         error, error_why = factor_error(check(best), check(rival))
-        found.append(
+        causes.append(
             Cause(
                 effect=name,
                 sentence=model.analysed(name).sentence,
@@ -144,7 +146,7 @@ def causes_of(
                 below_floor=strength < floor,
             )
         )
-    return tuple(found)
+    return tuple(causes)
 
 
 def _number(parameter: EffectParameter, draws: Array) -> EffectNumber:

@@ -23,7 +23,7 @@ from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 DRAWS = 64
 FREEDOM, INFLATION = 5.0, 1.3  # of the Student-t that is drawn from, and of its covariance
-TOLD = 8.0  # curvature by the logarithm of a noise that the data tell to a third
+LEAST_CURVATURE = 8.0  # curvature by the logarithm of a noise that the data tell to a third
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Checked:
 
 
 def noise_checked(
-    model: LinearModel, search: Search, one: Weighed | Unknown, rng: np.random.Generator
+    model: LinearModel, search: Search, hypothesis: Weighed | Unknown, rng: np.random.Generator
 ) -> Checked:
     """Draw the noise of a hypothesis around its mode.
 
@@ -56,7 +56,7 @@ def noise_checked(
         In which hypotheses were compared.
     search : Search
         For the volume of the noise that stands for others.
-    one : Weighed or Unknown
+    hypothesis : Weighed or Unknown
         The hypothesis; its laws, shapes and forms are held, and how wide a force is.
     rng : Generator
         Source of randomness.
@@ -64,20 +64,20 @@ def noise_checked(
     forms: dict[str, FormShare] = {}
     curvature: Array | None = None
     volume = search.volume
-    if isinstance(one, Unknown):
-        model = squeezed(model.full, one.at.psi, one.best)
+    if isinstance(hypothesis, Unknown):
+        model = squeezed(model.full, hypothesis.at.psi, hypothesis.best)
     else:
-        forms, curvature = one.forms, one.curvature
-        volume = search.volume if one.volume is None else one.volume
+        forms, curvature = hypothesis.forms, hypothesis.curvature
+        volume = search.volume if hypothesis.volume is None else hypothesis.volume
     if curvature is None:
-        curvature = curvature_at(model, one.at, one.acting, forms)
+        curvature = curvature_at(model, hypothesis.at, hypothesis.acting, forms)
 
     def value(psi: Array) -> float:
-        return model.evaluate(psi, one.acting, None, forms).value
+        return model.evaluate(psi, hypothesis.acting, None, forms).value
 
-    mode = one.at.psi
+    mode = hypothesis.at.psi
     # What the data hardly tell is far from normal in any hypothesis, alike, and is held.
-    drawn = np.flatnonzero((np.diag(curvature) > TOLD) & ~at_bounds(model, mode))
+    drawn = np.flatnonzero((np.diag(curvature) > LEAST_CURVATURE) & ~at_bounds(model, mode))
     # Of its own noise, where another hypothesis' volume stood for it.
     noise = slice(len(model.noise))
     stood_for = log_volume(curvature[noise, noise]) - volume
@@ -98,18 +98,18 @@ def noise_checked(
     return Checked(off + stood_for, float(np.sqrt(max(spread2, 0.0))), float(k))
 
 
-def factor_error(one: Checked, other: Checked) -> tuple[float | None, str | None]:
+def factor_error(first: Checked, other: Checked) -> tuple[float | None, str | None]:
     """Return the error of the log of a Bayes factor, or why the draws do not tell it.
 
     Parameters
     ----------
-    one, other : Checked
+    first, other : Checked
         Of both hypotheses; what their approximations have in common cancels.
     """
-    worst = float(np.max([one.pareto_k, other.pareto_k]))
+    worst = float(np.max([first.pareto_k, other.pareto_k]))
     if not worst <= SAMPLING_RULES.pareto_k:  # not a number where one draw has all the weight
         return None, (
             f"the closed form is poor here: importance draws of the noise have a Pareto k of "
             f"{worst:.2f}, above {SAMPLING_RULES.pareto_k}"
         )
-    return float(np.linalg.norm([one.off - other.off, one.error, other.error])), None
+    return float(np.linalg.norm([first.off - other.off, first.error, other.error])), None

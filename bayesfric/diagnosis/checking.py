@@ -13,13 +13,13 @@ def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     """
     checks = check_record(summary.model_dump(mode="json", by_alias=True))
     faults = broken(checks)
-    found = summary.model_copy(update={"checks": checks})
+    looked = summary.model_copy(update={"checks": checks})
     if not faults:
-        return found
+        return looked
     above = summary.gap.probability_above_practical
     details = "; ".join(check.detail or check.check for check in checks if not check.holds)
     considered = (*summary.causes, *summary.considered)
-    return found.model_copy(
+    return looked.model_copy(
         update={
             "verdict": "undecided",
             "verdict_probability": max(above, 1 - above),

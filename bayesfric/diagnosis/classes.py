@@ -125,13 +125,13 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
     members: list[list[str]] = []
     for name in entering:
-        for known in members:
-            if _alias(model, names, columns, direction, name, known[0]):
-                known.append(name)
+        for alias_class in members:
+            if _alias(model, names, columns, direction, name, alias_class[0]):
+                alias_class.append(name)
                 break
         else:
             members.append([name])
-    chosen = tuple(tuple(one) for one in members)
+    chosen = tuple(tuple(alike) for alike in members)
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
     likelier = odds if any(value != 1 for value in odds.values()) else {}
     return Classes(chosen, tuple(absorbed), left_out, likelier)
@@ -144,7 +144,7 @@ def _odds(model: LinearModel, places: Sequence[int]) -> float:
 def _absent(model: LinearModel, place: int) -> str:
     """Return why nothing of an effect shows: no rig here can, or it does not matter."""
     reasons = [rig.rows.relative_force(model.candidates[place]) for rig in model.rigs]
-    unsupported = [one.reason for one in reasons if isinstance(one, Unsupported)]
+    unsupported = [reason.reason for reason in reasons if isinstance(reason, Unsupported)]
     if len(unsupported) == len(reasons):
         return f"absent from these data: {unsupported[0]}"
     return "no influence on the prediction"
@@ -189,11 +189,11 @@ def _alias(
     names: dict[str, list[int]],
     columns: tuple[int, ...],
     direction: Array,
-    one: str,
+    first: str,
     other: str,
 ) -> bool:
     """Return whether some law of one effect is some law of the other, whatever its shape."""
-    for law in _laws(model, names[one]):
+    for law in _laws(model, names[first]):
         for rival in _laws(model, names[other]):
             mine = [columns.index(place) for place in law if place in columns]
             theirs = [columns.index(place) for place in rival if place in columns]

@@ -42,8 +42,8 @@ def climb(
     at = model.evaluate(np.clip(psi, low, high), acting, wide, form, gradient=True)
     guess = np.diag(np.full(psi.size, 0.1))
     if inverse is not None:
-        known = len(inverse)
-        guess[:known, :known] = inverse
+        first_numbers = len(inverse)
+        guess[:first_numbers, :first_numbers] = inverse
     for _ in range(STEPS):
         assert at.gradient is not None
         free = ((at.psi > low) | (at.gradient > 0)) & ((at.psi < high) | (at.gradient < 0))
@@ -84,19 +84,19 @@ def curvature_at(
     """Return the negative Hessian of the log density by the noise, no direction flat."""
 
     def gradient(psi: Array) -> Array:
-        found = model.evaluate(psi, acting, None, form, gradient=True).gradient
-        assert found is not None
-        return found
+        slopes = model.evaluate(psi, acting, None, form, gradient=True).gradient
+        assert slopes is not None
+        return slopes
 
-    here = gradient(at.psi)
+    slope = gradient(at.psi)
     moved = [gradient(at.psi + STEP * along) for along in np.eye(at.psi.size)]
-    hessian = (np.array(moved) - here) / STEP
+    hessian = (np.array(moved) - slope) / STEP
     values, vectors = eigen_of(-0.5 * (hessian + hessian.T))
     return np.asarray((vectors * np.maximum(values, LEAST_CURVATURE)) @ vectors.T)
 
 
 def _bounds(model: LinearModel, count: int) -> tuple[Array, Array]:
-    pairs = [one.bounds for one in model.noise]
+    pairs = [parameter.bounds for parameter in model.noise]
     pairs += [(1e-7, 10.0)] * (count - len(pairs))
     low, high = np.log(np.array(pairs)).T
     return low, high

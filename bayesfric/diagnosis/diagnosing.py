@@ -28,6 +28,7 @@ from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
@@ -190,7 +191,7 @@ def _diagnose(
     held = held_of(fixed, data, law_shipped)
     examined, lacking = examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
-    examined = {name: widened(one, analysis) for name, one in examined.items()}
+    examined = {name: widened(effect, analysis) for name, effect in examined.items()}
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis=analysis,
@@ -207,7 +208,7 @@ def _diagnose(
         keeping.keep_each_call("unknown", Unknown | None, unknown_force),
     )
     data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
-    candidates = [one for effect in examined.values() for one in candidates_of(effect)]
+    candidates = [candidate for effect in examined.values() for candidate in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
@@ -218,16 +219,16 @@ def _diagnose(
         return around, _first_look(around, climbing(around, psi, Acting()), steps)
 
     first, first_found = without_strays(first, first_found, with_weights)
-    model, found = _finals(first, first_found, steps)
+    model, searched = _finals(first, first_found, steps)
     fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
     )
-    judged = judge(model, found, law_shipped, practical, draw_rng)
-    found, best = judged.search, judged.search.best()
+    judged = judge(model, searched, law_shipped, practical, draw_rng)
+    searched, best = judged.search, judged.search.best()
     residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
-    known, named, settled = judged.known, judged.named, judged.settled
+    effects_known, named, settled = judged.effects_known, judged.named, judged.settled
     present, possible = judged.present, judged.possible
-    chances = found.probabilities()
+    chances = searched.probabilities()
     friction, above, plain = residuals.friction_rms, judged.above, judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
@@ -235,13 +236,13 @@ def _diagnose(
     densities = keeping.record(
         "held-out-density",
         BlockDensities | None,
-        lambda: block_densities(model, found, named, block_rng),
+        lambda: block_densities(model, searched, named, block_rng),
     )
     gap = gap.model_copy(update=density_of(densities, named, like_clocks=arms.like_clocks(plain)))
-    gap_share, asked = float(np.median(posterior.gap)) / friction, found
+    gap_share, asked = float(np.median(posterior.gap)) / friction, searched
     remainder = remainder_of(model, asked, best, gap_share, left) if named else None
     others = data.rigs[0].other_joints
-    rivals = [name for effects in sets_of_one(chances, known, named) for name in effects]
+    rivals = [name for effects in sets_of_one(chances, effects_known, named) for name in effects]
     amounts = amounts_of(model, best)
     elsewhere = looks_like_others(named, rivals, examined, others, gap, amounts)
     why = None
@@ -249,18 +250,22 @@ def _diagnose(
         why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
     contradicted = why is not None or elsewhere
     if contradicted:
-        apart = overruled(found, known, [named] if named else [[name] for name in rivals], above)
-        found, known = apart.search, apart.known
+        apart = overruled(
+            searched, effects_known, [named] if named else [[name] for name in rivals], above
+        )
+        searched, effects_known = apart.search, apart.effects_known
         present, possible = apart.present, apart.possible
-        chances = found.probabilities()
-    together = () if elsewhere else sets_of_one(chances, known, named)
-    not_shown = why_not_shown(found, residuals) or loosely_known(model, residuals, posterior)
+        chances = searched.probabilities()
+    together = () if elsewhere else sets_of_one(chances, effects_known, named)
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
+    not_shown = why_not_shown(searched, residuals) or loosely_known(model, residuals, posterior)
+    not_shown = not_shown or why_bent(instrument)
     unexplained_by_scatter = unlike_scatter(
         gap, residuals, held_out.inside[1], posterior, practical, order_rng
     )
     verdict, chance = decide(
         chances,
-        [] if contradicted else [effect for effect in known if effect.effect in named],
+        [] if contradicted else [effect for effect in effects_known if effect.effect in named],
         above,
         together,
         none_before=analysis.diagnosis.hypotheses.none,
@@ -273,30 +278,31 @@ def _diagnose(
 
     checks: dict[str, Checked] = {}
 
-    def check(one: Weighed | Unknown) -> Checked:
-        label = UNKNOWN if isinstance(one, Unknown) else one.label
+    def check(hypothesis: Weighed | Unknown) -> Checked:
+        label = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.label
         if label not in checks:
-            checks[label] = noise_checked(model, found, one, check_rng)
+            checks[label] = noise_checked(model, searched, hypothesis, check_rng)
         return checks[label]
 
-    def told(names: list[str]) -> tuple[Cause, ...]:
-        return causes_of(names, model, found, posterior, practical, floor, check)
+    def causes_named(names: list[str]) -> tuple[Cause, ...]:
+        return causes_of(names, model, searched, posterior, practical, floor, check)
 
-    causes, beside = told(named), told(present)
+    causes, beside = causes_named(named), causes_named(present)
     considered: tuple[Cause, ...] = ()
     if contradicted:
-        considered = causes if named else told(rivals)
+        considered = causes if named else causes_named(rivals)
         causes = ()
-    unseparated = unseparated_of(found.classes, together)
-    proposals, no_proposal = next_experiment(model, found, chances)
+    unseparated = unseparated_of(searched.classes, together)
+    proposals, no_proposal = next_experiment(model, searched, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    law_found = by_the_instrument(law_found, instrument)
     to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
         asked_for = friction_at(target, model, law, law_found, posterior, named, examined, doubt)
-    if verdict == "unknown" and found.unknown is not None:
-        remainder = all_left(found, found.unknown)
+    if verdict == "unknown" and searched.unknown is not None:
+        remainder = all_left(searched, searched.unknown)
     elif remainder is None:
         remainder = remainder_of(model, asked, best, gap_share, left)
     prior = analysis.diagnosis.hypotheses
@@ -317,10 +323,9 @@ def _diagnose(
         windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
-    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     summary = DiagnosisFile(
         **attributes.model_dump(),
-        rigs=tuple(one.rig.name for one in data.rigs),
+        rigs=tuple(rig.rig.name for rig in data.rigs),
         baseline=law.name,
         simulator=simulator_used(own, model, settled),
         fixed=tuple(sorted(held)),
@@ -339,14 +344,14 @@ def _diagnose(
         probabilities=chances,
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
-            "0.1": found.probabilities(0.1),
-            "0.9": found.probabilities(0.9),
+            "0.1": searched.probabilities(0.1),
+            "0.9": searched.probabilities(0.9),
         },
-        unvisited_probability=found.unvisited(),
-        inclusion=inclusion_of(known, posterior, practical),
+        unvisited_probability=searched.unvisited(),
+        inclusion=inclusion_of(effects_known, posterior, practical),
         causes=causes,
         present=beside,
-        possible=told(possible),
+        possible=causes_named(possible),
         considered=considered,
         overruled_by=why,
         enter=to_enter,
@@ -355,8 +360,8 @@ def _diagnose(
         law=law_found,
         unseparated=unseparated,
         absorbed=tuple(
-            Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
-            for one in found.classes.absorbed
+            Absorbed(effect=effect.effect, by=effect.by, bias=effect.bias, unit=effect.unit)
+            for effect in searched.classes.absorbed
         ),
         remainder=remainder,
         where=where,
@@ -395,7 +400,7 @@ def _in_model(recording: Recording) -> str | None:
 
 def _doubted(rigs: Sequence[RigTrials], law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     """Return what the data contradict of what was declared, the first thing to know."""
-    return tuple(line for one in rigs for line in one.doubts(law))
+    return tuple(line for rig in rigs for line in rig.doubts(law))
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
@@ -408,16 +413,16 @@ def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
     return search(model, none, inverse, 0.0, classes, steps)
 
 
-def _finals(first: LinearModel, found: Search, steps: Steps) -> tuple[LinearModel, Search]:
+def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearModel, Search]:
     """Compare the finalists alike, around the law that was fitted with the leader."""
     model = first
-    if found.probabilities().get(NONE, 0.0) > SURELY:
+    if searched.probabilities().get(NONE, 0.0) > SURELY:
         # All are compared alike already, and nothing is large enough to have another form.
-        return model, found
+        return model, searched
     for _ in range(ROUNDS):
-        leader = found.best()
+        leader = searched.best()
         acting = model.amplitudes(leader.at, leader.acting)
-        forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, found))
+        forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, searched))
         around = around_nearby(
             model,
             model.fitted_laws(leader.at),
@@ -425,22 +430,22 @@ def _finals(first: LinearModel, found: Search, steps: Steps) -> tuple[LinearMode
             scattering=acting,
             forms=forms,
         )
-        around.merge(found.classes.members)
+        around.merge(searched.classes.members)
         around = squeezed(around, leader.at.psi)
-        model, found = around, compare(around, found, steps)
-        if found.best().names == leader.names:
+        model, searched = around, compare(around, searched, steps)
+        if searched.best().names == leader.names:
             break
-    return model, found
+    return model, searched
 
 
-def _acting_once(model: LinearModel, found: Search) -> list[tuple[Candidate, float]]:
+def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, float]]:
     """Return each effect of the likeliest hypotheses, as the best with it has it."""
-    ranked = sorted(found.weighed.values(), key=lambda one: -found.worth(one))
-    top = found.worth(ranked[0])
+    ranked = sorted(searched.weighed.values(), key=lambda weighed: -searched.worth(weighed))
+    top = searched.worth(ranked[0])
     acting: dict[str, tuple[Candidate, float]] = {}
-    for one in ranked:
-        if found.worth(one) < top - FORMED:
+    for weighed in ranked:
+        if searched.worth(weighed) < top - FORMED:
             break
-        for candidate, amplitude in model.amplitudes(one.at, one.acting):
+        for candidate, amplitude in model.amplitudes(weighed.at, weighed.acting):
             acting.setdefault(candidate.effect.name, (candidate, amplitude))
     return list(acting.values())

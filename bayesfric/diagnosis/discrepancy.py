@@ -89,12 +89,14 @@ class Discrepancy:
         shares = np.full(len(self.smooths), self.share)
         if wide is not None:
             # The discrepancy's variance is shared by all, that of the wide ones by these.
-            chosen = np.array([wide.has(one) for one in self.smooths])
+            chosen = np.array([wide.has(smooth) for smooth in self.smooths])
             part = np.sqrt(len(self.smooths) / np.count_nonzero(chosen))
             shares[chosen] = np.hypot(self.share, part * wide.share)
-        each = np.repeat(shares, np.array([one.count for one in self.smooths], dtype=np.intp))
-        first = sum(one.count for one in self.own)
-        return each[:first], np.concatenate([each[first:], np.ones(len(self.amounts))])
+        by_number = np.repeat(
+            shares, np.array([smooth.count for smooth in self.smooths], dtype=np.intp)
+        )
+        first = sum(smooth.count for smooth in self.own)
+        return by_number[:first], np.concatenate([by_number[first:], np.ones(len(self.amounts))])
 
 
 def discrepancy_share(practical_share: float) -> float:
@@ -110,8 +112,8 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
     rows : sequence of LinearRows
         The rigs. What a rig has beside others may differ from them by a constant share.
     """
-    where = [one.covariates() for one in rows]
-    span = {axis: Span.of(*(one[axis] for one in where)) for axis in SHARED_AXES}
+    where = [rig_rows.covariates() for rig_rows in rows]
+    span = {axis: Span.of(*(covariates[axis] for covariates in where)) for axis in SHARED_AXES}
     own = [smooth_along({axis: span[axis]}) for axis in SHARED_AXES]
     shared = [
         smooth_along({axis: span[axis]}, relative=True, length=NARROW) for axis in SHARED_AXES
@@ -122,22 +124,24 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
     shared.append(smooth_along(slow, relative=True, length=NARROW))
     both = {axis: span[axis] for axis in ("velocity", "tension")}
     shared.append(smooth_along(both, relative=True, length=NARROW))
-    for one, here in zip(rows, where, strict=True):
-        for axis in one.trial_axes:
-            along = {axis: Span.of(here[axis])}
+    for rig_rows, axes_of_rig in zip(rows, where, strict=True):
+        for axis in rig_rows.trial_axes:
+            along = {axis: Span.of(axes_of_rig[axis])}
             # Events tell where along the travel a force is to millimetres: a worn spot that the
             # functions cannot have would be put together from others that are too large.
             sharp = axis == "displacement"
             length, kept = (SHARP, WHOLE) if sharp else (NARROW, KEPT)
-            smooth = smooth_along(along, one.name, relative=True, length=length, kept=kept)
+            smooth = smooth_along(along, rig_rows.name, relative=True, length=length, kept=kept)
             # What scatter may do alike, an unknown force does where that is all it does.
-            alone = axis in one.scattering_axes
+            alone = axis in rig_rows.scattering_axes
             shared.append(replace(smooth, alone=True) if smooth and alone else smooth)
-    for one, here in zip(rows[1:], where[1:], strict=True):
+    for rig_rows, axes_of_rig in zip(rows[1:], where[1:], strict=True):
         for axis in SHARED_AXES:
-            shared.append(smooth_along({axis: Span.of(here[axis])}, one.name, relative=True))
-        shared.append(smooth_along({}, one.name, relative=True))
-    return [one for one in own if one], [one for one in shared if one]
+            shared.append(
+                smooth_along({axis: Span.of(axes_of_rig[axis])}, rig_rows.name, relative=True)
+            )
+        shared.append(smooth_along({}, rig_rows.name, relative=True))
+    return [smooths for smooths in own if smooths], [smooths for smooths in shared if smooths]
 
 
 def _small_amounts(
@@ -159,25 +163,27 @@ def _small_amounts(
         for candidate in candidates
         if not goes_to_and_fro(candidate.effect) and not candidate.effect.components
     }
-    found: list[tuple[Candidate, float]] = []
+    amounts: list[tuple[Candidate, float]] = []
     for effect in effects.values():
         nodes = SHAPES if effect.shape is not None else np.zeros(1)
-        each = [Candidate(effect, law, float(node)) for law in effect.laws for node in nodes]
-        part = share / np.sqrt(len(effects) * len(each))
-        for candidate in each:
+        candidates_at_nodes = [
+            Candidate(effect, law, float(node)) for law in effect.laws for node in nodes
+        ]
+        part = share / np.sqrt(len(effects) * len(candidates_at_nodes))
+        for candidate in candidates_at_nodes:
             size = relative_rms(rows, candidate)
             if size > 0:
-                found.append((candidate, part / size))
-    return found
+                amounts.append((candidate, part / size))
+    return amounts
 
 
 def relative_rms(rows: Sequence[LinearRows], candidate: Candidate) -> float:
     """Return the rms of what amplitude 1 does to friction, over the rigs where it acts."""
     squares: list[Array] = []
-    for one in rows:
-        force = one.relative_force(candidate)
+    for rig_rows in rows:
+        force = rig_rows.relative_force(candidate)
         if not isinstance(force, Unsupported):
             square = np.atleast_3d(force**2).sum(axis=0).mean(axis=1)
-            squares.append(np.broadcast_to(square, (len(one.table),)))
-    acting = [one for one in squares if one.any()]
+            squares.append(np.broadcast_to(square, (len(rig_rows.table),)))
+    acting = [squares_of_rig for squares_of_rig in squares if squares_of_rig.any()]
     return float(np.sqrt(np.concatenate(acting).mean())) if acting else 0.0

@@ -41,14 +41,14 @@ class DrawnEffect:
 
     def force(self, state: State) -> Array:
         """Return what it adds to friction [N], shape (draws,)."""
-        found = np.zeros(self.amplitude.shape)
+        force = np.zeros(self.amplitude.shape)
         for name in np.unique(self.variant[self.variant != ""]):
             mine = self.variant == name
             p = {self.effect.amplitude.name: np.where(mine, self.amplitude, 0.0)}
             if self.effect.shape is not None:
                 p[self.effect.shape.name] = np.where(mine, self.shape, 1.0)
-            found += np.where(mine, self.effect.laws[str(name)](p, state), 0.0)
-        return found
+            force += np.where(mine, self.effect.laws[str(name)](p, state), 0.0)
+        return force
 
 
 def drawn_effect(table: xr.Dataset, name: str, effects: Mapping[str, Effect]) -> DrawnEffect | str:

@@ -25,7 +25,7 @@ def examinable(
     An effect of the user's own is in the user's measures already; one that several rigs
     share is in those that it was described in.
     """
-    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    offered: frozenset[str] = frozenset().union(*(rig.offers for rig in data.rigs))
     taken = frozenset().union(*(trials.taken_up for trials in data.rigs)) - frozenset(own)
     examined: dict[str, Effect] = {}
     lacking: dict[str, tuple[str, ...]] = {}
@@ -73,7 +73,7 @@ def examined_effects(
     All are of the model around the baseline, where every effect has been weighed: evidences
     of the model around the leader's law, which has its finalists alone, have another zero.
     """
-    absorbed = {one.effect for one in first.classes.absorbed}
+    absorbed = {effect.effect for effect in first.classes.absorbed}
     stands = {name: members[0] for members in first.classes.members for name in members}
     listed = []
     for name in sorted({*names, *elsewhere}):

@@ -74,7 +74,7 @@ def other_forms(
         Effects that act, with their amplitudes. Errors of readings that go to and fro have
         none: there is no equivalent force to take a share of.
     """
-    found: list[Form] = []
+    forms: list[Form] = []
     for candidate, amplitude in acting:
         if goes_to_and_fro(candidate.effect) or amplitude == 0:
             continue
@@ -86,17 +86,20 @@ def other_forms(
             size = _size(rows, alike) * abs(amplitude)
             weights = 1 / np.arange(1, len(shapes) + 1)
             for shape, weight in zip(shapes, weights / np.linalg.norm(weights), strict=True):
-                one = replace(candidate, effect=_varied(candidate.effect, axis, shape))
-                if (varied := _size(rows, one)) > 0:
-                    found.append(Form(one, weight * size / varied, axis))
-    return found
+                varied_candidate = replace(candidate, effect=_varied(candidate.effect, axis, shape))
+                if (varied := _size(rows, varied_candidate)) > 0:
+                    forms.append(Form(varied_candidate, weight * size / varied, axis))
+    return forms
 
 
 def _size(rows: Sequence[LinearRows], candidate: Candidate) -> float:
     """Return the rms of what amplitude 1 does, of an error of readings in metres."""
     if candidate.effect.acts_on != "reading":
         return relative_rms(rows, candidate)
-    return max((one.size_of(candidate) for one in rows if _shows(one, candidate)), default=0.0)
+    return max(
+        (rig_rows.size_of(candidate) for rig_rows in rows if _shows(rig_rows, candidate)),
+        default=0.0,
+    )
 
 
 def _shows(rows: LinearRows, candidate: Candidate) -> bool:
@@ -134,30 +137,30 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
     # Where the effect dies out, so do its other forms; equal parts of the effect count alike.
     quantiles = (np.cumsum(square) - square / 2) / square.sum()
     inside, root = quantiles[which], np.sqrt(weight)
-    known = [root]
-    found: list[Callable[[Array], Array]] = []
+    functions = [root]
+    shapes: list[Callable[[Array], Array]] = []
     for degree in range(1, HIGHEST + 1):
         basis = legendre.Legendre.basis(degree, domain=(0.0, 1.0))
         values = root * basis(inside)
-        lower = np.stack(known, axis=1)
+        lower = np.stack(functions, axis=1)
         new = values - lower @ np.linalg.lstsq(lower, values, rcond=None)[0]
         # Of few places, or where the effect is zero at some, it is those of lower degrees again.
         if np.linalg.norm(new) <= UNLIKE * np.linalg.norm(values):
             continue
-        known.append(values)
+        functions.append(values)
         mean = np.average(basis(inside), weights=weight)
 
         def shape(place: Array, basis: Any = basis, mean: float = mean) -> Array:
             return np.asarray(basis(np.interp(place, levels, quantiles)) - mean)
 
-        found.append(shape)
-    return found
+        shapes.append(shape)
+    return shapes
 
 
 def _places(rows: Sequence[LinearRows], candidate: Candidate) -> list[tuple[Any, Array]]:
     """Return where each rig is, and the square of what the effect does there."""
     effect = candidate.effect
-    places = [one.where(effect.acts_on) for one in rows if _shows(one, candidate)]
+    places = [rig_rows.where(effect.acts_on) for rig_rows in rows if _shows(rig_rows, candidate)]
     values, _ = unit_values(candidate)
     law = effect.laws[candidate.law]
     return [(place, np.asarray(law(values, place), dtype=np.float64) ** 2) for place in places]
@@ -169,7 +172,7 @@ def _along(axis: str, places: Sequence[tuple[Any, Array]]) -> tuple[Array, Array
     for place, square in places:
         if _has(place, axis):
             values = np.asarray(getattr(place, axis), dtype=np.float64)
-            here, there = np.broadcast_arrays(values, square)
-            at.append(here.ravel())
+            along, there = np.broadcast_arrays(values, square)
+            at.append(along.ravel())
             weight.append(there.ravel() / there.size)
     return np.concatenate(at), np.concatenate(weight)

@@ -55,7 +55,9 @@ class Squares:
     def of(self, rows: Flags, weight: float) -> "Squares":
         """Return those of some rows, for weights that add up to 1 again."""
         shipped = None if self.as_shipped is None else self.as_shipped[rows] / weight
-        before, after, floor = (one[rows] / weight for one in (self.before, self.after, self.floor))
+        before, after, floor = (
+            squares[rows] / weight for squares in (self.before, self.after, self.floor)
+        )
         return Squares(shipped, before, after, floor, self.setup[rows])
 
 
@@ -110,22 +112,28 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         Assigns assemblies to folds.
     """
     fold = folds_of(residuals.setup, rng)
-    known = arms.shipped is not None
+    is_shipped = arms.shipped is not None
 
     def squares(arm: Sequence[Fitted]) -> tuple[Array, Squares]:
-        left = np.stack([residuals.left(one.local) for one in arm])
-        return left, _squares(residuals, left, [one.chance2 for one in arm], shipped=known)
+        left = np.stack([residuals.left(fitted.local) for fitted in arm])
+        return left, _squares(
+            residuals, left, [fitted.chance2 for fitted in arm], shipped=is_shipped
+        )
 
     by_fold = [arms.fitted(residuals, fold == number) for number in range(int(fold.max()) + 1)]
     place = np.arange(fold.size)
     left, chance2 = np.empty((2, 3, fold.size))
     for arm in range(3):
-        left[arm] = np.stack([residuals.left(one[arm].local) for one in by_fold])[fold, place]
-        chance2[arm] = np.stack([one[arm].chance2 for one in by_fold])[fold, place]
-    found = [("folds over assemblies", _squares(residuals, left, chance2, shipped=known))]
+        left[arm] = np.stack([residuals.left(arms_of_fold[arm].local) for arms_of_fold in by_fold])[
+            fold, place
+        ]
+        chance2[arm] = np.stack([arms_of_fold[arm].chance2 for arms_of_fold in by_fold])[
+            fold, place
+        ]
+    folds = [("folds over assemblies", _squares(residuals, left, chance2, shipped=is_shipped))]
     for name, rows in extrapolated(residuals).items():
         weight = float(residuals.weight[rows].sum())
-        found.append((name, squares(arms.fitted(residuals, rows))[1].of(rows, weight)))
+        folds.append((name, squares(arms.fitted(residuals, rows))[1].of(rows, weight)))
     every, inside = squares(arms.fitted(residuals, np.zeros(fold.size, dtype=np.bool_)))
     trajectory, examples = _free_running(arms, residuals, fold, by_fold)
     return HeldOut(
@@ -134,11 +142,11 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         left[1],
         left[2],
         every,
-        tuple(found),
+        tuple(folds),
         inside,
         trajectory,
         examples,
-        _by_chance(residuals, fold, [one[2] for one in by_fold], rng),
+        _by_chance(residuals, fold, [arms_of_fold[2] for arms_of_fold in by_fold], rng),
     )
 
 
@@ -158,25 +166,25 @@ def extrapolated(residuals: Residuals) -> dict[str, Flags]:
     dict of str to ndarray of bool, shape (R,)
         Whole trials, by name; none that would leave a pulley size without windows.
     """
-    found: dict[str, Flags] = {}
+    conditions: dict[str, Flags] = {}
     where = residuals.covariates
     tension, pulleys, wrap = (where[axis] for axis in ("tension", "n_pulleys", "wrap_angle"))
     running = np.isfinite(where["displacement"])
     if running.any():
         # Trials of one pair of masses differ in tension by what they accelerate.
         low, high = tension[running].min(), tension[running].max()
-        found["top tension"] = running & (tension > low + NEAR * (high - low))
+        conditions["top tension"] = running & (tension > low + NEAR * (high - low))
         # Means over a window: as equal as rounding lets them be.
-        found["largest number of pulleys"] = np.isclose(pulleys, pulleys.max())
-        found["extreme wrap angle"] = np.isclose(wrap, wrap.max())
-    found["trials of the role test, from the others"] = residuals.shown
+        conditions["largest number of pulleys"] = np.isclose(pulleys, pulleys.max())
+        conditions["extreme wrap angle"] = np.isclose(wrap, wrap.max())
+    conditions["trials of the role test, from the others"] = residuals.shown
     if len(residuals.rig_names) > 1:
         for place, name in enumerate(residuals.rig_names):
-            found[f"the {name} board, from the rest"] = residuals.rig == place
+            conditions[f"the {name} board, from the rest"] = residuals.rig == place
     sizes = [residuals.size == size for size in np.unique(residuals.size)]
     return {
         name: rows
-        for name, rows in found.items()
+        for name, rows in conditions.items()
         if rows.any() and all((~rows & mine).any() for mine in sizes)
     }
 
@@ -190,15 +198,15 @@ def _by_chance(
     """Draw the squares that chance makes in folds where the law is right, (DRAWS,) [N²]."""
     drawn = redrawn(residuals, DRAWS, rng)
     scatter2 = residuals.friction_n**2 * residuals.spread2
-    found = np.zeros(DRAWS)
-    for number, one in enumerate(after):
+    squares = np.zeros(DRAWS)
+    for number, arm in enumerate(after):
         rows = fold == number
-        assert one.refit is not None
-        off = one.further @ rng.standard_normal((one.further.shape[1], DRAWS))
-        left2 = one.refit.kept(drawn + off)[rows] ** 2
-        expected = (scatter2 - one.chance2)[rows, None]
-        found += residuals.weight[rows] @ (left2 + expected)
-    return found
+        assert arm.refit is not None
+        off = arm.further @ rng.standard_normal((arm.further.shape[1], DRAWS))
+        left2 = arm.refit.kept(drawn + off)[rows] ** 2
+        expected = (scatter2 - arm.chance2)[rows, None]
+        squares += residuals.weight[rows] @ (left2 + expected)
+    return squares
 
 
 def _squares(
@@ -216,7 +224,7 @@ def _free_running(
     """Return squares of the deviation of each held-out trial [m²], and some examples."""
     first = np.unique(residuals.trial, return_index=True)[1]
     noise, start = arms.plain.noise.named(arms.psi), 0
-    numbers = np.stack([[arm.local for arm in one] for one in by_fold])
+    numbers = np.stack([[arm.local for arm in arms_of_fold] for arms_of_fold in by_fold])
     runs: dict[int, Run] = {}
     squares: list[Array] = []
     for rig in arms.plain.rigs:
@@ -224,7 +232,7 @@ def _free_running(
         mine = fold[first[start : start + count]]
         local = numbers[mine, :, rig.size].swapaxes(0, 1)
         for trial, run in rig.runs(noise, local).items():
-            spread = [one.spread[rig.size[trial]] for one in by_fold[mine[trial]]]
+            spread = [arm.spread[rig.size[trial]] for arm in by_fold[mine[trial]]]
             of_law = [float(np.einsum("pk,pq,qk", s, run.columns2, s)) for s in spread]
             squares.append((run.off**2).mean(axis=1) - run.error2 - np.array(of_law))
             runs[start + trial] = run
@@ -317,9 +325,9 @@ def _floor_draws(squares: Squares, count: int, rng: np.random.Generator) -> Arra
     F. E. Satterthwaite, "An approximate distribution of estimates of variance
     components", Biometrics Bulletin 2 (1946): degrees of freedom of a sum of squares.
     """
-    each = squares.by_setup(squares.floor)
-    freedom = each.sum() ** 2 / max((each**2).sum(), 1e-300)
-    return np.asarray(each.sum() * rng.chisquare(freedom, count) / freedom)
+    by_setup = squares.by_setup(squares.floor)
+    freedom = by_setup.sum() ** 2 / max((by_setup**2).sum(), 1e-300)
+    return np.asarray(by_setup.sum() * rng.chisquare(freedom, count) / freedom)
 
 
 def _root(values: Array) -> Array:

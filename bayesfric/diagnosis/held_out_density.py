@@ -43,8 +43,8 @@ class BlockDensities:
     @property
     def error(self) -> float:
         """Standard error of that sum, from how far blocks differ [nat]."""
-        each = self.beside - self.without
-        return float(np.sqrt(each.size) * np.std(each, ddof=1))
+        differences = self.beside - self.without
+        return float(np.sqrt(differences.size) * np.std(differences, ddof=1))
 
 
 def blocks_of(model: LinearModel, rng: np.random.Generator) -> list[Whole]:

@@ -93,14 +93,14 @@ class Search:
         larger = alone if parts[0] > parts[1] else beside
         return replace(self, unknown=replace(larger, log_evidence=float(logsumexp(parts))))
 
-    def worth(self, one: Weighed) -> float:
+    def worth(self, hypothesis: Weighed) -> float:
         """Return the log of evidence times prior."""
-        return one.log_evidence + self.log_prior(one.label)
+        return hypothesis.log_evidence + self.log_prior(hypothesis.label)
 
     def probabilities(self, none: float | None = None) -> dict[str, float]:
         """Return posterior probabilities, the largest first, summing to 1."""
-        values = {name: one.log_evidence for name, one in self.weighed.items()}
-        values |= {name: one for name, one in self.rough.items() if name not in values}
+        values = {name: value.log_evidence for name, value in self.weighed.items()}
+        values |= {name: value for name, value in self.rough.items() if name not in values}
         if self.unknown is not None:
             values[UNKNOWN] = self.unknown.log_evidence
         elif self.unheard:
@@ -110,10 +110,10 @@ class Search:
         chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
         listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
-        found = normalised({name: float(chances[name]) for name in ranked})
-        found.setdefault(UNKNOWN, 0.0)
-        found = self._without_minor(found)
-        return self._with_foreign(found) if self.foreign else found
+        by_name = normalised({name: float(chances[name]) for name in ranked})
+        by_name.setdefault(UNKNOWN, 0.0)
+        by_name = self._without_minor(by_name)
+        return self._with_foreign(by_name) if self.foreign else by_name
 
     def overruled(self, effects: frozenset[str]) -> "Search":
         """Return these where held-out data contradict that effects make the gap."""
@@ -127,23 +127,23 @@ class Search:
             return chances
         largest, share = self.minor
         alone = "+".join(sorted(largest))
-        found = {alone: 0.0, **chances}
+        moved = {alone: 0.0, **chances}
         for name, chance in chances.items():
             if largest < set(name.split("+")):
-                found[name] -= share * chance
-                found[alone] += share * chance
-        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+                moved[name] -= share * chance
+                moved[alone] += share * chance
+        ranked = sorted(normalised(moved).items(), key=lambda pair: (-pair[1], pair[0]))
         return dict(ranked)
 
     def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
-        found = chances.copy()
+        shared = chances.copy()
         for name, chance in chances.items():
             acting = set(name.split("+"))
             shares = [share for effects, share in self.foreign.items() if effects <= acting]
             kept = math.prod(1 - share for share in shares)
-            found[name] -= (1 - kept) * chance
-            found[UNKNOWN] += (1 - kept) * chance
-        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+            shared[name] -= (1 - kept) * chance
+            shared[UNKNOWN] += (1 - kept) * chance
+        ranked = sorted(normalised(shared).items(), key=lambda pair: (-pair[1], pair[0]))
         return dict(ranked)
 
     def unvisited(self) -> float:
@@ -155,5 +155,7 @@ class Search:
         """Return the most probable hypothesis of those with names, none among them."""
         weighed = list(self.weighed.values())
         if self.minor is not None and self.minor[1] >= MOSTLY:
-            weighed = [one for one in weighed if not self.minor[0] < set(one.names)]
+            weighed = [
+                hypothesis for hypothesis in weighed if not self.minor[0] < set(hypothesis.names)
+            ]
         return max(weighed, key=self.worth)

@@ -38,35 +38,35 @@ def diagnosed_together(
     InputError
         No joint can be diagnosed: why, of each.
     """
-    each: dict[str, Diagnosed] = {}
+    by_joint: dict[str, Diagnosed] = {}
     faults: list[Fault] = []
     left_out: list[str] = []
     for place, (joint, recording) in enumerate(parted.items()):
         folder = None if checkpoint is None else checkpoint / f"joint-{place + 1}"
         try:
-            each[joint] = diagnosed(recording, folder)
+            by_joint[joint] = diagnosed(recording, folder)
         except InputError as error:
             faults += error.faults
             left_out.append(f"The joint {joint} is not diagnosed: {error.faults[-1]}")
-    if not each:
+    if not by_joint:
         raise InputError(faults)
-    decides = min(each, key=lambda joint: ORDER.index(each[joint].summary.verdict))
-    amounts = [result.amounts for result in each.values() if result.amounts is not None]
+    decides = min(by_joint, key=lambda joint: ORDER.index(by_joint[joint].summary.verdict))
+    amounts = [result.amounts for result in by_joint.values() if result.amounts is not None]
     errors = model_errors(amounts)
-    words = "; ".join(f"{joint}: {one.summary.verdict}" for joint, one in each.items())
-    first = each[decides]
+    words = "; ".join(f"{joint}: {result.summary.verdict}" for joint, result in by_joint.items())
+    first = by_joint[decides]
     summary = first.summary.model_copy(
         update={
-            "joints": tuple(one.summary for one in each.values()),
+            "joints": tuple(result.summary for result in by_joint.values()),
             "joints_why": None,
-            "sentence": f"Of {len(each)} joints ({words}), {decides}: "
+            "sentence": f"Of {len(by_joint)} joints ({words}), {decides}: "
             f"{first.own_sentence}{model_error_words(errors)}",
             "attention": (
                 *left_out,
                 *(
                     f"{joint}: {line}"
-                    for joint, one in each.items()
-                    for line in one.summary.attention
+                    for joint, result in by_joint.items()
+                    for line in result.summary.attention
                 ),
             ),
             "model_error": errors,
@@ -75,11 +75,11 @@ def diagnosed_together(
     )
     curves = dict(first.curves.children)
     curves["joints"] = xr.DataTree.from_dict(
-        {f"{place}": one.curves for place, one in enumerate(each.values(), start=1)}
+        {f"{place}": result.curves for place, result in enumerate(by_joint.values(), start=1)}
     )
     return replace(
         first,
         summary=identified(summary),
         curves=xr.DataTree(children=curves),
-        seconds=sum(one.seconds for one in each.values()),
+        seconds=sum(result.seconds for result in by_joint.values()),
     )

@@ -27,7 +27,7 @@ from bayesfric.diagnosis.systematic import (
     shrink_of,
 )
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.verdict import HALF, Known, sort_effects
+from bayesfric.diagnosis.verdict import HALF, KnownEffect, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import SHAPE_NODES
 from bayesfric.physics.friction import Coefficients
@@ -53,7 +53,7 @@ class Judged:
         Windows at that noise.
     posterior : Posterior
         Draws.
-    known : list of Known
+    effects_known : list of KnownEffect
         What is known of each effect.
     named, present, possible : list of str
         Causes, those too weak to matter, and those that are possible.
@@ -69,7 +69,7 @@ class Judged:
     settled: At
     residuals: Residuals
     posterior: Posterior
-    known: list[Known]
+    effects_known: list[KnownEffect]
     named: list[str]
     present: list[str]
     possible: list[str]
@@ -108,8 +108,10 @@ def judge(
     if not judged.named or search.unknown is None:
         return judged
 
-    def leaves(one: Judged) -> float:
-        return _leaves_too_much(one, practical, lambda label: _own_force(model, search, one, label))
+    def leaves(compared: Judged) -> float:
+        return _leaves_too_much(
+            compared, practical, lambda label: _own_force(model, search, compared, label)
+        )
 
     share, again = leaves(judged), judged
     if share >= RARE:
@@ -124,10 +126,10 @@ def judge(
     moved = replace(
         search, foreign=foreign, unknown=_with_causes(model, search.unknown, search.best())
     )
-    found = _judged(model, moved, shipped, practical, rng)
-    if found.named != judged.named:
-        return found
-    return replace(found, arms=again.arms, plain=again.plain)
+    outcome = _judged(model, moved, shipped, practical, rng)
+    if outcome.named != judged.named:
+        return outcome
+    return replace(outcome, arms=again.arms, plain=again.plain)
 
 
 def _with_causes(model: LinearModel, force: Unknown, best: Weighed) -> Unknown:
@@ -146,15 +148,19 @@ def _reshaped(model: LinearModel, judged: Judged) -> Judged | None:
     """Return the causes at shapes that leave least of the gap; None where none has a shape."""
     causes, force = judged.arms.causes, judged.posterior.force
     laws = [
-        next(law for law in model.lawbook[one.effect] if law.law == one.law) for one in causes.laws
+        next(law for law in model.lawbook[cause.effect] if law.law == cause.law)
+        for cause in causes.laws
     ]
-    each = [model.candidate(law, 0.0) for law in laws]
-    if not any(one.effect.shape is not None for one in each):
+    candidates = [model.candidate(law, 0.0) for law in laws]
+    if not any(candidate.effect.shape is not None for candidate in candidates):
         return None
-    nodes = [SHAPE_NODES if one.effect.shape is not None else np.zeros(1) for one in each]
+    nodes = [
+        SHAPE_NODES if candidate.effect.shape is not None else np.zeros(1)
+        for candidate in candidates
+    ]
     tried = [
-        replace(one, node=float(node))
-        for one, places in zip(each, nodes, strict=True)
+        replace(candidate, node=float(node))
+        for candidate, places in zip(candidates, nodes, strict=True)
         for node in places
     ]
     around = model.around(model.laws, tried, discrepancy=False, by_trial=False)
@@ -170,12 +176,12 @@ def _reshaped(model: LinearModel, judged: Judged) -> Judged | None:
         taken = best_of(judged.residuals, own[:, places], force)
         return float(np.mean(left_of(judged.residuals, judged.posterior, taken)))
 
-    for _ in range(PASSES if len(each) > 1 else 1):
-        for number in range(len(each)):
+    for _ in range(PASSES if len(candidates) > 1 else 1):
+        for number in range(len(candidates)):
             rivals = range(first[number], first[number + 1])
-            there = [[*chosen[:number], one, *chosen[number + 1 :]] for one in rivals]
+            there = [[*chosen[:number], rival, *chosen[number + 1 :]] for rival in rivals]
             chosen = min(there, key=left)
-    shapes = [tried[one].node for one in chosen]
+    shapes = [tried[place].node for place in chosen]
     arms = _around_causes(model, laws, shapes, causes.phases, judged.arms)
     return replace(judged, arms=arms, plain=residuals_of(arms.plain, arms.psi))
 
@@ -192,13 +198,23 @@ def _judged(
     settled = force.at if mostly and force is not None else best.at
     residuals = residuals_of(model.full, settled.psi)
     posterior = posterior_of(model, search, residuals, rng)
-    known = known_of(model, search, posterior, practical)
+    effects_known = known_of(model, search, posterior, practical)
     above = float(np.mean(posterior.gap >= practical * residuals.friction_rms))
-    named, present, possible = sort_effects(known, above)
+    named, present, possible = sort_effects(effects_known, above)
     arms = _arms(model, search, best, named, settled.psi, shipped)
     plain = residuals_of(arms.plain, arms.psi)
     return Judged(
-        search, settled, residuals, posterior, known, named, present, possible, arms, plain, above
+        search,
+        settled,
+        residuals,
+        posterior,
+        effects_known,
+        named,
+        present,
+        possible,
+        arms,
+        plain,
+        above,
     )
 
 
@@ -233,8 +249,8 @@ def _leaves_too_much(
         if shrink is None:
             continue
         left = np.clip(1 - shrink, 0.0, 1.0)
-        found = (left > FOREIGN) & (np.sqrt(left) * gap >= practical)
-        too_much.append(found[labels == label])
+        is_beyond = (left > FOREIGN) & (np.sqrt(left) * gap >= practical)
+        too_much.append(is_beyond[labels == label])
     return float(np.concatenate(too_much).mean()) if too_much else 0.0
 
 
@@ -282,29 +298,29 @@ def _largest_alone(
 
 def _own_force(model: LinearModel, search: Search, judged: Judged, label: str) -> Array | None:
     """Return the force of each effect of a hypothesis beyond the causes, the law recalibrated."""
-    one = search.weighed.get(label)
-    if one is None or set(one.names) == set(judged.named):
+    weighed = search.weighed.get(label)
+    if weighed is None or set(weighed.names) == set(judged.named):
         return None
     causes = judged.arms.causes
     named = zip(causes.laws, causes.shapes, strict=True)
     shapes = {(law.effect, law.law): shape for law, shape in named}
     own = [
         shapes.get((law.effect, law.law), shape)
-        for law, shape in zip(one.acting.laws, one.acting.shapes, strict=True)
+        for law, shape in zip(weighed.acting.laws, weighed.acting.shapes, strict=True)
     ]
-    arms = _around_causes(model, one.acting.laws, own, one.acting.phases, judged.arms)
+    arms = _around_causes(model, weighed.acting.laws, own, weighed.acting.phases, judged.arms)
     return judged.residuals.without_law(arms.of_causes(residuals_of(arms.plain, arms.psi)))
 
 
 def _arms(
     model: LinearModel,
-    found: Search,
+    search: Search,
     best: Weighed,
     named: Collection[str],
     psi: Array,
     shipped: Mapping[str, Coefficients],
 ) -> Arms:
-    within = [one for one in found.weighed.values() if set(one.names) == set(named)]
+    within = [weighed for weighed in search.weighed.values() if set(weighed.names) == set(named)]
     chosen = within[0] if within else best
     own = [
         (law, shape)
@@ -331,9 +347,11 @@ def _around_causes(
     """Return the law without and with causes, at the noise of other arms."""
     own = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
     plain = model.around(model.laws, own, discrepancy=False, by_trial=False)
-    known = model.around(model.laws, own, by_trial=True)
+    around = model.around(model.laws, own, by_trial=True)
     acting = tuple(
         Law(law.effect, law.law, (place,), (shape,), 0.0)
         for place, (law, shape) in enumerate(zip(laws, shapes, strict=True))
     )
-    return replace(like, plain=plain, known=known, causes=Acting(acting, tuple(shapes), phases))
+    return replace(
+        like, plain=plain, with_discrepancy=around, causes=Acting(acting, tuple(shapes), phases)
+    )

@@ -38,7 +38,7 @@ def law_of_diagnosis(
     called = {MASS: ARMATURE if has_model else INERTIA}
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
-    found = {}
+    numbers = {}
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
             shown = residuals.columns[residuals.size == place, column].any()
@@ -49,17 +49,17 @@ def law_of_diagnosis(
             moved = float(at.mean[number]) * float(alone.scales[column])
             mean = float(np.asarray(alone.laws[size][column])) + moved
             least = float(alone.least(size, drawn=True)[column])
-            found[called.get(name, name)] = LawNumber(
+            numbers[called.get(name, name)] = LawNumber(
                 unit=unit,
                 before=_normal(mean, sd) if mean - sd * HIGH > least else _above(mean, sd, least),
                 after=interval(posterior.law.coefficients[:, place, column]),
             )
-    return found | _beside_the_law(alone, at, posterior)
+    return numbers | _beside_the_law(alone, at, posterior)
 
 
 def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:
     """Return the nuisances that a reader knows as numbers of the law, such as an offset."""
-    found, start = {}, 0
+    by_name, start = {}, 0
     count = sum(alone.layout.nuisances)
     for rig, own in zip(alone.data.rigs, alone.layout.nuisances, strict=True):
         for name, (place, unit) in rig.shared_numbers.items():
@@ -67,13 +67,13 @@ def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[st
             number = at.mean.size - count + column
             scale = float(alone.scales[alone.layout.local - count + column])
             sd = float(np.sqrt(at.covariance[number, number]))
-            found[name] = LawNumber(
+            by_name[name] = LawNumber(
                 unit=unit,
                 before=_normal(float(at.mean[number]) * scale, sd * scale),
                 after=interval(posterior.law.nuisances[:, column]),
             )
         start += own
-    return found
+    return by_name
 
 
 def _normal(mean: float, sd: float) -> Interval:

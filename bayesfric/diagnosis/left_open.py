@@ -20,14 +20,16 @@ from bayesfric.rigs.layout import COEFFICIENTS
 SIZES = np.array([0.1, 0.3, 1.0])
 
 
-def drawn_numbers(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
+def drawn_numbers(
+    model: LinearModel, weighed: Weighed, count: int, rng: np.random.Generator
+) -> Array:
     """Draw the numbers of a hypothesis, over the size of each thing that it leaves open.
 
     Parameters
     ----------
     model : LinearModel
         In which it was weighed.
-    one : Weighed
+    weighed : Weighed
         The hypothesis.
     count : int
         S of draws.
@@ -39,12 +41,12 @@ def drawn_numbers(model: LinearModel, one: Weighed, count: int, rng: np.random.G
     ndarray, shape (S, p)
         Amplitudes that cannot be negative may be so here.
     """
-    information = model.evaluate(one.at.psi, one.acting).information
-    priors = [model.amplitude_prior(law) for law in one.acting.laws]
-    mean, sd = model.prior(priors, None, dict.fromkeys(one.names, FormShare(1.0)))
+    information = model.evaluate(weighed.at.psi, weighed.acting).information
+    priors = [model.amplitude_prior(law) for law in weighed.acting.laws]
+    mean, sd = model.prior(priors, None, dict.fromkeys(weighed.names, FormShare(1.0)))
     layout, sizes = model.layout, len(model.layout.sizes)
     own = [np.arange(COEFFICIENTS, layout.own) + layout.own * size for size in range(sizes)]
-    start = layout.own * sizes + len(one.acting.laws)
+    start = layout.own * sizes + len(weighed.acting.laws)
     places = np.concatenate([*own, np.arange(start, start + layout.shared)])
     scale, rest = sd[places], np.delete(np.arange(sd.size), places)
     mixing, groups = _groups(model)
@@ -57,17 +59,17 @@ def drawn_numbers(model: LinearModel, one: Weighed, count: int, rng: np.random.G
         count,
         rng,
     )
-    found = np.empty((count, sd.size))
-    found[:, places] = scale * (numbers @ mixing.T)
+    draws = np.empty((count, sd.size))
+    draws[:, places] = scale * (numbers @ mixing.T)
     # All other numbers are normal given these.
     within = information.precision[np.ix_(rest, rest)]
     across = information.precision[np.ix_(rest, places)]
     factor = np.linalg.cholesky(sd[rest, None] * within * sd[rest] + np.eye(rest.size))
-    slope = information.slope[rest] - within @ mean[rest] - found[:, places] @ across.T
+    slope = information.slope[rest] - within @ mean[rest] - draws[:, places] @ across.T
     half = solve_triangular(factor, (sd[rest] * slope).T, lower=True)
     half += rng.standard_normal(half.shape)
-    found[:, rest] = mean[rest] + sd[rest] * solve_triangular(factor.T, half, lower=False).T
-    return found
+    draws[:, rest] = mean[rest] + sd[rest] * solve_triangular(factor.T, half, lower=False).T
+    return draws
 
 
 def _groups(model: LinearModel) -> tuple[Array, list[Group]]:
@@ -87,18 +89,26 @@ def _groups(model: LinearModel) -> tuple[Array, list[Group]]:
         of_shared = model.squeeze[shared].T / sd[full.layout.own * sizes :][: len(of_shared)]
     mixing = block_diag(*[of_own] * sizes, of_shared, np.eye(forms))
     smooth = full.discrepancy
-    what = [("along", one.axis) for one in smooth.own for _ in range(one.count)] * sizes
-    what += [("along", one.axis) for one in smooth.shared for _ in range(one.count)]
+    what = [
+        ("along", smooth_force.axis)
+        for smooth_force in smooth.own
+        for _ in range(smooth_force.count)
+    ] * sizes
+    what += [
+        ("along", smooth_force.axis)
+        for smooth_force in smooth.shared
+        for _ in range(smooth_force.count)
+    ]
     what += [("amount", candidate.effect.name) for candidate, _ in smooth.amounts]
-    what += [(one.candidate.effect.name, one.axis) for one in model.forms]
+    what += [(form.candidate.effect.name, form.axis) for form in model.forms]
     places: dict[tuple[str, str], list[int]] = {}
     for place, thing in enumerate(what):
         places.setdefault(thing, []).append(place)
     shares, first = np.array(SHARES), len(what) - forms
-    found = []
+    groups = []
     for own_places in places.values():
         is_form = own_places[0] >= first
         sizes_of = shares if is_form else SIZES
         weights = np.zeros(shares.size) if is_form else -np.log(SIZES)
-        found.append(Group(np.array(own_places), sizes_of, weights))
-    return mixing, found
+        groups.append(Group(np.array(own_places), sizes_of, weights))
+    return mixing, groups

@@ -93,22 +93,22 @@ class LinearModel:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.fixed = analysis, fixed
         self.scattering, self.forms = tuple(scattering), list(forms)
-        rows = [one.linear(laws, on_friction(scattering)) for one in data.rigs]
+        rows = [rig.linear(laws, on_friction(scattering)) for rig in data.rigs]
         self.friction_scale = rms_friction(data.sizes, rows)
         share = discrepancy_share(analysis.diagnosis.practical_share)
         self.discrepancy = Discrepancy(share)
         if discrepancy:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
         own, smooths = self.discrepancy.own, self.discrepancy.shared
-        nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
-        little = [*self.discrepancy.amounts, *((one.candidate, one.sd) for one in forms)]
+        nuisances = [rig_rows.nuisance_scales(analysis.priors) for rig_rows in rows]
+        little = [*self.discrepancy.amounts, *((form.candidate, form.sd) for form in forms)]
         shared: list[Smooth | Candidate] = [*smooths, *(candidate for candidate, _ in little)]
         self.layout = Layout(
             data.sizes,
-            sum(one.count for one in own),
+            sum(smooth.count for smooth in own),
             len(candidates),
-            sum(one.count for one in smooths) + len(little),
-            tuple(len(one) for one in nuisances),
+            sum(smooth.count for smooth in smooths) + len(little),
+            tuple(len(scales) for scales in nuisances),
         )
         self.scales = scales_of_numbers(
             data.sizes,
@@ -117,7 +117,7 @@ class LinearModel:
             self.candidates,
             smooths,
             [sd for _, sd in little],
-            [sd for one in nuisances for sd in one],
+            [sd for scales in nuisances for sd in scales],
         )
         columns = ModelColumns(
             self.layout,
@@ -132,9 +132,9 @@ class LinearModel:
             self.row_weights,
         )
         self.rigs: tuple[LinearRig, ...] = tuple(
-            one.laid_out(columns, place) for place, one in enumerate(rows)
+            rig_rows.laid_out(columns, place) for place, rig_rows in enumerate(rows)
         )
-        self.noise = Noise(one for rig in self.rigs for one in rig.noise)
+        self.noise = Noise(parameter for rig in self.rigs for parameter in rig.noise)
         self.lawbook = lawbook(self.candidates)
         self.said = Said()
         self.squeezed_from: LinearModel | None = None
@@ -175,16 +175,16 @@ class LinearModel:
     @property
     def acting_axes(self) -> tuple[str, ...]:
         """Axes along which there are smooth forces that are no effect, each once."""
-        owned = {one.effect.two_ends for one in self.candidates}
-        axes = dict.fromkeys(one.axis for one in self.discrepancy.smooths)
+        owned = {candidate.effect.two_ends for candidate in self.candidates}
+        axes = dict.fromkeys(smooth.axis for smooth in self.discrepancy.smooths)
         return tuple(axis for axis in axes if axis not in owned)
 
     def mixing(self, acting: Acting) -> Array:
         """Return the columns of effects as mixtures of candidates, (candidates, k)."""
-        found = np.zeros((len(self.candidates), len(acting.laws)))
+        mixing = np.zeros((len(self.candidates), len(acting.laws)))
         for column, (law, shape) in enumerate(zip(acting.laws, acting.shapes, strict=True)):
-            found[list(law.places), column] = law.weights(np.asarray(shape))
-        return found
+            mixing[list(law.places), column] = law.weights(np.asarray(shape))
+        return mixing
 
     def places(self, count: int) -> Whole:
         """Return where the effects of a hypothesis stand among its numbers."""
@@ -220,11 +220,14 @@ class LinearModel:
         mean, sd = self._coefficients
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
         sd = np.hstack([sd, np.tile(discrepancy * own, (sizes, 1))])
-        at = [prior_moments(one)[0] / prior_moments(one)[1] for one in priors]
-        shares = [(form or {}).get(one.candidate.effect.name, AS_IT_IS) for one in self.forms]
+        at = [prior_moments(prior_of)[0] / prior_moments(prior_of)[1] for prior_of in priors]
+        shares = [
+            (form or {}).get(effect_form.candidate.effect.name, AS_IT_IS)
+            for effect_form in self.forms
+        ]
         forms = [
-            share.size if share.axis in (None, one.axis) else 0.0
-            for share, one in zip(shares, self.forms, strict=True)
+            share.size if share.axis in (None, effect_form.axis) else 0.0
+            for share, effect_form in zip(shares, self.forms, strict=True)
         ]
         nuisances = np.ones(sum(layout.nuisances))
         rest = np.concatenate([np.ones(len(at)), discrepancy * shared, forms, nuisances])
@@ -272,13 +275,13 @@ class LinearModel:
             return at
         columns = self.layout.own + len(acting.laws) + self.layout.always
         places = [self.layout.spread(columns, s) for s in range(len(self.layout.sizes))]
-        means = [at.mean[one] for one in places]
-        covariances = [at.covariance[np.ix_(one, one)] for one in places]
-        found: dict[str, float] = {}
+        means = [at.mean[place] for place in places]
+        covariances = [at.covariance[np.ix_(place, place)] for place in places]
+        slopes: dict[str, float] = {}
         for part in parts:
-            found |= part.gradient(means, covariances)
-        names = [*(one.name for one in self.noise), *map(phase_name, acting.phases)]
-        slope = self.log_prior(psi, acting)[1] + np.array([found[name] for name in names])
+            slopes |= part.gradient(means, covariances)
+        names = [*(parameter.name for parameter in self.noise), *map(phase_name, acting.phases)]
+        slope = self.log_prior(psi, acting)[1] + np.array([slopes[name] for name in names])
         return replace(at, gradient=slope)
 
     def integrated(
@@ -308,15 +311,15 @@ class LinearModel:
     ) -> tuple[list[Evaluated], Information]:
         noise = self.noise.named(psi)
         amplitudes = np.exp(psi[len(self.noise) :])
-        each = [
+        evaluated = [
             (law.places[0], float(amplitude), phase_name(law))
             for law, amplitude in zip(phases, amplitudes, strict=True)
         ]
         parts = [
-            rig.evaluate(noise, mixing, each, None if used is None else used[rig.rows.name])
+            rig.evaluate(noise, mixing, evaluated, None if used is None else used[rig.rows.name])
             for rig in self.rigs
         ]
-        return parts, sum((one.information for one in parts[1:]), parts[0].information)
+        return parts, sum((part.information for part in parts[1:]), parts[0].information)
 
     def said_of(self, psi: Array, places: Sequence[int], phases: Sequence[Law] = ()) -> Information:
         """Return what the data say of the numbers with some candidates as effects."""
@@ -340,7 +343,9 @@ class LinearModel:
 
     def analysed(self, name: str) -> Effect:
         """Return an effect by its name."""
-        return next(one.effect for one in self.candidates if one.effect.name == name)
+        return next(
+            candidate.effect for candidate in self.candidates if candidate.effect.name == name
+        )
 
     def merge(self, members: Sequence[Sequence[str]]) -> None:
         """Let the first effect of each class of identical ones have the laws of all."""
@@ -369,9 +374,10 @@ class LinearModel:
         """Return the law of each size given the data, at the posterior mean."""
         own, sizes = self.layout.own, self.layout.sizes
         moves = at.mean[: own * len(sizes)].reshape(len(sizes), own)
-        found = self.coefficients_of(moves[:, : len(Coefficients._fields)])
+        coefficients = self.coefficients_of(moves[:, : len(Coefficients._fields)])
         return {
-            size: Coefficients(*map(float, one)) for size, one in zip(sizes, found, strict=True)
+            size: Coefficients(*map(float, numbers))
+            for size, numbers in zip(sizes, coefficients, strict=True)
         }
 
     def coefficients_of(self, moves: Array, *, drawn: bool = False) -> Array:
@@ -386,7 +392,7 @@ class LinearModel:
         drawn : bool
             Whether they are draws, along the first axis.
         """
-        origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
+        origin = np.array([[float(np.asarray(value)) for value in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
         least = np.array([self.least(size, drawn=drawn) for size in self.layout.sizes])
         moved = origin + moves * self.scales[: least.shape[1]]

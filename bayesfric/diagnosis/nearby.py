@@ -46,15 +46,15 @@ def around_nearby(
     return around
 
 
-def _between(one: Coefficients, other: Coefficients, step: float) -> Coefficients:
-    mixed = (1 - step) * np.array(one) + step * np.array(other)
+def _between(first: Coefficients, other: Coefficients, step: float) -> Coefficients:
+    mixed = (1 - step) * np.array(first) + step * np.array(other)
     return Coefficients(*mixed.tolist())
 
 
 def _is_near(model: LinearModel, around: LinearModel) -> bool:
     """Return whether friction of every trial is of one size in both."""
     for before, after in zip(model.rigs, around.rigs, strict=True):
-        one, other = (np.maximum(rig.rows.friction_n, ROUNDING) for rig in (before, after))
-        if np.abs(np.log(other / one)).max(initial=0.0) > np.log(FARTHEST):
+        first, other = (np.maximum(rig.rows.friction_n, ROUNDING) for rig in (before, after))
+        if np.abs(np.log(other / first)).max(initial=0.0) > np.log(FARTHEST):
             return False
     return True

@@ -58,29 +58,29 @@ def next_experiment(
     ][:RIVALS]
     if len(open_) < 2:
         return (), "no two hypotheses are left to separate"
-    laid = [one.next_trials(model.laws) for one in model.data.rigs]
-    rigs = tuple(one for one in laid if one is not None)
+    laid = [rig.next_trials(model.laws) for rig in model.data.rigs]
+    rigs = tuple(trials for trials in laid if trials is not None)
     if not rigs:
         return (), "within what was recorded, no rig can run another trial that can be predicted"
-    found = []
-    for one, other in combinations(open_, 2):
-        best = _most_telling(model, Data(rigs), one, other)
+    proposals = []
+    for first, other in combinations(open_, 2):
+        best = _most_telling(model, Data(rigs), first, other)
         if best is not None and best.log10_bayes_factor > TWO:
-            found.append(best)
-    if not found:
+            proposals.append(best)
+    if not proposals:
         return (
             (),
             "one more trial within what was recorded tells them apart by less than two to one",
         )
-    return tuple(sorted(found, key=lambda one: -one.log10_bayes_factor)), None
+    return tuple(sorted(proposals, key=lambda proposal: -proposal.log10_bayes_factor)), None
 
 
 def _most_telling(
-    model: LinearModel, data: Data, one: Weighed, other: Weighed
+    model: LinearModel, data: Data, first: Weighed, other: Weighed
 ) -> NextExperiment | None:
     """Return the trial that separates two hypotheses best; None where none says anything."""
-    laws = (*one.acting.laws, *other.acting.laws)
-    shapes = (*one.acting.shapes, *other.acting.shapes)
+    laws = (*first.acting.laws, *other.acting.laws)
+    shapes = (*first.acting.shapes, *other.acting.shapes)
     candidates = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
     rows = LinearModel(
         data,
@@ -91,33 +91,35 @@ def _most_telling(
         scattering=model.scattering,
         small=model.full.discrepancy.amounts,
     )
-    noise = model.noise.named(one.at.psi)
+    noise = model.noise.named(first.at.psi)
     left_open = _left_open(rows)
     best: NextExperiment | None = None
     for trials, rig in zip(data.rigs, rows.rigs, strict=True):
-        told = rig.information_by_trial(noise)
-        mean = np.zeros((told.shape[0], told.shape[2]))
+        information = rig.information_by_trial(noise)
+        mean = np.zeros((information.shape[0], information.shape[2]))
         spreads = []
         start = 0
-        for which, sign in ((one, 1.0), (other, -1.0)):
+        for which, sign in ((first, 1.0), (other, -1.0)):
             for size in range(len(model.layout.sizes)):
                 mine = rig.size == size
                 place, kept = _shared(model, rows, rig, which, start, size)
                 mean[np.ix_(mine, place)] += sign * which.at.mean[kept]
             spreads.append((start, which))
             start += len(which.acting.laws)
-        found = np.array(
+        expected = np.array(
             [
-                _expected(model, rows, rig, trial, told[trial], mean[trial], spreads, left_open)
-                for trial in range(len(told))
+                _expected(
+                    model, rows, rig, trial, information[trial], mean[trial], spreads, left_open
+                )
+                for trial in range(len(information))
             ]
         )
-        top = int(np.argmax(found))
-        if best is None or found[top] > best.log10_bayes_factor:
+        top = int(np.argmax(expected))
+        if best is None or expected[top] > best.log10_bayes_factor:
             best = NextExperiment(
                 condition={"rig": rig.rows.name, **condition_of(trials, rig, top)},
-                separates=(one.label, other.label),
-                log10_bayes_factor=float(found[top]),
+                separates=(first.label, other.label),
+                log10_bayes_factor=float(expected[top]),
             )
     return best
 
@@ -143,11 +145,11 @@ def _left_open(rows: LinearModel) -> Array:
     """Return the variance of the discrepancy's local numbers, 0 of all others, shape (q,)."""
     layout = rows.layout
     own, shared = rows.discrepancy.rms(None)
-    found = np.zeros(layout.local)
-    found[COEFFICIENTS : COEFFICIENTS + own.size] = own**2
+    open_numbers = np.zeros(layout.local)
+    open_numbers[COEFFICIENTS : COEFFICIENTS + own.size] = own**2
     start = layout.own + layout.candidates
-    found[start : start + shared.size] = shared**2
-    return found
+    open_numbers[start : start + shared.size] = shared**2
+    return open_numbers
 
 
 def _shared(
@@ -176,7 +178,7 @@ def _shared(
     layout, count = model.layout, len(which.acting.laws)
     own = np.arange(COEFFICIENTS)
     first = rows.layout.own + start
-    names = [one.rows.name for one in model.rigs]
+    names = [rig_part.rows.name for rig_part in model.rigs]
     mine = layout.nuisance(names.index(rig.rows.name))
     # Of the local numbers to those of all sizes: candidates are mixed, sizes stand side by side.
     moved = count - layout.candidates + layout.own * (len(layout.sizes) - 1)
@@ -192,7 +194,7 @@ def _expected(
     rows: LinearModel,
     rig: LinearRig,
     trial: int,
-    told: Array,
+    information: Array,
     mean: Array,
     spreads: list[tuple[int, Weighed]],
     left_open: Array,
@@ -205,7 +207,7 @@ def _expected(
         As of :func:`_shared`.
     trial : int
         Its place.
-    told : ndarray, shape (q, q)
+    information : ndarray, shape (q, q)
         Information of the trial on the local numbers, scatter taken up.
     mean : ndarray, shape (q,)
         Difference of what the hypotheses predict, in local numbers.
@@ -218,10 +220,10 @@ def _expected(
     for start, which in spreads:
         place, kept = _shared(model, rows, rig, which, start, int(rig.size[trial]))
         covariance[np.ix_(place, place)] += which.at.covariance[np.ix_(kept, kept)]
-    taken = told @ mean
+    taken = information @ mean
     values, vectors = eigen_of(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    stiffness, turned = eigen_of(root.T @ told @ root)
+    stiffness, turned = eigen_of(root.T @ information @ root)
     moved = turned.T @ (root.T @ taken)
     square = mean @ taken - (moved**2 / (1 + np.maximum(stiffness, 0.0))).sum()
     return float(square) / 2 / LN10

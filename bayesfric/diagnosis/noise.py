@@ -19,20 +19,20 @@ class Noise(tuple[NoiseParameter, ...]):
     @property
     def start(self) -> Array:
         """Rough logarithms, a place to climb from."""
-        return np.log([one.start for one in self])
+        return np.log([parameter.start for parameter in self])
 
     def quiet(self, psi: Array) -> Array:
         """Return a noise whose friction scatters no more than on a good rig."""
-        found = psi.copy()
-        for place, one in enumerate(self):
-            if one.scatters:
-                found[place] = min(found[place], np.log(QUIET / 2))
-        return found
+        quieter = psi.copy()
+        for place, parameter in enumerate(self):
+            if parameter.scatters:
+                quieter[place] = min(quieter[place], np.log(QUIET / 2))
+        return quieter
 
     def named(self, psi: Array) -> dict[str, float]:
         """Return the noise by name; amplitudes behind it are left out."""
         values = np.exp(psi[: len(self)])
-        return {one.name: float(value) for one, value in zip(self, values, strict=True)}
+        return {parameter.name: float(value) for parameter, value in zip(self, values, strict=True)}
 
     def log_prior(self, psi: Array, amplitudes: Sequence[Prior]) -> tuple[float, Array]:
         """Return the log prior density of logarithms, and its gradient.
@@ -44,10 +44,10 @@ class Noise(tuple[NoiseParameter, ...]):
         amplitudes : sequence of Prior
             Of these amplitudes.
         """
-        densities = [one.log_prior for one in self]
+        densities = [parameter.log_prior for parameter in self]
         densities += [partial(log_prior_of_logarithm, prior) for prior in amplitudes]
         value, gradient = 0.0, np.empty(psi.size)
         for place, (density, at) in enumerate(zip(densities, psi, strict=True)):
-            here, there = density(float(np.exp(at))), density(float(np.exp(at + STEP)))
-            value, gradient[place] = value + here, (there - here) / STEP
+            below, there = density(float(np.exp(at))), density(float(np.exp(at + STEP)))
+            value, gradient[place] = value + below, (there - below) / STEP
         return value, gradient

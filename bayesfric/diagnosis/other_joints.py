@@ -68,13 +68,13 @@ def amounts_of(model: LinearModel, best: Weighed) -> ModelAmounts | None:
 
 def model_error_words(errors: Collection[ModelError]) -> str:
     """Return that a model is off, a sentence with a blank before it; empty where it is not."""
-    off = [one for one in errors if one.significant]
+    off = [error for error in errors if error.significant]
     if not off:
         return ""
     parts = [
-        f"{one.number} of {one.link} by {one.error.mean:+.3g} ± {one.error.sd:.2g} {one.unit} "
-        f"(your model has {one.in_your_model:.3g})"
-        for one in off[:LISTED]
+        f"{error.number} of {error.link} by {error.error.mean:+.3g} ± {error.error.sd:.2g} "
+        f"{error.unit} (your model has {error.in_your_model:.3g})"
+        for error in off[:LISTED]
     ]
     more = f", and {len(off) - LISTED} more" if len(off) > LISTED else ""
     return f" Your model of the machine is off: {'; '.join(parts)}{more}."

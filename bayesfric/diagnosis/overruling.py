@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from bayesfric.diagnosis.held_out_density import FEWEST_BLOCKS, BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
-from bayesfric.diagnosis.verdict import Known, sort_effects
+from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.schemas import Gap, HeldOutDensity, Interval
 
 MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
@@ -26,20 +26,23 @@ class Overruled:
     ----------
     search : Search
         Hypotheses; those with the causes count as an unknown force for the most part.
-    known : list of Known
+    effects_known : list of KnownEffect
         What is known of each effect.
     present, possible : list of str
         Of the effects that were not overruled.
     """
 
     search: Search
-    known: list[Known]
+    effects_known: list[KnownEffect]
     present: list[str]
     possible: list[str]
 
 
 def overruled(
-    search: Search, known: Sequence[Known], together: Sequence[Collection[str]], above: float
+    search: Search,
+    effects_known: Sequence[KnownEffect],
+    together: Sequence[Collection[str]],
+    above: float,
 ) -> Overruled:
     """Return what is known once hypotheses with some effects count as an unknown force.
 
@@ -47,7 +50,7 @@ def overruled(
     ----------
     search : Search
         The hypotheses.
-    known : sequence of Known
+    effects_known : sequence of KnownEffect
         What was known of each effect.
     together : sequence of collection of str
         Effects that act together, of each hypothesis that is overruled.
@@ -57,22 +60,24 @@ def overruled(
     for effects in together:
         search = search.overruled(frozenset(effects))
     acting = inclusion(search)
-    known = [replace(effect, probability=acting.get(effect.effect, 0.0)) for effect in known]
+    effects_known = [
+        replace(effect, probability=acting.get(effect.effect, 0.0)) for effect in effects_known
+    ]
     gone = {name for effects in together for name in effects}
     _, present, possible = sort_effects(
-        [effect for effect in known if effect.effect not in gone], above
+        [effect for effect in effects_known if effect.effect not in gone], above
     )
-    return Overruled(search, list(known), present, possible)
+    return Overruled(search, list(effects_known), present, possible)
 
 
 def density_of(
-    found: BlockDensities | None, named: Collection[str], *, like_clocks: bool = False
+    densities: BlockDensities | None, named: Collection[str], *, like_clocks: bool = False
 ) -> dict[str, HeldOutDensity | str | None]:
     """Return how much better the causes predict, as a part of the gap, or why nobody knows.
 
     Parameters
     ----------
-    found : BlockDensities or None
+    densities : BlockDensities or None
         Of blocks held out.
     named : collection of str
         The causes.
@@ -82,13 +87,13 @@ def density_of(
     """
     if like_clocks:
         return {"held_out_log_density": None, "held_out_log_density_why": LIKE_CLOCKS}
-    if found is None:
+    if densities is None:
         return {
             "held_out_log_density": None,
             "held_out_log_density_why": FEW_BLOCKS if named else NO_CAUSE,
         }
     density = HeldOutDensity(
-        difference=found.difference, error=found.error, blocks=found.without.size
+        difference=densities.difference, error=densities.error, blocks=densities.without.size
     )
     return {"held_out_log_density": density, "held_out_log_density_why": None}
 

@@ -49,9 +49,9 @@ class Refit:
         """
         moved = residuals.scattered(self.smoothing.T)
         of_law = self.smoothing @ moved
-        found = residuals.chance2 - 2 * (self.design * moved).sum(axis=1)
-        found += ((self.design @ of_law) * self.design).sum(axis=1)
-        return np.asarray(found + (self.kept(further) ** 2).sum(axis=1))
+        variance = residuals.chance2 - 2 * (self.design * moved).sum(axis=1)
+        variance += ((self.design @ of_law) * self.design).sum(axis=1)
+        return np.asarray(variance + (self.kept(further) ** 2).sum(axis=1))
 
     def spread(self, residuals: Residuals, further: Array) -> Array:
         """Return columns whose outer product is the covariance of the coefficients, (p, k)."""
@@ -78,7 +78,7 @@ def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
         Those that enter; without any the law is that of the prior.
     """
     sizes = len(model.layout.sizes)
-    mean, sd = (one[: COEFFICIENTS * sizes] for one in model.prior(()))
+    mean, sd = (moments[: COEFFICIENTS * sizes] for moments in model.prior(()))
     design = np.zeros((rows.size, COEFFICIENTS * sizes))
     for size in range(sizes):
         mine = residuals.size == size
@@ -116,8 +116,8 @@ def recalibrated(refit: Refit, residuals: Residuals, local: Array) -> Array:
     local : ndarray, shape (sizes, q)
         The law's are left aside, the others held.
     """
-    found = local.copy()
-    found[:, :COEFFICIENTS] = refit.mean.reshape(-1, COEFFICIENTS)
-    moved = refit.sd * (refit.smoothing @ residuals.left(found))
-    found[:, :COEFFICIENTS] += moved.reshape(-1, COEFFICIENTS)
-    return found
+    moved_local = local.copy()
+    moved_local[:, :COEFFICIENTS] = refit.mean.reshape(-1, COEFFICIENTS)
+    moved = refit.sd * (refit.smoothing @ residuals.left(moved_local))
+    moved_local[:, :COEFFICIENTS] += moved.reshape(-1, COEFFICIENTS)
+    return moved_local

@@ -23,7 +23,7 @@ ALL_LEFT = "no cause is named, so that all of the gap is left"
 def remainder_of(
     model: LinearModel,
     search: Search,
-    found: Weighed,
+    weighed: Weighed,
     gap_share: float,
     left: Array | None = None,
 ) -> Remainder:
@@ -35,7 +35,7 @@ def remainder_of(
         In which hypotheses were compared.
     search : Search
         The hypotheses.
-    found : Weighed
+    weighed : Weighed
         The most probable one with names; may be none.
     gap_share : float
         Rms of the gap over rms friction, of which the further force is a part.
@@ -43,7 +43,7 @@ def remainder_of(
         Draws of the part of the squared gap that the causes leave; None without causes.
     """
     why = "no further force is asked for"
-    further = unknown_force(model, found, found.acting, search.inverse, search.volume)
+    further = unknown_force(model, weighed, weighed.acting, search.inverse, search.volume)
     if further is None:
         return Remainder(
             significant=False,
@@ -53,23 +53,27 @@ def remainder_of(
             axis=None,
             axis_why=why,
         )
-    before = model.evaluate(found.at.psi, found.acting, None, found.forms).value + search.volume
+    before = (
+        model.evaluate(weighed.at.psi, weighed.acting, None, weighed.forms).value + search.volume
+    )
     gain = (further.log_evidence - before) / LN10
     found_by = [(*_beside(further, gap_share), gain)] if gain > SIGNIFICANT else []
     practical = model.analysis.diagnosis.practical_share
     if left is not None and left_matters(left, gap_share, practical):
         # The causes' laws are wrong by so much that something else must act: along which axis
         # a smooth force would do instead of their other forms.
-        plain = replace(found, form=AS_IT_IS)
-        instead = unknown_force(model, plain, found.acting, search.inverse, search.volume)
+        plain = replace(weighed, form=AS_IT_IS)
+        instead = unknown_force(model, plain, weighed.acting, search.inverse, search.volume)
         assert instead is not None
-        as_it_is = model.evaluate(found.at.psi, found.acting, None, plain.forms).value
+        as_it_is = model.evaluate(weighed.at.psi, weighed.acting, None, plain.forms).value
         asked = (instead.log_evidence - as_it_is - search.volume) / LN10
         # Laws that are wrong by a share leave little where the data do not ask for more.
         if asked > 0:
             found_by.append((interval(left), instead.best.axis or _widest(instead), asked))
     # Both may speak of one force, of which each sees a part.
-    share, axis, factor = max(found_by, key=lambda one: one[0].q50, default=(None, None, gain))
+    share, axis, factor = max(
+        found_by, key=lambda candidate: candidate[0].q50, default=(None, None, gain)
+    )
     return Remainder(
         significant=bool(found_by),
         log10_bayes_factor=float(factor),
@@ -91,8 +95,8 @@ def all_left(search: Search, force: Unknown) -> Remainder:
         The unknown force.
     """
     # What effects have found and cannot have made is there by their evidence.
-    found = max(force.log_evidence, search.best().log_evidence if search.foreign else -np.inf)
-    gain = (found - search.none.log_evidence) / LN10
+    best_known = max(force.log_evidence, search.best().log_evidence if search.foreign else -np.inf)
+    gain = (best_known - search.none.log_evidence) / LN10
     return Remainder(
         significant=gain > SIGNIFICANT,
         log10_bayes_factor=float(gain),

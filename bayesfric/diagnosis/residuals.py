@@ -152,15 +152,15 @@ class Residuals:
         and that of assemblies.
         """
         tau, omega = (self.friction_n * np.sqrt(self.scatter)[:, place] for place in (0, 1))
-        found = omega[:, None] * _summed(self.setup, omega[:, None] * values)
-        found += tau[:, None] * _summed(self.trial, tau[:, None] * values)
+        product = omega[:, None] * _summed(self.setup, omega[:, None] * values)
+        product += tau[:, None] * _summed(self.trial, tau[:, None] * values)
         start = 0
         for error, wander in zip(self.covariance, self.wander, strict=True):
             rows = slice(start, start + len(error))
             friction = self.friction_n[rows]
-            found[rows] += (error + wander * np.outer(friction, friction)) @ values[rows]
+            product[rows] += (error + wander * np.outer(friction, friction)) @ values[rows]
             start = rows.stop
-        return found
+        return product
 
     def without_law(self, values: Array) -> Array:
         """Return forces, (R, …), less what a recalibrated law takes of them.
@@ -211,11 +211,11 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         return np.concatenate([part[name] for part in parts])
 
     def numbered(name: str) -> Whole:
-        found, start = [], 0
+        numbers, start = [], 0
         for part in parts:
-            found.append(part[name] + start)
+            numbers.append(part[name] + start)
             start += int(part[name].max()) + 1
-        return np.concatenate(found)
+        return np.concatenate(numbers)
 
     setup = numbered("setup")
     covariates = {axis: joined(axis) for axis in axes if axis != "setup"}
@@ -228,8 +228,8 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         columns,
         size,
         joined("friction_n"),
-        tuple(one for part in parts for one in part["covariance"]),
-        tuple(one for part in parts for one in part["wander"]),
+        tuple(block for part in parts for block in part["covariance"]),
+        tuple(block for part in parts for block in part["wander"]),
         joined("scatter"),
         numbered("trial"),
         setup,
@@ -268,9 +268,9 @@ def _of_rig(
     shown = np.zeros(len(table), dtype=np.bool_)
     if "role" in table:
         shown = (table["role"] == "test").to_numpy(dtype=np.bool_)
-    found = {axis: windows.covariates.get(axis, nowhere) for axis in axes}
+    covariates = {axis: windows.covariates.get(axis, nowhere) for axis in axes}
     own = {*windows.covariates, "setup", "rig"}
-    return found | {
+    return covariates | {
         "axes": own | ({"pulley_size"} if "n_pulleys" in own else set()),
         "residual_n": windows.residual_n,
         "columns": windows.columns,
@@ -301,36 +301,36 @@ def spread_numbers(model: LinearModel, numbers: Array, mixing: Array) -> Array:
     acting = shared[..., : mixing.shape[1]] @ mixing.T
     rest = np.concatenate([acting, shared[..., mixing.shape[1] :]], axis=-1)
     rest = np.broadcast_to(rest[..., None, :], (*own.shape[:-1], rest.shape[-1]))
-    found = np.concatenate([own, rest], axis=-1)
-    return found if model.squeeze is None else found @ model.squeeze.T
+    spread = np.concatenate([own, rest], axis=-1)
+    return spread if model.squeeze is None else spread @ model.squeeze.T
 
 
 def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], local: Array) -> Array:
     """Return local numbers with the coefficients of given laws, and no effects."""
-    found = np.zeros_like(local)
+    numbers = np.zeros_like(local)
     for place, size in enumerate(model.layout.sizes):
         for column in range(COEFFICIENTS):
             moved = float(np.asarray(laws[size][column]) - np.asarray(model.laws[size][column]))
-            found[place, column] = moved / model.scales[column]
+            numbers[place, column] = moved / model.scales[column]
     start = model.layout.local - sum(model.layout.nuisances)
-    found[:, start:] = local[:, start:]
-    return found
+    numbers[:, start:] = local[:, start:]
+    return numbers
 
 
 def _summed(group: Whole, values: Array) -> Array:
     """Return the sums of columns over each row's group, at every row, (R, k)."""
-    found = np.zeros((group.max() + 1, values.shape[1]))
-    np.add.at(found, group, values)
-    return np.asarray(found[group])
+    sums = np.zeros((group.max() + 1, values.shape[1]))
+    np.add.at(sums, group, values)
+    return np.asarray(sums[group])
 
 
 def used_of(model: LinearModel, residuals: Residuals, out: Flags) -> dict[str, Flags]:
     """Return which trials of each rig stay where those of some windows are left out."""
     gone = np.zeros(len(residuals.names), dtype=bool)
     gone[residuals.trial[out]] = True
-    found, start = {}, 0
+    used, start = {}, 0
     for rig in model.rigs:
         count = len(rig.rows.table)
-        found[rig.rows.name] = ~gone[start : start + count]
+        used[rig.rows.name] = ~gone[start : start + count]
         start += count
-    return found
+    return used

@@ -15,7 +15,7 @@ KEPT = 4  # noises
 class Said:
     """Information on numbers, some candidates among them, at the last few noises."""
 
-    _known: dict[bytes, tuple[list[int], Information]] = field(default_factory=dict)
+    _kept: dict[bytes, tuple[list[int], Information]] = field(default_factory=dict)
 
     def of(
         self,
@@ -44,12 +44,12 @@ class Said:
             Of candidates, to the information there.
         """
         key = psi.tobytes()
-        if key not in self._known or not set(places) <= set(self._known[key][0]):
-            wanted = list(range(count)) if key in self._known else sorted(places)
-            while len(self._known) >= KEPT:
-                del self._known[next(iter(self._known))]
-            self._known[key] = wanted, computed(wanted)
-        held, whole = self._known[key]
+        if key not in self._kept or not set(places) <= set(self._kept[key][0]):
+            wanted = list(range(count)) if key in self._kept else sorted(places)
+            while len(self._kept) >= KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[key] = wanted, computed(wanted)
+        held, whole = self._kept[key]
         rows = {place: first + row for row, place in enumerate(held)}
         rest = np.arange(first + len(held), whole.slope.size)
         numbers = np.concatenate([np.arange(first), [rows[place] for place in places], rest])

@@ -97,9 +97,9 @@ def scales_of_numbers(
     return np.concatenate(
         [
             [_width(priors, name, sizes) for name in Coefficients._fields],
-            np.full(sum(one.count for one in own), 1 / np.sqrt(terms)),
+            np.full(sum(smooth.count for smooth in own), 1 / np.sqrt(terms)),
             [prior_moments(c.effect.amplitude.prior)[1] for c in candidates],
-            np.full(sum(one.count for one in shared), 1 / np.sqrt(terms)),
+            np.full(sum(smooth.count for smooth in shared), 1 / np.sqrt(terms)),
             little,
             nuisances,
         ]
@@ -110,6 +110,9 @@ def rms_friction(sizes: Sequence[str], rows: Sequence[LinearRows]) -> dict[str, 
     """Return the rms friction of each size by the reference law, on all rigs [N]."""
     scale = {}
     for size in sizes:
-        found = [one.friction_n[(one.table["pulley_size"] == size).to_numpy()] for one in rows]
-        scale[size] = float(np.sqrt(np.mean(np.concatenate(found) ** 2)))
+        friction = [
+            rig_rows.friction_n[(rig_rows.table["pulley_size"] == size).to_numpy()]
+            for rig_rows in rows
+        ]
+        scale[size] = float(np.sqrt(np.mean(np.concatenate(friction) ** 2)))
     return scale

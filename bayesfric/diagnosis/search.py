@@ -69,7 +69,7 @@ def search(
         By which hypotheses are weighed.
     """
     priors = model.analysis.diagnosis.hypotheses
-    found = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
+    searched = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
     effects = sorted(members[0] for members in classes.members)
     quiet = model.noise.quiet(none.at.psi)
     starts = [none.at.psi]
@@ -80,54 +80,60 @@ def search(
         first = [*starts, quiet] if rough[name] > none.log_evidence + GAIN else starts
         if leader is not none:
             first = [*first, leader.at.psi]
-        one = steps.weigh(model, (name,), first, inverse, volume, shapes=shapes)
-        found.weighed[one.label] = one
-        if one.log_evidence > leader.log_evidence:
-            leader = one
-        shapes |= _shapes_of(one)
+        weighed = steps.weigh(model, (name,), first, inverse, volume, shapes=shapes)
+        searched.weighed[weighed.label] = weighed
+        if weighed.log_evidence > leader.log_evidence:
+            leader = weighed
+        shapes |= _shapes_of(weighed)
     # Where scatter had taken up what an effect does, the others look different without it.
     if leader.log_evidence > none.log_evidence + WITHIN:
-        for name, one in list(found.weighed.items()):
+        for name, weighed in list(searched.weighed.items()):
             if name in (NONE, leader.label):
                 continue
-            there = np.append(leader.at.psi[: len(model.noise)], one.at.psi[len(model.noise) :])
-            if model.evaluate(there, one.acting).value < one.at.value - NEAR:
+            there = np.append(leader.at.psi[: len(model.noise)], weighed.at.psi[len(model.noise) :])
+            if model.evaluate(there, weighed.acting).value < weighed.at.value - NEAR:
                 continue
             again = steps.weigh(
-                model, one.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(one)
+                model, weighed.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(weighed)
             )
-            if again.log_evidence > one.log_evidence:
-                found.weighed[name] = again
+            if again.log_evidence > weighed.log_evidence:
+                searched.weighed[name] = again
     for number in range(2, MOST + 1):
-        last = [one for one in found.weighed.values() if len(one.names) == number - 1]
-        last = sorted(last, key=lambda one: -found.worth(one))[: BEAM if number > 2 else 2]
-        top = max(found.worth(one) for one in found.weighed.values())
+        last = [
+            weighed for weighed in searched.weighed.values() if len(weighed.names) == number - 1
+        ]
+        last = sorted(last, key=lambda weighed: -searched.worth(weighed))[
+            : BEAM if number > 2 else 2
+        ]
+        top = max(searched.worth(weighed) for weighed in searched.weighed.values())
         grown = False
         for base in last:
-            if found.worth(base) < top - 2 * WITHIN and number > 2:
+            if searched.worth(base) < top - 2 * WITHIN and number > 2:
                 continue
             rough = _extended(model, base, effects, base.at.psi, shapes)
-            found.rough.update({name: v for name, v in rough.items() if name not in found.rough})
+            searched.rough.update(
+                {name: v for name, v in rough.items() if name not in searched.rough}
+            )
             for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
-                prior = found.log_prior(name)
-                if name in found.weighed or rough[name] + prior < top - WITHIN:
+                prior = searched.log_prior(name)
+                if name in searched.weighed or rough[name] + prior < top - WITHIN:
                     continue
                 if rough[name] < base.log_evidence + GAIN:
                     continue
                 names = tuple(name.split("+"))
-                one = steps.weigh(model, names, [base.at.psi], inverse, volume, shapes=shapes)
-                found.weighed[name] = one
-                grown |= found.worth(one) > top
-                top = max(top, found.worth(one))
+                weighed = steps.weigh(model, names, [base.at.psi], inverse, volume, shapes=shapes)
+                searched.weighed[name] = weighed
+                grown |= searched.worth(weighed) > top
+                top = max(top, searched.worth(weighed))
         if not grown and number > 2:
             break
-    _weigh_parts(model, found, steps)
-    unknown = steps.unknown_force(model, found.none, Acting(), inverse, volume)
-    return replace(found, unknown=unknown, unheard=unknown is None)
+    _weigh_parts(model, searched, steps)
+    unknown = steps.unknown_force(model, searched.none, Acting(), inverse, volume)
+    return replace(searched, unknown=unknown, unheard=unknown is None)
 
 
 def _weigh_parts(
-    model: LinearModel, found: Search, steps: Steps, forms: Sequence[FormShare] = (AS_IT_IS,)
+    model: LinearModel, searched: Search, steps: Steps, forms: Sequence[FormShare] = (AS_IT_IS,)
 ) -> None:
     """Weigh the leader without each of its effects, and so on with a part that leads then.
 
@@ -135,18 +141,18 @@ def _weigh_parts(
     effects can come in before the second of them, which then makes no more of it.
     """
     while True:
-        best = found.best()
-        parts = [tuple(name for name in best.names if name != one) for one in best.names]
-        missing = [names for names in parts if names and label(names) not in found.weighed]
+        best = searched.best()
+        parts = [tuple(name for name in best.names if name != left_out) for left_out in best.names]
+        missing = [names for names in parts if names and label(names) not in searched.weighed]
         if not missing:
             return
         for names in missing:
-            found.weighed[label(names)] = steps.weigh(
+            searched.weighed[label(names)] = steps.weigh(
                 model,
                 names,
-                [best.at.psi, found.none.at.psi],
-                found.inverse,
-                found.volume,
+                [best.at.psi, searched.none.at.psi],
+                searched.inverse,
+                searched.volume,
                 shapes=_shapes_of(best),
                 forms=forms,
             )
@@ -173,36 +179,36 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     volume = log_volume(curvature)
     none = replace(none, log_evidence=none.log_evidence + volume, curvature=curvature)
-    found: dict[str, Weighed] = {NONE: none}
+    compared: dict[str, Weighed] = {NONE: none}
     noise = leader.at.psi[: len(model.noise)]
-    for one in finalists:
-        if not one.names:
+    for finalist in finalists:
+        if not finalist.names:
             continue
         again = steps.weigh(
             model,
-            one.names,
-            [one.at.psi, noise],
+            finalist.names,
+            [finalist.at.psi, noise],
             inverse,
             volume,
-            shapes=_shapes_of(one),
+            shapes=_shapes_of(finalist),
             forms=FORM_SHARES,
-            own_volume=found_near(first, one),
+            own_volume=found_near(first, finalist),
         )
-        found[one.label] = again
-        if one.label == leader.label and again.volume is not None:
+        compared[finalist.label] = again
+        if finalist.label == leader.label and again.volume is not None:
             # Where the leader's effects act, scatter is as little known as with them; the
             # noise without them is inflated, and better known.
             volume = again.volume
-    result = Search(found, {}, None, first.classes, first.priors, inverse, volume)
+    result = Search(compared, {}, None, first.classes, first.priors, inverse, volume)
     # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
     best = result.best()
     effects = sorted(members[0] for members in first.classes.members)
     if best.names and len(best.names) < MOST:
         rough = _extended(model, best, effects, best.at.psi, {}, forms=best.forms)
         for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
-            if name in found or rough[name] < best.log_evidence + GAIN:
+            if name in compared or rough[name] < best.log_evidence + GAIN:
                 continue
-            found[name] = steps.weigh(
+            compared[name] = steps.weigh(
                 model,
                 tuple(name.split("+")),
                 [best.at.psi],
@@ -218,9 +224,9 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     rough = {
         name: value + min(level, 0.0)
         for name, value in (
-            first.rough | {n: one.log_evidence for n, one in first.weighed.items()}
+            first.rough | {n: weighed.log_evidence for n, weighed in first.weighed.items()}
         ).items()
-        if name not in found
+        if name not in compared
     }
     result = replace(result, rough=rough)
     near = best.log_evidence - NEARLY
@@ -235,28 +241,29 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
 def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
     """Return whether an unknown force is more than all of the effects beside it."""
     rows = [rig.rows for rig in model.rigs]
-    each = [
-        relative_rms(rows, one) * value for one, value in model.amplitudes(best.at, best.acting)
+    sizes = [
+        relative_rms(rows, candidate) * value
+        for candidate, value in model.amplitudes(best.at, best.acting)
     ]
     amplitudes = np.exp(best.at.psi[len(model.noise) :])
-    each += [
+    sizes += [
         relative_rms(rows, model.candidates[law.places[0]]) * value
         for law, value in zip(best.acting.phases, amplitudes, strict=True)
     ]
-    return unknown.best.share > float(np.linalg.norm(each))
+    return unknown.best.share > float(np.linalg.norm(sizes))
 
 
-def found_near(first: Search, one: Weighed) -> bool:
+def found_near(first: Search, weighed: Weighed) -> bool:
     """Return whether a hypothesis is near enough to the best for its own noise volume."""
-    return first.worth(one) > first.worth(first.best()) - NEAREST
+    return first.worth(weighed) > first.worth(first.best()) - NEAREST
 
 
 def _finalists(first: Search) -> list[str]:
     """Return the hypotheses that are compared alike, the best first."""
-    ranked = sorted(first.weighed.values(), key=lambda one: -first.worth(one))
+    ranked = sorted(first.weighed.values(), key=lambda weighed: -first.worth(weighed))
     best = ranked[0]
     top = first.worth(best)
-    chosen = [one.label for one in ranked[:FINALISTS] if first.worth(one) > top - FAR]
+    chosen = [weighed.label for weighed in ranked[:FINALISTS] if first.worth(weighed) > top - FAR]
     # Each part of the leader: a cause counts against the best without it.
     for number in range(1, len(best.names)):
         for names in combinations(best.names, number):
@@ -290,7 +297,7 @@ def _extended(
     if base.acting.laws:
         shapes_held = [np.array([s]) for s in base.acting.shapes]
         held = float(quadratic.values(base.acting.laws, shapes_held)[0])
-    found: dict[str, float] = {}
+    extended: dict[str, float] = {}
     for name in with_columns:
         if name in base.names:
             continue
@@ -306,7 +313,7 @@ def _extended(
             else:
                 gain = float(quadratic.values(laws, [np.array([s]) for s in at])[0])
             values.append(gain - held + law.log_weight)
-        found[label((*base.names, name))] = base.log_evidence + float(logsumexp(values))
+        extended[label((*base.names, name))] = base.log_evidence + float(logsumexp(values))
     for name in set(effects) - set(with_columns) - set(base.names):
         law = model.lawbook[name][0]
         both = Acting(base.acting.laws, base.acting.shapes, (*base.acting.phases, law))
@@ -315,13 +322,13 @@ def _extended(
             model.evaluate(np.append(psi, np.log(share * scale)), both, None, forms).value
             for share in (0.03, 0.1, 0.3, 1.0)
         ]
-        found[label((*base.names, name))] = base.log_evidence + max(tried) - base.at.value
-    return found
+        extended[label((*base.names, name))] = base.log_evidence + max(tried) - base.at.value
+    return extended
 
 
-def _shapes_of(one: Weighed) -> dict[str, float]:
+def _shapes_of(weighed: Weighed) -> dict[str, float]:
     return {
         f"{law.effect}:{law.law}": shape
-        for choice in one.choices[::-1]
+        for choice in weighed.choices[::-1]
         for law, shape in zip(choice.laws, choice.shapes, strict=True)
     }

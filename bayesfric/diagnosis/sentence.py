@@ -118,7 +118,7 @@ class Statement:
         return f"(probability {stated(self.probability)})"
 
 
-def sentence_of(told: Statement) -> str:
+def sentence_of(statement: Statement) -> str:
     """Return the verdict in words: one thing, and the probability of that."""
     words: dict[Verdict, Callable[[Statement], str]] = {
         "no-gap": _no_gap,
@@ -127,7 +127,7 @@ def sentence_of(told: Statement) -> str:
         "unseparated": _unseparated,
         "named": _named,
     }
-    return words[told.verdict](told)
+    return words[statement.verdict](statement)
 
 
 def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
@@ -167,106 +167,109 @@ def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -
     return f"{' and '.join(effect.effect for effect in effects)}{alike_words} {acts}"
 
 
-def _no_gap(told: Statement) -> str:
+def _no_gap(statement: Statement) -> str:
     absorbed = (
-        f" {told.acting}, and the recalibrated law absorbs most of it." if told.causes else ""
+        f" {statement.acting}, and the recalibrated law absorbs most of it."
+        if statement.causes
+        else ""
     )
-    if told.present and not told.causes:
-        absorbed = f" {told.beside}, {_below(told, 'by less than that', 'make')}."
-    off = f"less than {told.share:.1%} of friction {told.chance}; the median is {told.size}"
-    if told.gap.no_share is not None:
-        off = f"{told.size} {told.chance}; as a share of friction it cannot be told, "
-        off += f"since {told.gap.no_share}"
-    by = f", by {told.recorded}" if told.recorded else ""
+    if statement.present and not statement.causes:
+        absorbed = f" {statement.beside}, {_below(statement, 'by less than that', 'make')}."
+    off = f"less than {statement.share:.1%} of friction {statement.chance}; "
+    off += f"the median is {statement.size}"
+    if statement.gap.no_share is not None:
+        off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
+        off += f"since {statement.gap.no_share}"
+    by = f", by {statement.recorded}" if statement.recorded else ""
     return f"Once recalibrated, the simulation is systematically off by {off}{by}.{absorbed}"
 
 
-def _undecided(told: Statement) -> str:
-    gap, share = told.gap, told.share
-    if told.not_shown is not None and gap.no_share is not None:
-        return f"These data could not have shown a gap: {told.not_shown}; {gap.no_share}."
-    if told.not_shown is not None:
-        return (
-            f"These data could not have shown a gap of {share:.1%} of friction: {told.not_shown}."
-        )
-    if told.unlike_scatter is not None:
+def _undecided(statement: Statement) -> str:
+    gap, share = statement.gap, statement.share
+    if statement.not_shown is not None and gap.no_share is not None:
+        return f"These data could not have shown a gap: {statement.not_shown}; {gap.no_share}."
+    if statement.not_shown is not None:
+        reason = statement.not_shown
+        return f"These data could not have shown a gap of {share:.1%} of friction: {reason}."
+    if statement.unlike_scatter is not None:
         return (
             "No effect examined makes a gap that counts, and scatter does not explain all that is "
-            f"left: {told.unlike_scatter}. Something else acts, or scatter is not what it is "
+            f"left: {statement.unlike_scatter}. Something else acts, or scatter is not what it is "
             "taken for."
         )
-    if not told.causes and gap.systematic.q05 >= share * gap.friction_rms:
-        there = f"A gap of {told.size} is there {told.chance}"
-        if not told.present:
-            return f"{there}; what causes it stays open.{told.place}"
-        else_ = "; what else causes it stays open" if len(told.present) == 1 else ""
-        below = _below(told, f"less than {share:.1%}", "make")
-        return f"{there}; {told.beside}, {below}{else_}.{told.place}"
+    if not statement.causes and gap.systematic.q05 >= share * gap.friction_rms:
+        there = f"A gap of {statement.size} is there {statement.chance}"
+        if not statement.present:
+            return f"{there}; what causes it stays open.{statement.place}"
+        else_ = "; what else causes it stays open" if len(statement.present) == 1 else ""
+        below = _below(statement, f"less than {share:.1%}", "make")
+        return f"{there}; {statement.beside}, {below}{else_}.{statement.place}"
     left = "no cause is sure."
-    if told.causes:
+    if statement.causes:
         left = (
-            f"{told.acting}; whether more than {share:.1%} of friction is left once the law is "
-            "recalibrated stays open."
+            f"{statement.acting}; whether more than {share:.1%} of friction is left once the law "
+            "is recalibrated stays open."
         )
-    elif told.present:
-        left = f"{told.beside}, and whether as much as that counts is not sure."
+    elif statement.present:
+        left = f"{statement.beside}, and whether as much as that counts is not sure."
     up_to = f"{gap.systematic.q95 / gap.friction_rms:.1%} of friction" if gap.friction_rms else ""
     if gap.no_share is not None:
         up_to = f"{gap.systematic.q95:.3g} {gap.unit} rms ({gap.no_share})"
     return f"These data leave a gap of up to {up_to} open: {left}"
 
 
-def _unknown(told: Statement) -> str:
-    matters = told.gap.systematic.q50 >= told.share * told.gap.friction_rms
-    small = " " if matters else f", less than the {told.share:.1%} that counts, "
-    if told.considered:
-        names = " and ".join(effect.effect for effect in told.considered)
-        fit = "fits" if len(told.considered) == 1 else "fit"
-        if told.elsewhere is not None:
-            pull, remedy = PULLS[told.elsewhere == "logged"]
+def _unknown(statement: Statement) -> str:
+    matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
+    small = " " if matters else f", less than the {statement.share:.1%} that counts, "
+    if statement.considered:
+        names = " and ".join(effect.effect for effect in statement.considered)
+        fit = "fits" if len(statement.considered) == 1 else "fit"
+        if statement.elsewhere is not None:
+            pull, remedy = PULLS[statement.elsewhere == "logged"]
             return (
-                f"A gap of {told.size}{small}is there; {names} {fit} what was recorded, and so "
-                f"would the pull of {pull} {told.chance}: {remedy}.{told.place}"
+                f"A gap of {statement.size}{small}is there; {names} {fit} what was recorded, and "
+                f"so would the pull of {pull} {statement.chance}: {remedy}.{statement.place}"
             )
-        miss = "misses" if len(told.considered) == 1 else "miss"
-        beside = "" if told.overruled_by is None else f": {told.overruled_by}"
+        miss = "misses" if len(statement.considered) == 1 else "miss"
+        beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
         return (
-            f"A gap of {told.size}{small}is there; {names} {fit} what was recorded and "
-            f"{miss} what was held out{beside}. Something else acts {told.chance}.{told.place}"
+            f"A gap of {statement.size}{small}is there; {names} {fit} what was recorded and "
+            f"{miss} what was held out{beside}. Something else acts {statement.chance}."
+            f"{statement.place}"
         )
     return (
-        f"A gap of {told.size}{small}is there, and none of the effects examined explains "
-        f"it {told.chance}.{told.place}"
+        f"A gap of {statement.size}{small}is there, and none of the effects examined explains "
+        f"it {statement.chance}.{statement.place}"
     )
 
 
-def _unseparated(told: Statement) -> str:
-    rivals = told.rivals or "several effects"
+def _unseparated(statement: Statement) -> str:
+    rivals = statement.rivals or "several effects"
     return (
-        f"A gap of {told.size} is there, and one of {rivals} causes it; these data cannot tell "
-        f"which {told.chance}.{told.place}"
+        f"A gap of {statement.size} is there, and one of {rivals} causes it; these data cannot "
+        f"tell which {statement.chance}.{statement.place}"
     )
 
 
-def _named(told: Statement) -> str:
+def _named(statement: Statement) -> str:
     shrunk = beside = ""
-    them = "it" if len(told.causes) == 1 else "them"
-    if told.rivals:
-        beside = f" One of {told.rivals} acts beside {them}; these data cannot tell which."
-    if told.gap.shrink_of_model is not None:
-        removed = _share(told.gap.shrink_of_model)
+    them = "it" if len(statement.causes) == 1 else "them"
+    if statement.rivals:
+        beside = f" One of {statement.rivals} acts beside {them}; these data cannot tell which."
+    if statement.gap.shrink_of_model is not None:
+        removed = _share(statement.gap.shrink_of_model)
         gone = f"adding {them} removes {removed} of it (mean square)"
-        shrunk = f" The systematic gap is {told.size}; {gone}."
-    return f"{told.acting} {told.chance}.{shrunk}{told.place}{beside}"
+        shrunk = f" The systematic gap is {statement.size}; {gone}."
+    return f"{statement.acting} {statement.chance}.{shrunk}{statement.place}{beside}"
 
 
-def _below(told: Statement, less: str, make: str) -> str:
+def _below(statement: Statement, less: str, make: str) -> str:
     """Return that weaker effects are each below a share, or that they make no gap."""
-    if all(not effect.makes_a_gap for effect in told.present) and any(
-        effect.strength >= told.share for effect in told.present
+    if all(not effect.makes_a_gap for effect in statement.present) and any(
+        effect.strength >= statement.share for effect in statement.present
     ):
-        return "which makes no gap" if len(told.present) == 1 else f"which {make} no gap"
-    return f"{'each ' if len(told.present) > 1 else ''}{less}"
+        return "which makes no gap" if len(statement.present) == 1 else f"which {make} no gap"
+    return f"{'each ' if len(statement.present) > 1 else ''}{less}"
 
 
 def _nat(density: HeldOutDensity) -> str:

@@ -92,7 +92,7 @@ class Quadratic:
     def _mixed(self, laws: Sequence[Law], shapes: Sequence[Array]) -> tuple[Array, Array]:
         """Return precision (M, k, k) and slope (M, k) at M choices of shapes."""
         weights = [self._mixture(law, shape) for law, shape in zip(laws, shapes, strict=True)]
-        count = max(len(one) for one in weights)
+        count = max(len(weight) for weight in weights)
         k = len(laws)
         precision, slope = np.empty((count, k, k)), np.empty((count, k))
         for i in range(k):
@@ -118,13 +118,13 @@ class Quadratic:
         """
         precision, slope = self._mixed(laws, shapes)
         priors = [self._model.amplitude_prior(law) for law in laws]
-        at = np.array([prior_moments(one)[0] / prior_moments(one)[1] for one in priors])
+        at = np.array([prior_moments(prior)[0] / prior_moments(prior)[1] for prior in priors])
         covariance = _inverse(precision + np.eye(len(laws)))
         slope = slope + at
         mean = (covariance @ slope[:, :, None])[:, :, 0]
         value = 0.5 * (slope * mean).sum(axis=1) + 0.5 * np.linalg.slogdet(covariance)[1]
         value -= 0.5 * at @ at
-        positive = np.flatnonzero([is_positive(one) for one in priors])
+        positive = np.flatnonzero([is_positive(prior) for prior in priors])
         value += positive.size * LOG_2
         if exact:
             part = np.ix_(positive, positive)
@@ -146,20 +146,20 @@ class Quadratic:
         """
 
         def value(grid: Array) -> Array:
-            each = [np.array([shape]) for shape in shapes]
-            each[which] = grid
-            return self.values(laws, each)
+            shapes_of_laws = [np.array([shape]) for shape in shapes]
+            shapes_of_laws[which] = grid
+            return self.values(laws, shapes_of_laws)
 
         grid = np.linspace(-WIDEST, WIDEST, COARSE)
-        found = value(grid)
+        values_along = value(grid)
         width = grid[1] - grid[0]
         for _ in range(ZOOMS):
-            best = grid[np.argmax(found)]
+            best = grid[np.argmax(values_along)]
             more = np.clip(best + width * np.linspace(-1, 1, FINE), -WIDEST, WIDEST)
             grid, first = np.unique(np.append(grid, more), return_index=True)
-            found = np.append(found, value(more))[first]
+            values_along = np.append(values_along, value(more))[first]
             width *= 2 / (FINE - 1)
-        density = found - 0.5 * grid**2
+        density = values_along - 0.5 * grid**2
         cells = np.gradient(grid)
         normal = np.log((np.exp(-0.5 * grid**2) * cells).sum())
         return float(grid[np.argmax(density)]), float(logsumexp(density + np.log(cells)) - normal)
@@ -174,8 +174,8 @@ class Quadratic:
             for place in free:
                 shapes[place], integral = self.along(laws, shapes, place)
                 if sweep == (SWEEPS if len(free) > 1 else 1) - 1:
-                    here = self.values(laws, [np.array([shape]) for shape in shapes])[0]
-                    gain += integral - float(here)
+                    value_there = self.values(laws, [np.array([shape]) for shape in shapes])[0]
+                    gain += integral - float(value_there)
         at = [np.array([shape]) for shape in shapes]
         value = float(self.values(laws, at, exact=True)[0]) if laws else 0.0
         weight = sum(law.log_weight for law in laws)
@@ -201,25 +201,27 @@ def choose(
     starts : mapping of str to float, or None
         A shape of each law, ``effect:law``, to begin with.
     """
-    known = starts or {}
+    starts_by_law = starts or {}
 
     def start(laws: Sequence[Law]) -> list[float]:
-        return [known.get(f"{law.effect}:{law.law}", 0.0) for law in laws]
+        return [starts_by_law.get(f"{law.effect}:{law.law}", 0.0) for law in laws]
 
     combinations = list(product(*(lawbook[name] for name in names)))
     if len(names) > 1:
         # Laws that are far behind at these shapes are not followed.
         rough = np.array(
             [
-                quadratic.values(laws, [np.array([one]) for one in start(laws)])[0]
+                quadratic.values(laws, [np.array([shape]) for shape in start(laws)])[0]
                 for laws in combinations
             ]
         )
         combinations = [
-            laws for laws, one in zip(combinations, rough, strict=True) if one > rough.max() - NEAR
+            laws
+            for laws, value in zip(combinations, rough, strict=True)
+            if value > rough.max() - NEAR
         ]
-    found = [quadratic.choice(laws, start(laws)) for laws in combinations]
-    return sorted(found, key=lambda one: -one.log_evidence)
+    choices = [quadratic.choice(laws, start(laws)) for laws in combinations]
+    return sorted(choices, key=lambda choice: -choice.log_evidence)
 
 
 def log_orthant(mean: Array, covariance: Array) -> float:
@@ -267,9 +269,9 @@ def _inverse(whole: Array) -> Array:
 
     Where rounding of what is very large hides that, eigenvalues are set to it.
     """
-    found = np.linalg.inv(whole)
-    lost = (np.diagonal(found, axis1=1, axis2=2) <= 0).any(axis=1)
+    inverse = np.linalg.inv(whole)
+    lost = (np.diagonal(inverse, axis1=1, axis2=2) <= 0).any(axis=1)
     if lost.any():
         values, vectors = np.linalg.eigh(whole[lost])
-        found[lost] = (vectors / np.maximum(values, 1.0)[:, None, :]) @ vectors.swapaxes(1, 2)
-    return np.asarray(found)
+        inverse[lost] = (vectors / np.maximum(values, 1.0)[:, None, :]) @ vectors.swapaxes(1, 2)
+    return np.asarray(inverse)

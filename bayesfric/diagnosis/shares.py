@@ -39,7 +39,7 @@ class AxisFunctions:
     ----------
     name : str
         Of the axis.
-    known : ndarray of bool, shape (R,)
+    is_known : ndarray of bool, shape (R,)
         Where a window has such a place.
     columns : ndarray, shape (R, k)
         At the windows; 0 where it has none.
@@ -50,7 +50,7 @@ class AxisFunctions:
     """
 
     name: str
-    known: Flags
+    is_known: Flags
     columns: Array
     grid: Array
     on_grid: Array
@@ -91,20 +91,25 @@ def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> A
         Length scale of smooth functions, as a share of the covariate's range.
     """
     values = residuals.covariates[name]
-    known = np.isfinite(values)
-    if not known.any() or np.ptp(values[known]) <= ROUNDING * np.abs(values[known]).max():
+    is_finite = np.isfinite(values)
+    if (
+        not is_finite.any()
+        or np.ptp(values[is_finite]) <= ROUNDING * np.abs(values[is_finite]).max()
+    ):
         return None
     if name in CATEGORIES:
-        grid = np.unique(values[known])
+        grid = np.unique(values[is_finite])
         columns = np.equal.outer(values, grid).astype(np.float64)
-        return AxisFunctions(name, known, columns, grid, np.eye(grid.size))
-    span = replace(Span.of(values[known]), logarithmic=name in FINE_AT_FIRST)
+        return AxisFunctions(name, is_finite, columns, grid, np.eye(grid.size))
+    span = replace(Span.of(values[is_finite]), logarithmic=name in FINE_AT_FIRST)
     smooth = smooth_along({name: span}, length=length)
     if smooth is None:  # it varies by less than a span is told to
         return None
-    columns = np.where(known, smooth.columns({name: np.where(known, values, span.low)}), 0.0)
+    columns = np.where(
+        is_finite, smooth.columns({name: np.where(is_finite, values, span.low)}), 0.0
+    )
     grid = np.linspace(span.low, span.high, GRID)
-    return AxisFunctions(name, known, columns.T, grid, smooth.columns({name: grid}).T)
+    return AxisFunctions(name, is_finite, columns.T, grid, smooth.columns({name: grid}).T)
 
 
 def shares_of(
@@ -140,11 +145,11 @@ def shares_of(
     there = total2 > (NOTHING * residuals.friction_rms) ** 2
     scale2 = np.where(there, total2, 1.0)
     fine = residuals.size.size >= FINE
-    found = [
+    axes = [
         functions_along(residuals, name, NARROW if fine and name not in HISTORY else BROAD)
         for name in residuals.axes
     ]
-    weighted = _weighted(residuals, [one for one in found if one is not None])
+    weighted = _weighted(residuals, [axis for axis in axes if axis is not None])
     alone = {
         name: explained_by_subsets([Block((0,), columns)], 1, response, RIDGE)[1]
         for name, columns in weighted.items()
@@ -156,9 +161,9 @@ def shares_of(
     share, alone = (
         {
             name: np.where(there & (values > ROUNDING * scale2), values / scale2, 0.0)
-            for name, values in one.items()
+            for name, values in draws.items()
         }
-        for one in (share, alone)
+        for draws in (share, alone)
     )
     explained = sum(share.values(), np.zeros(taken.size))
     over = np.maximum(explained, 1.0)  # by rounding
@@ -172,25 +177,25 @@ def shares_of(
 
 def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, Array]:
     """Return friction times the functions of each axis, less what a law takes, weighted, (R, k)."""
-    found = {axis.name: _ready(residuals, axis.columns, axis.known) for axis in axes}
-    if "setup" in found:
+    ready = {axis.name: _ready(residuals, axis.columns, axis.is_known) for axis in axes}
+    if "setup" in ready:
         # An assembly stands for all that it is made of and for its day: what it is beyond these.
-        rest = [columns for name, columns in found.items() if name != "setup"]
-        found["setup"] = _beyond(found["setup"], rest)
-    if "travel_since_reversal" in found:
+        rest = [columns for name, columns in ready.items() if name != "setup"]
+        ready["setup"] = _beyond(ready["setup"], rest)
+    if "travel_since_reversal" in ready:
         # Between two ends it is the position, once the direction is known.
-        state = [name for name in ("displacement", "direction") if name in found]
-        rest = [found[name] for name in state]
+        state = [name for name in ("displacement", "direction") if name in ready]
+        rest = [ready[name] for name in state]
         rest += [block.columns for block in _products(residuals, state)]
-        found["travel_since_reversal"] = _beyond(found["travel_since_reversal"], rest)
-    return found
+        ready["travel_since_reversal"] = _beyond(ready["travel_since_reversal"], rest)
+    return ready
 
 
-def _ready(residuals: Residuals, columns: Array, known: Flags) -> Array:
+def _ready(residuals: Residuals, columns: Array, there: Flags) -> Array:
     """Centre functions where they are known; weigh them, and take a refitted law off."""
     weight = residuals.weight * residuals.friction_n**2
-    mean = (weight * known) @ columns / (weight * known).sum()
-    force = np.where(known[:, None], columns - mean, 0.0) * residuals.friction_n[:, None]
+    mean = (weight * there) @ columns / (weight * there).sum()
+    force = np.where(there[:, None], columns - mean, 0.0) * residuals.friction_n[:, None]
     left = residuals.without_law(force)
     return np.asarray(np.sqrt(residuals.weight / weight.sum())[:, None] * left)
 
@@ -228,11 +233,11 @@ def _competing(
         blocks.append(Block((len(single),), rest))
     players = len(single) + bool(together)
     values = shapley_values(explained_by_subsets(blocks, players, response, RIDGE))
-    found = dict(zip(single, values, strict=False))
+    explained = dict(zip(single, values, strict=False))
     if together:
         part = np.stack([alone[name] for name in together]) + np.finfo(np.float64).tiny
-        found |= dict(zip(together, values[-1] * part / part.sum(axis=0), strict=True))
-    return found
+        explained |= dict(zip(together, values[-1] * part / part.sum(axis=0), strict=True))
+    return explained
 
 
 def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
@@ -242,14 +247,14 @@ def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
         for place, name in enumerate(names)
         if name not in HISTORY and name not in CATEGORIES
     }
-    found = []
+    products = []
     for first, second in combinations(state, 2):
         product = PAIRED * state[first] * state[second]
-        known = np.isfinite(product)
-        if known.any():
-            columns = np.where(known, product, 0.0)[:, None]
-            found.append(Block((first, second), _ready(residuals, columns, known)))
-    return found
+        is_finite = np.isfinite(product)
+        if is_finite.any():
+            columns = np.where(is_finite, product, 0.0)[:, None]
+            products.append(Block((first, second), _ready(residuals, columns, is_finite)))
+    return products
 
 
 def _waves_along(
@@ -268,5 +273,5 @@ def _waves_along(
 
 def _standardised(values: Array) -> Array:
     """Return values less their mean over their standard deviation; nan where there is none."""
-    known = values[np.isfinite(values)]
-    return np.asarray((values - known.mean()) / known.std())
+    finite = values[np.isfinite(values)]
+    return np.asarray((values - finite.mean()) / finite.std())

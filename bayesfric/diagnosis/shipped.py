@@ -31,7 +31,9 @@ def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
             for size, row in table1().items()
         }
     laws = {size: law for size, law in given.items() if isinstance(law, Coefficients)}
-    numbers = {name: one for name, one in given.items() if not isinstance(one, Coefficients)}
+    numbers = {
+        name: number for name, number in given.items() if not isinstance(number, Coefficients)
+    }
     for size in data.sizes:
         names = [name for name, _ in data.law_numbers(size)]
         if any(name in numbers for name in names):
@@ -69,23 +71,28 @@ def held_of(
     InputError
         A name is unknown, or has no shipped value.
     """
-    known = {name: list(data.sizes) for name in Coefficients._fields}
-    stands = {name: name for name in known}
+    sizes_by_name = {name: list(data.sizes) for name in Coefficients._fields}
+    stands = {name: name for name in sizes_by_name}
     for size in data.sizes:
         called = data.law_numbers(size)
         for place, field in enumerate(Coefficients._fields):
             own = coefficient_name(field, size)
-            for name in {own, *(one[0] for one in called[place : place + 1])}:
-                known[name], stands[name] = [size], own
+            for name in {own, *(part[0] for part in called[place : place + 1])}:
+                sizes_by_name[name], stands[name] = [size], own
     faults = [
-        Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
+        Fault(
+            "command line",
+            f"one of {', '.join(sorted(sizes_by_name))}",
+            column="--fixed",
+            value=name,
+        )
         for name in fixed
-        if name not in known
+        if name not in sizes_by_name
     ]
     faults += [
         Fault("command line", f"a shipped value of size {size}", column="--fixed", value=name)
         for name in fixed
-        for size in known.get(name, ())
+        for size in sizes_by_name.get(name, ())
         if size not in shipped
     ]
     if faults:

@@ -19,7 +19,7 @@ HELD = 0.05  # of the draws of a number, that are at its least where it may be n
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
-TOLD = float(np.log(2))  # by which an unknown force is less likely than none, at least
+LEAST_ODDS = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
 
 def why_not_shown(search: Search, residuals: Residuals) -> str | None:
@@ -41,7 +41,7 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
     if search.unknown is None:
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
-    if better > -TOLD:
+    if better > -LEAST_ODDS:
         return (
             f"{windows_told(residuals)} do not tell an unknown force from none "
             f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"

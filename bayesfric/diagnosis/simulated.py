@@ -32,19 +32,19 @@ def simulator_used(own: OwnLaw | None, model: LinearModel, at: At) -> SimulatorU
     if own is None:
         return None
     (size,) = model.layout.sizes
-    found = {}
-    for place, one in enumerate(own.parameters):
+    numbers = {}
+    for place, parameter in enumerate(own.parameters):
         scale = float(model.scales[place])
         mean = float(np.asarray(model.laws[size][place])) + scale * float(at.mean[place])
         sd = scale * float(np.sqrt(at.covariance[place, place]))
-        found[one.name] = EffectNumber(
+        numbers[parameter.name] = EffectNumber(
             mean=mean,
             sd=sd,
             q05=mean - FIVE * sd,
             q50=mean,
             q95=mean + FIVE * sd,
-            unit=one.unit,
-            prior=describe(one.prior),
-            prior_density=one.prior,
+            unit=parameter.unit,
+            prior=describe(parameter.prior),
+            prior_density=parameter.prior,
         )
-    return SimulatorUsed(name=own.law.name, calls=own.calls, parameters=found)
+    return SimulatorUsed(name=own.law.name, calls=own.calls, parameters=numbers)

@@ -52,15 +52,19 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
         sd[taken, None] * of_shared,
         np.eye(layout.local - first - taken.size),
     )
-    found = copy(model)
-    found.squeezed_from, found.squeeze, found.layout = model, squeeze, squeezed
-    found.said = Said()
-    found.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
-    found.scales = np.ones(squeezed.local)
-    found.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]
+    squeezed_model = copy(model)
+    squeezed_model.squeezed_from, squeezed_model.squeeze, squeezed_model.layout = (
+        model,
+        squeeze,
+        squeezed,
+    )
+    squeezed_model.said = Said()
+    squeezed_model.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
+    squeezed_model.scales = np.ones(squeezed.local)
+    squeezed_model.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]
     mine = slice(squeezed.own, squeezed.own + squeezed.candidates)
-    found.scales[mine] = model.scales[layout.own : first]
-    return found
+    squeezed_model.scales[mine] = model.scales[layout.own : first]
+    return squeezed_model
 
 
 def _seen(information: Array) -> Array:

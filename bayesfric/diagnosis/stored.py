@@ -182,8 +182,8 @@ def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedL
 
         def padded(values: list[Array]) -> Array:
             table = np.full((len(values), longest), np.nan)
-            for row, one in enumerate(values):
-                table[row, : one.size] = one
+            for row, row_values in enumerate(values):
+                table[row, : row_values.size] = row_values
             return table
 
         curves = {

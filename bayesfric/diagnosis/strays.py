@@ -133,7 +133,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
     windows = residuals_of(plain, at.psi)
     mixing = own.mixing(acting)
     off = windows.left(spread_numbers(own, at.mean, mixing)) / np.sqrt(windows.chance2)
-    found = {}
+    weights = {}
     for place, rig in enumerate(plain.rigs):
         mine = windows.rig == place
         if not plain.data.rigs[place].rig.paper:
@@ -147,8 +147,8 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
             if weight is None:
                 return None
             if np.any(weight < 1):
-                found[rig.rows.name] = weight
-    return found
+                weights[rig.rows.name] = weight
+    return weights
 
 
 def _leverage(windows: Residuals, rows: Flags, model: LinearModel, at: At, mixing: Array) -> Array:
@@ -160,7 +160,7 @@ def _leverage(windows: Residuals, rows: Flags, model: LinearModel, at: At, mixin
     return np.asarray(np.minimum(moved2 / windows.chance2[rows], MOST_LEVERAGE))
 
 
-def _alike(one: Mapping[str, Array], other: Mapping[str, Array]) -> bool:
-    if set(one) != set(other):
+def _alike(first: Mapping[str, Array], other: Mapping[str, Array]) -> bool:
+    if set(first) != set(other):
         return False
-    return all(np.abs(np.log(one[name] / other[name])).max() < SETTLED for name in one)
+    return all(np.abs(np.log(first[name] / other[name])).max() < SETTLED for name in first)

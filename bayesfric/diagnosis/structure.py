@@ -131,11 +131,13 @@ def unlike_scatter(
         return None
     if leaves_too_much(gap, practical):
         return f"{gap.held_out_excess:.3g} {gap.unit} rms of data held out, beyond scatter"
-    found = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
-    if found is None:
+    structured = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
+    if structured is None:
         return None
-    size = f"{found.share * gap.friction_rms:.3g} {gap.unit} rms"
-    return found.words(f"{size}, {found.share:.1%} of friction," if gap.no_share is None else size)
+    size = f"{structured.share * gap.friction_rms:.3g} {gap.unit} rms"
+    return structured.words(
+        f"{size}, {structured.share:.1%} of friction," if gap.no_share is None else size
+    )
 
 
 def _orders(residuals: Residuals) -> Iterator[tuple[str, Whole]]:
@@ -145,10 +147,10 @@ def _orders(residuals: Residuals) -> Iterator[tuple[str, Whole]]:
         yield TIME, np.argsort(when, kind="stable")
     for name in residuals.axes:
         values = residuals.covariates[name]
-        known = np.flatnonzero(np.isfinite(values))
-        if name in CATEGORIES or np.unique(values[known]).size < FEWEST:
+        finite = np.flatnonzero(np.isfinite(values))
+        if name in CATEGORIES or np.unique(values[finite]).size < FEWEST:
             continue
-        yield name, known[np.lexsort((recorded[known], values[known]))]
+        yield name, finite[np.lexsort((recorded[finite], values[finite]))]
 
 
 def _standardised(squares: Array) -> Array:
@@ -193,5 +195,5 @@ def _of_waves(left: Array, when: Array) -> Iterator[Array]:
     turns = 2 * np.pi * (when - when.min()) / span
     for waves in range(1, min(MOST_WAVES, len(left) // 3) + 1):
         pair = np.stack([np.cos(waves * turns), np.sin(waves * turns)])
-        found = pair @ left * (2 / len(left))
-        yield np.asarray((found**2).sum(axis=0) / 2)
+        amplitudes = pair @ left * (2 / len(left))
+        yield np.asarray((amplitudes**2).sum(axis=0) / 2)

@@ -116,19 +116,19 @@ def posterior_of(
     for name, count in zip(names, counts, strict=True):
         if not count:
             continue
-        one = search.weighed[name if name != UNKNOWN else NONE]
-        at, wide, form = one.at, None, one.forms
+        weighed = search.weighed[name if name != UNKNOWN else NONE]
+        at, wide, form = weighed.at, None, weighed.forms
         if name == UNKNOWN and search.unknown is not None:
             at, wide, form = search.unknown.at, search.unknown.best, search.unknown.forms
-            one = replace(one, acting=search.unknown.acting, at=at)
+            weighed = replace(weighed, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
-        acting = one.acting
+        acting = weighed.acting
         if name == UNKNOWN:
             drawn = rng.multivariate_normal(
                 at.mean, at.covariance, int(count), check_valid="ignore", method="eigh"
             )
         else:
-            drawn = drawn_numbers(own, one, int(count), rng)
+            drawn = drawn_numbers(own, weighed, int(count), rng)
         drawn = _made_positive(own, acting, at, drawn, rng)
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
@@ -156,7 +156,7 @@ def posterior_of(
             scale = model.amplitude_scale(law)
             amplitudes.setdefault(law.effect, []).append(values * scale)
             shapes.setdefault(law.effect, []).append(
-                _shape_draws(own, one, column, int(count), rng)
+                _shape_draws(own, weighed, column, int(count), rng)
             )
         for place, law in enumerate(acting.phases):
             middle = at.psi[len(model.noise) + place]
@@ -221,8 +221,8 @@ def _made_positive(
 def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:
     """Return the rms of a force over rms friction where it acts, and what the law leaves."""
     rigs = [rig for rig in np.unique(residuals.rig) if np.any(column[residuals.rig == rig])]
-    here = np.isin(residuals.rig, rigs)
-    weight = residuals.weight * here
+    on_rigs = np.isin(residuals.rig, rigs)
+    weight = residuals.weight * on_rigs
     friction2 = (weight * residuals.friction_n**2).sum()
     if friction2 == 0:
         return 0.0, 0.0
@@ -249,30 +249,32 @@ def _log_spread(
     """Return the standard deviation of the logarithm of an amplitude with phases."""
     step = np.zeros_like(psi)
     step[len(model.noise) + place] = 0.1
-    below, here, above = (
-        model.evaluate(one, acting, wide, form).value for one in (psi - step, psi, psi + step)
+    below, middle, above = (
+        model.evaluate(at, acting, wide, form).value for at in (psi - step, psi, psi + step)
     )
-    return float(np.sqrt(0.1**2 / max(2 * here - below - above, 1e-2 * 0.1**2)))
+    return float(np.sqrt(0.1**2 / max(2 * middle - below - above, 1e-2 * 0.1**2)))
 
 
 def _shape_draws(
-    model: LinearModel, one: Weighed, column: int, count: int, rng: np.random.Generator
+    model: LinearModel, weighed: Weighed, column: int, count: int, rng: np.random.Generator
 ) -> Array:
     """Draw the shape of an effect around the best, others held; nothing where there is none."""
-    law = one.acting.laws[column]
+    law = weighed.acting.laws[column]
     effect = model.candidates[law.places[0]].effect
     if effect.shape is None:
         return np.empty(0)
-    places = [place for each in one.acting.laws for place in each.places]
-    reduced = model.reduced(one.at.psi, Acting(phases=one.acting.phases), one.forms, places)
+    places = [place for acting_law in weighed.acting.laws for place in acting_law.places]
+    reduced = model.reduced(
+        weighed.at.psi, Acting(phases=weighed.acting.phases), weighed.forms, places
+    )
     quadratic = Quadratic(model, reduced, places)
-    centre = one.acting.shapes[column]
+    centre = weighed.acting.shapes[column]
     width = 2.0
     for _ in range(4):
         grid = np.clip(centre + width * np.linspace(-1, 1, 41), -2.4, 2.4)
-        each = [np.array([shape]) for shape in one.acting.shapes]
-        each[column] = grid
-        logs = quadratic.values(one.acting.laws, each) - 0.5 * grid**2
+        shapes = [np.array([shape]) for shape in weighed.acting.shapes]
+        shapes[column] = grid
+        logs = quadratic.values(weighed.acting.laws, shapes) - 0.5 * grid**2
         weights = np.exp(logs - logs.max())
         weights /= weights.sum()
         mean = float(weights @ grid)

@@ -52,17 +52,17 @@ def check_target(target: pd.DataFrame, trials: RigTrials, sizes: Collection[str]
         Friction is no function of a condition, a column is missing, or a size unknown.
     """
     nothing = Coefficients(*np.zeros((3, len(target))))
-    if not trials.asked and isinstance(found := trials.at(target, nothing), Unsupported):
-        raise InputError([Fault("--target", f"no conditions: {found.reason}")])
+    if not trials.asked and isinstance(conditions := trials.at(target, nothing), Unsupported):
+        raise InputError([Fault("--target", f"no conditions: {conditions.reason}")])
     faults = [
         Fault("--target", "this column, by which the recording says its conditions", column=name)
         for name in trials.asked
         if name not in target or target[name].isna().any()
     ]
     if not faults and "pulley_size" in trials.asked:
-        known = ", ".join(sorted(sizes))
+        names = ", ".join(sorted(sizes))
         faults = [
-            Fault("--target", f"a pulley size of the recording: {known}", row, "pulley_size", size)
+            Fault("--target", f"a pulley size of the recording: {names}", row, "pulley_size", size)
             for row, size in enumerate(target["pulley_size"], start=2)
             if size not in sizes
         ]
@@ -106,11 +106,11 @@ def friction_at(
     drawn: dict[str, DrawnEffect] = {}
     left_out = {}
     for name in posterior.law.amplitude:
-        one = drawn_effect(table, name, effects)
-        if isinstance(one, DrawnEffect):
-            drawn[name] = one
+        drawn_force = drawn_effect(table, name, effects)
+        if isinstance(drawn_force, DrawnEffect):
+            drawn[name] = drawn_force
         elif name in named:
-            left_out[name] = one
+            left_out[name] = drawn_force
     rows = []
     for place in range(len(target)):
         condition = target.iloc[[place]]
@@ -123,7 +123,7 @@ def friction_at(
         friction = _friction(trials, baseline, condition, law)
         state = trials.at(condition, law)
         assert not isinstance(state, Unsupported)
-        force = {name: one.force(state) for name, one in drawn.items()}
+        force = {name: effect.force(state) for name, effect in drawn.items()}
         causes = sum((force[name] for name in named if name in force), np.zeros_like(friction))
         whole = friction + sum(force.values(), np.zeros_like(friction))
         shipped = float(_friction(trials, baseline, condition, alone)[0])
@@ -153,16 +153,18 @@ def _friction(
     """Return the law's friction at a condition, (S,)."""
     state = trials.at(condition, law)
     assert not isinstance(state, Unsupported)
-    found = baseline.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
-    return np.atleast_1d(np.asarray(found, dtype=np.float64))
+    friction = baseline.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
+    return np.atleast_1d(np.asarray(friction, dtype=np.float64))
 
 
 def _alone(model: LinearModel, before: Mapping[str, LawNumber], size: str) -> Coefficients:
     """Return the law fitted alone; what is held, or shows nowhere, as it was given."""
     values = []
     for name, value in zip(Coefficients._fields, model.laws[size], strict=True):
-        known = before.get(coefficient_name(name, size)) or before.get(name)
-        values.append(np.array([float(np.asarray(value)) if known is None else known.before.mean]))
+        number = before.get(coefficient_name(name, size)) or before.get(name)
+        values.append(
+            np.array([float(np.asarray(value)) if number is None else number.before.mean])
+        )
     return Coefficients(*values)
 
 
@@ -173,18 +175,18 @@ def _outside(model: LinearModel, condition: pd.DataFrame) -> tuple[str, ...]:
         for name, values in rig.rows.covariates().items():
             low, high = ranges.get(name, (np.inf, -np.inf))
             ranges[name] = min(low, float(np.min(values))), max(high, float(np.max(values)))
-    found = []
+    axes = []
     for column, value in condition.iloc[0].items():
         name = str(column)
         axis = RECORDED.get(name, name)
         if axis not in ranges:
             continue
-        here = abs(float(value)) if axis == "velocity" else float(value)
+        size = abs(float(value)) if axis == "velocity" else float(value)
         low, high = ranges[axis]
         slack = SLACK * max(abs(low), abs(high))
-        if not low - slack <= here <= high + slack:
-            found.append(name)
-    return tuple(found)
+        if not low - slack <= size <= high + slack:
+            axes.append(name)
+    return tuple(axes)
 
 
 def conditions_of(target: FrictionAsked) -> pd.DataFrame:

@@ -14,7 +14,7 @@ def undeclared(
     rig: RigConstants,
     verdict: str,
     other_joints: str | None,
-    told: Collection[str],
+    named: Collection[str],
     examined: Mapping[str, Effect],
 ) -> Iterator[str]:
     """Yield a sentence for each thing that nobody said and that would change the answer.
@@ -27,7 +27,7 @@ def undeclared(
         Of the diagnosis.
     other_joints : str or None
         What other joints did; None where there are none.
-    told : collection of str
+    named : collection of str
         Effects that are causes, possible, or considered.
     examined : mapping of str to Effect
         All that were examined.
@@ -37,7 +37,7 @@ def undeclared(
     if rig.force_is in (None, "unknown"):
         names = [
             name
-            for name in sorted(told)
+            for name in sorted(named)
             if name in examined and examined[name].needs & {COMMANDED, LIMITED}
         ]
         if names:
@@ -46,7 +46,7 @@ def undeclared(
                 f"{' and '.join(names)} can act on a force that was commanded, and not on one "
                 "that was measured"
             )
-    by_load = sorted(name for name in told if name in BY_LOAD)
+    by_load = sorted(name for name in named if name in BY_LOAD)
     if by_load and "load-asymmetry" not in examined:
         yield (
             f"{' and '.join(by_load)} may be of one way of the power alone: what a gear loses more "

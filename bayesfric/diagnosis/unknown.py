@@ -90,17 +90,17 @@ def unknown_force(
     if not axes:
         return None
     scale = model.analysis.diagnosis.unknown_scale
-    shares = [scale * float(scipy.stats.halfnorm.ppf(one)) for one in QUANTILES]
+    shares = [scale * float(scipy.stats.halfnorm.ppf(node)) for node in QUANTILES]
     # Where in speed a law is off events tell at hundreds of places, and forces that differ with
     # size, load and rig as well are too many to be likely; along other axes few values are met.
     where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]
     where += [(axis, True) for axis in axes if axis == "velocity"]
-    nodes = tuple(Wide(share, *one) for one in where for share in shares)
+    nodes = tuple(Wide(share, *node) for node in where for share in shares)
     form = without.forms
     # Along these, what is smaller than matters is scatter.
     practical = model.analysis.diagnosis.practical_share
     scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
-    idle = np.array([one.axis in scattering and one.share < practical for one in nodes])
+    idle = np.array([node.axis in scattering and node.share < practical for node in nodes])
 
     places = [place for law in acting.laws for place in law.places]
 
@@ -112,33 +112,33 @@ def unknown_force(
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)
         log_prior, _ = model.log_prior(psi, acting)
-        each = [
+        log_densities = [
             information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
             for n in of
         ]
-        return np.where(idle[of], -np.inf, log_prior + np.array(each))
+        return np.where(idle[of], -np.inf, log_prior + np.array(log_densities))
 
     psi = without.at.psi
     tried = [psi, model.noise.quiet(psi), *(s for s in starts if s.size == psi.size)]
     middling = np.arange(len(QUANTILES) // 2, len(nodes), len(QUANTILES))
-    psi = tried[int(np.argmax([values(one, middling).max() for one in tried]))]
-    found = values(psi, np.arange(len(nodes)))
+    psi = tried[int(np.argmax([values(node, middling).max() for node in tried]))]
+    log_evidences = values(psi, np.arange(len(nodes)))
     for _ in range(2):
         # The climb needs few of the numbers; the evidence has all of them.
-        small = squeezed(model, psi, nodes[int(np.argmax(found))])
+        small = squeezed(model, psi, nodes[int(np.argmax(log_evidences))])
         there = climb(small, psi, acting, None, form, inverse)
         settled = bool(np.abs(there.psi - psi).max() < 0.05)
         psi = there.psi
-        likely = np.flatnonzero(found > found.max() - LIKELY)
-        found[likely] = values(psi, likely)
+        likely = np.flatnonzero(log_evidences > log_evidences.max() - LIKELY)
+        log_evidences[likely] = values(psi, likely)
         if settled:
             break
-    likeliest = nodes[int(np.argmax(found))]
+    likeliest = nodes[int(np.argmax(log_evidences))]
     at = model.integrated(psi, acting, information_at(psi), likeliest, form)
-    total = float(logsumexp(found) - np.log(len(nodes))) + volume
+    total = float(logsumexp(log_evidences) - np.log(len(nodes))) + volume
     total += over_amplitudes(small, there, acting, form)
     if near is not None and total > near:
         noise = slice(len(model.noise))
         total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume
     # Along all axes is as likely as along any one.
-    return Unknown(nodes, found - logsumexp(found), total, at, acting, without.form)
+    return Unknown(nodes, log_evidences - logsumexp(log_evidences), total, at, acting, without.form)

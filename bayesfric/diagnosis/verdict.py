@@ -15,7 +15,7 @@ FELT = 0.003  # of friction: an error of readings or of a current below it is no
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownEffect:
     """What is known of one effect.
 
     Parameters
@@ -40,7 +40,7 @@ class Known:
 
 
 def sort_effects(
-    known: Sequence[Known], above: float = 1.0
+    effects_known: Sequence[KnownEffect], above: float = 1.0
 ) -> tuple[list[str], list[str], list[str]]:
     """Return the causes, those present but too weak to matter, and those that are possible.
 
@@ -50,7 +50,7 @@ def sort_effects(
 
     Parameters
     ----------
-    known : sequence of Known
+    effects_known : sequence of KnownEffect
         Effects.
     above : float
         Probability that the gap is practical or more.
@@ -58,7 +58,7 @@ def sort_effects(
     causes: list[str] = []
     present: list[str] = []
     possible: list[str] = []
-    for effect in known:
+    for effect in effects_known:
         matters = effect.above_practical >= HALF
         if effect.measuring:
             matters = effect.strength >= FELT and 1 - above < SURE
@@ -71,7 +71,7 @@ def sort_effects(
 
 def decide(
     chances: Mapping[str, float],
-    causes: Sequence[Known],
+    causes: Sequence[KnownEffect],
     above: float,
     together: Sequence[Sequence[str]],
     *,
@@ -84,7 +84,7 @@ def decide(
     ----------
     chances : mapping of str to float
         Posterior probabilities of hypotheses.
-    causes : sequence of Known
+    causes : sequence of KnownEffect
         Effects that are causes.
     above : float
         Probability that the gap is practical or more.
@@ -114,13 +114,17 @@ def decide(
 
 
 def sets_of_one(
-    chances: Mapping[str, float], known: Sequence[Known], causes: Sequence[str]
+    chances: Mapping[str, float], effects_known: Sequence[KnownEffect], causes: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     """Return sets of effects of which one acts with probability 0.9, and none does alone.
 
     The set grows from the likeliest rivals until one of it surely acts.
     """
-    rivals = [one.effect for one in known if one.effect not in causes and one.probability < SURE]
+    rivals = [
+        effect.effect
+        for effect in effects_known
+        if effect.effect not in causes and effect.probability < SURE
+    ]
     chosen: list[str] = []
     for name in rivals[:6]:
         chosen.append(name)
@@ -132,13 +136,15 @@ def sets_of_one(
 
 def unseparated_of(classes: Classes, together: Sequence[Sequence[str]]) -> tuple[Unseparated, ...]:
     """Return what is identical on this rig, and what these data leave open."""
-    found = [
+    unseparated = [
         Unseparated(effects=members, reason="identical-on-this-rig")
         for members in classes.members
         if len(members) > 1
     ]
-    found += [Unseparated(effects=tuple(one), reason="these-data") for one in together]
-    return tuple(found)
+    unseparated += [
+        Unseparated(effects=tuple(effects), reason="these-data") for effects in together
+    ]
+    return tuple(unseparated)
 
 
 def measures(effect: Effect) -> bool:

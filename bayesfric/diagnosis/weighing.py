@@ -131,19 +131,21 @@ def weigh(
     free = [name for name in names if not _has_phases(model, name)]
     phases = tuple(model.lawbook[name][0] for name in names if _has_phases(model, name))
     first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
-    known = dict(shapes or {})
-    each = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
-    tried = [_chosen(model, free, phases, one, known, (AS_IT_IS,))[0] for one in each]
-    best = int(np.argmax([one.at().value for one in tried]))
-    psi, acting = each[best], tried[best].acting
+    shapes_known = dict(shapes or {})
+    points = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
+    tried = [_chosen(model, free, phases, point, shapes_known, (AS_IT_IS,))[0] for point in points]
+    best = int(np.argmax([result.at().value for result in tried]))
+    psi, acting = points[best], tried[best].acting
     form, weights = AS_IT_IS, np.zeros(len(forms))
     for _ in range(ROUNDS):
         at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
         before = acting, form
         psi = at.psi
-        known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
-        results = _chosen(model, free, phases, psi, known, forms)
-        weights = np.array([one.total for one in results])
+        shapes_known |= {
+            f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)
+        }
+        results = _chosen(model, free, phases, psi, shapes_known, forms)
+        weights = np.array([result.total for result in results])
         form, chosen = forms[int(np.argmax(weights))], results[int(np.argmax(weights))]
         acting = chosen.acting
         if _same(before[0], acting) and before[1] == form:
@@ -154,7 +156,7 @@ def weigh(
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     total += over_amplitudes(model, at, acting, share)
-    found = Weighed(
+    weighed = Weighed(
         names,
         total,
         curvature_at(model, at, acting, share) if own_volume else None,
@@ -164,8 +166,8 @@ def weigh(
         form,
         bound=not at.at_mode,
     )
-    own = found.volume
-    return replace(found, log_evidence=total + (volume if own is None else own))
+    own = weighed.volume
+    return replace(weighed, log_evidence=total + (volume if own is None else own))
 
 
 def _has_phases(model: LinearModel, name: str) -> bool:
@@ -177,30 +179,30 @@ def _chosen(
     free: Sequence[str],
     phases: tuple[Law, ...],
     psi: Array,
-    known: Mapping[str, float],
+    shapes_known: Mapping[str, float],
     shares: Sequence[FormShare],
 ) -> list[_Chosen]:
     """Return for each share of forms the best laws and shapes, and all their log evidence."""
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
     information = model.said_of(psi, places, phases)
-    found = []
+    results = []
     for form in shares:
         share = dict.fromkeys([*free, *(law.effect for law in phases)], form)
         reduced = model.reduced_of(information, share, places)
-        choices = choose(Quadratic(model, reduced, places), model.lawbook, free, known)
+        choices = choose(Quadratic(model, reduced, places), model.lawbook, free, shapes_known)
         best = choices[0]
-        total = reduced.log_evidence + float(logsumexp([one.log_evidence for one in choices]))
+        total = reduced.log_evidence + float(logsumexp([choice.log_evidence for choice in choices]))
         acting = Acting(best.laws, best.shapes, phases)
         own = model.mixed(information, places, acting)
         at = partial(model.integrated, psi, acting, own, None, share)
-        found.append(_Chosen(acting, total, choices, at))
-    return found
+        results.append(_Chosen(acting, total, choices, at))
+    return results
 
 
-def _same(one: Acting, other: Acting) -> bool:
-    if one.laws != other.laws:
+def _same(first: Acting, other: Acting) -> bool:
+    if first.laws != other.laws:
         return False
-    apart = np.abs(np.array(one.shapes) - np.array(other.shapes))
+    apart = np.abs(np.array(first.shapes) - np.array(other.shapes))
     return bool(apart.max() < SETTLED) if apart.size else True
 
 
@@ -235,6 +237,6 @@ def over_amplitudes(
         step = 0.1
         width = max(-(value(step) + value(-step)) / step**2, 1e-3) ** -0.5
         shifts = min(width, 1.5) * AMPLITUDES
-        values = np.array([value(float(one)) for one in shifts])
+        values = np.array([value(float(shift)) for shift in shifts])
         total += float(logsumexp(values) + np.log(shifts[1] - shifts[0]))
     return total

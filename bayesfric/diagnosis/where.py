@@ -64,8 +64,8 @@ def where_it_lies(
         Axes, the largest share first and blind ones last; the share that no axis explains; and
         why that is all of it, empty where it is not.
     """
-    found = (functions_along(residuals, name) for name in residuals.axes)
-    designs = {axis.name: axis for axis in found if axis is not None}
+    axes_columns = (functions_along(residuals, name) for name in residuals.axes)
+    designs = {axis.name: axis for axis in axes_columns if axis is not None}
     hidden2 = _hidden2(windows, posterior, effects) if designs else {}
     waves = [
         (effects[name].axes, wave) for name, columns in posterior.waves.items() for wave in columns
@@ -74,15 +74,15 @@ def where_it_lies(
     relative = before / residuals.friction_n
     precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)
-    told = {name: interval(values) for name, values in shares.share.items()}
-    order = sorted(told, key=lambda name: (-told[name].q50, -told[name].mean, name))
-    first_leads = _leads([told[name] for name in order])
+    intervals = {name: interval(values) for name, values in shares.share.items()}
+    order = sorted(intervals, key=lambda name: (-intervals[name].q50, -intervals[name].mean, name))
+    first_leads = _leads([intervals[name] for name in order])
     axes = [
         Axis(
             axis=name,
             unit=residuals.unit(name),
             blind=False,
-            share=told[name],
+            share=intervals[name],
             alone=interval(shares.alone[name]),
             leads=first_leads and place == 0,
             confounded_with=_confounded(name, designs, precision),
@@ -93,7 +93,7 @@ def where_it_lies(
         )
         for place, name in enumerate(order)
     ]
-    axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in told]
+    axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in intervals]
     return tuple(axes), interval(shares.unexplained), _why_all(shares)
 
 
@@ -115,15 +115,15 @@ def _hidden2(
     residuals: Residuals, posterior: Posterior, effects: Mapping[str, Effect]
 ) -> dict[str, Array]:
     """Return the mean square of forces of unknown phase, by the axis that they go round with."""
-    found: dict[str, Array] = {}
+    hidden: dict[str, Array] = {}
     for name, strength in posterior.strengths.items():
         effect = effects[name]
         if not effect.components or effect.acts_on == "reading":
             continue
         for axis in sorted(effect.axes) or [name]:
             part = (strength * residuals.friction_rms) ** 2 / max(len(effect.axes), 1)
-            found[axis] = found.get(axis, 0.0) + part
-    return found
+            hidden[axis] = hidden.get(axis, 0.0) + part
+    return hidden
 
 
 def _blind(name: str, unit: str) -> Axis:
@@ -167,14 +167,14 @@ def _tests(
     statistics, null, curves, off = {}, {}, {}, {}
     for name, design in designs.items():
         smoothing = _smoothing(design.columns, precision)
-        numbers, many = smoothing @ observed, smoothing @ drawn
+        numbers, drawn_values = smoothing @ observed, smoothing @ drawn
         inner = design.columns.T @ (precision[:, None] * design.columns)
-        squares = np.einsum("kb,kl,lb->b", many, inner, many)
+        squares = np.einsum("kb,kl,lb->b", drawn_values, inner, drawn_values)
         value = float(numbers @ inner @ numbers)
         sd2 = max(squares.std(), TINY)
         statistics[name] = (value - squares.mean()) / sd2
         null[name] = (squares - squares.mean()) / sd2
-        moved = design.on_grid @ many
+        moved = design.on_grid @ drawn_values
         sd = moved.std(axis=1)
         off[name] = np.abs(moved / np.maximum(sd, TINY)[:, None]).max(axis=0)
         curves[name] = (design.on_grid @ numbers, sd)
@@ -223,10 +223,10 @@ def _confounded(
         if other == name or name not in designs:
             continue
         pair = [designs[name], designs[other]]
-        both = pair[0].known & pair[1].known
+        both = pair[0].is_known & pair[1].is_known
         if not both.any():
             continue
-        mine, theirs = (_orthonormal(one.columns[both], precision[both]) for one in pair)
+        mine, theirs = (_orthonormal(axis.columns[both], precision[both]) for axis in pair)
         cosines = np.linalg.svd(mine.T @ theirs, compute_uv=False)
         if cosines.size and cosines[0] > ALIKE:
             alike.append(other)

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from scipy.stats import norm, rankdata
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
-from bayesfric.schemas import DiagnosisFile, Enter
+from bayesfric.schemas import DiagnosisFile, Enter, LawNumber
 
 INERTIAS = ("inertia", "armature", "mass")
 """Names that the law may have for what is accelerated."""
@@ -130,7 +131,18 @@ def _drawn_law(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
     """Return draws of the law's own numbers: the coefficients stand for them in this order."""
     names = [name for name in OF_LAW if name in block.law]
     columns = [law[name].to_numpy()[:, 0] for name in ("c1", "c2", "c3")]
-    return dict(zip(names, columns, strict=False))
+    drawn = dict(zip(names, columns, strict=False))
+    return {name: _by_instrument(block.law[name], values) for name, values in drawn.items()}
+
+
+def _by_instrument(number: LawNumber, values: Array) -> Array:
+    """Return draws of a number as it is told, where an instrument tells it: its quantiles."""
+    if number.least_squares is None:
+        return values
+    value = number.after
+    score = norm.ppf((rankdata(values) - 0.5) / values.size)
+    width = np.where(score < 0, value.q50 - value.q05, value.q95 - value.q50) / norm.ppf(0.95)
+    return np.asarray(value.q50 + width * score)
 
 
 def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:

@@ -73,8 +73,13 @@ class LawNumber(Record):
     unit: str = Field(description="SI, degrees for angles.")
     before: Interval = Field(description="Of the law alone.")
     after: Interval = Field(
-        description="Averaged over all hypotheses, what acts beside the law taken apart."
+        description="Averaged over all hypotheses, what acts beside the law taken apart; by the "
+        "instrument where that alarms."
     )
+    least_squares: Interval | None = Field(
+        None, description="The same by least squares, where `after` is by the instrument."
+    )
+    least_squares_why: Annotated[Why, Because("`after` is by least squares")] = None
 
 
 class ModelError(Record):

@@ -17,7 +17,7 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.overruling import contradicts, density_of, overruled, why_overruled
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.stored import excess_of
-from bayesfric.diagnosis.verdict import Known
+from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import HeldOutDensity, Interval
 
@@ -99,12 +99,12 @@ def test_hypotheses_with_what_is_overruled_are_of_an_unknown_force():
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
     before = search.probabilities()
-    known = [Known("viscous", 1.0, 1.0, 0.1), Known("slip", 0.9, 0.0, 0.001)]
+    known = [KnownEffect("viscous", 1.0, 1.0, 0.1), KnownEffect("slip", 0.9, 0.0, 0.001)]
     found = overruled(search, known, [["viscous"]], 1.0)
     chances = found.search.probabilities()
     acting = before["viscous"] + before["slip+viscous"]
     assert chances["unknown"] == pytest.approx(0.95 * acting)
-    assert {one.effect: one.probability for one in found.known}["viscous"] == pytest.approx(
+    assert {one.effect: one.probability for one in found.effects_known}["viscous"] == pytest.approx(
         0.05 * acting
     )
     assert "viscous" not in found.present + found.possible

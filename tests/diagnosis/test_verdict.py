@@ -14,13 +14,13 @@ from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.verdict import Known, decide, sets_of_one, sort_effects
+from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Interval, Unseparated
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
-    return Known(effect, probability, above, options.pop("strength", 0.1), **options)
+    return KnownEffect(effect, probability, above, options.pop("strength", 0.1), **options)
 
 
 @pytest.mark.parametrize(

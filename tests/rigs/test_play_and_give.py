@@ -8,6 +8,7 @@ import bayesfric as bf
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.single_axis.following import LENGTHS
 from bayesfric.simulate import simulate_recording
 
 MACHINES = {
@@ -62,3 +63,14 @@ def test_of_the_package_s_own_axis_it_alone_is_named(name):
     """About 10 s each."""
     found = bf.diagnose(simulate_recording("axis", seed=1, effects={name: 1.0})).summary
     assert [one.effect for one in found.causes] == [name]
+
+
+@pytest.mark.parametrize(("longest", "offered"), [(1e-3, False), (6e-3, True)])
+def test_a_spring_that_explains_most_at_its_longest_is_not_examined(
+    tmp_path, monkeypatch, longest, offered
+):
+    """Friction winds this one up over 1.25 thousandths of the stroke of 0.3 m."""
+    tried = dict(LENGTHS, spring=np.geomspace(2e-4, longest, 12))
+    monkeypatch.setattr("bayesfric.rigs.single_axis.lengths.LENGTHS", tried)
+    recording = recorded(tmp_path, "transmission-compliance", runs=4, seconds=4.0)
+    assert ("spring" in all_rigs()["single-axis"].trials(recording).offers) == offered

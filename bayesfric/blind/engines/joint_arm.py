@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from bayesfric.blind.engines.joint_forms import Mechanism, Now
@@ -166,7 +165,7 @@ class Drive:
     """From a command to the torque that acts: late, lagging, clipped."""
 
     def __init__(self, acting: Sequence[Acting], step_s: float) -> None:
-        parts = {one.mechanism.part: one.amplitude for one in acting}
+        parts = {form.mechanism.part: form.amplitude for form in acting}
         self.step_s = step_s
         self.lag_s = parts.get("lag_s", 0.0)
         self.limit = parts.get("limit", np.inf)
@@ -189,8 +188,8 @@ class Follower:
 
     def __init__(self, acting: Sequence[Acting], now: Now, step_s: float) -> None:
         self.now, self.step_s = now, step_s
-        self.acting = [one for one in acting if one.mechanism.rubs or one.mechanism.pulls]
-        lengths = [one.numbers["length"] for one in acting if one.mechanism.part == "bristle"]
+        self.acting = [form for form in acting if form.mechanism.rubs or form.mechanism.pulls]
+        lengths = [form.numbers["length"] for form in acting if form.mechanism.part == "bristle"]
         self.bristle_length = lengths[0] if lengths else 0.0
         self._resting = True
 
@@ -210,11 +209,11 @@ class Follower:
             kept = np.exp(-abs(speed) * step / self.bristle_length)
             now.bristle = way + (now.bristle - way) * float(kept)
         rubs = pulls = 0.0
-        for one in self.acting:
-            if one.mechanism.rubs is not None:
-                rubs += one.amplitude * one.mechanism.rubs(one.numbers, now)
-            if one.mechanism.pulls is not None:
-                pulls += one.amplitude * one.mechanism.pulls(one.numbers, now)
+        for form in self.acting:
+            if form.mechanism.rubs is not None:
+                rubs += form.amplitude * form.mechanism.rubs(form.numbers, now)
+            if form.mechanism.pulls is not None:
+                pulls += form.amplitude * form.mechanism.pulls(form.numbers, now)
         return rubs, pulls
 
 
@@ -234,7 +233,7 @@ class Link:
 
 def link_of(acting: Sequence[Acting], rotor: float, load: float, friction: float) -> Link | None:
     """Return the spring of what acts; None where rotor and joint are one."""
-    parts = {one.mechanism.part: one.amplitude for one in acting}
+    parts = {form.mechanism.part: form.amplitude for form in acting}
     if not {"gap", "wound"} & parts.keys():
         return None
     reduced = rotor * load / (rotor + load)
@@ -272,7 +271,7 @@ def moved(
     target : int
         Place of a joint.
     behind : float
-        Share of friction that is behind a link's spring, where there is one.
+        Share of friction that is behind a link's spring, where there is force.
     rough : ndarray, shape (joints,), or None
         Factor of each joint's friction in this run.
     warmth : ndarray, shape (N,), or None
@@ -282,7 +281,7 @@ def moved(
     seed : int
         Of the drive's ripple.
     """
-    parts = {one.mechanism.part: one.amplitude for one in acting}
+    parts = {form.mechanism.part: form.amplitude for form in acting}
     rotor = arm.armature[target] if {"gap", "wound"} & parts.keys() else 0.0
     machine = Machine(arm, control, acting, target, rotor, behind)
     machine.start(goals[0], rates[0], 1.0 if rough is None else rough, order)
@@ -324,6 +323,9 @@ class Machine:
     ) -> None:
         self.arm, self.control, self.target, self.behind = arm, control, target, behind
         self.steps = round(1 / control.rate_hz / control.step_s)
+        import mujoco
+
+        self.physics: Any = mujoco
         text = mjcf(arm, step_s=control.step_s, rotor=rotor)
         self.model: Any = mujoco.MjModel.from_xml_string(text)
         self.data: Any = mujoco.MjData(self.model)
@@ -331,7 +333,7 @@ class Machine:
         joints = arm.joints
         self.model.dof_damping[:joints] = arm.viscous
         self.model.dof_armature[:joints] = arm.armature
-        payload = sum(one.amplitude for one in acting if one.mechanism.part == "payload")
+        payload = sum(form.amplitude for form in acting if form.mechanism.part == "payload")
         self.model.dof_armature[target] += payload
         self.rotor = rotor
         inertia = self.inertia()
@@ -348,9 +350,9 @@ class Machine:
 
     def inertia(self) -> Array:
         """Return the inertia about each joint where all stand at 0 [kg·m²]."""
-        mujoco.mj_forward(self.model, self.data)
+        self.physics.mj_forward(self.model, self.data)
         whole = np.empty((self.model.nv, self.model.nv))
-        mujoco.mj_fullM(self.model, self.data, whole)
+        self.physics.mj_fullM(self.model, self.data, whole)
         return np.diagonal(whole)[: self.arm.joints].copy()
 
     def start(self, place: Array, speed: Array, rough: Array | float, order: float) -> None:
@@ -366,7 +368,7 @@ class Machine:
             self.model.dof_frictionloss[joints] = (1 - self.behind) * friction[self.target]
 
     def read(self) -> Array:
-        """Return what encoders are at: the rotor, where there is one."""
+        """Return what encoders are at: the rotor, where there is force."""
         place = np.array(self.data.qpos[: self.arm.joints])
         if self.link is not None:
             place[self.target] = self.data.qpos[self.arm.joints]
@@ -416,7 +418,7 @@ class Machine:
                 torque = passed
             see.applied[target] = torque + pulls
             see.lost[target] = max(law + rubs, 0.0)
-            mujoco.mj_step(self.model, self.data)
+            self.physics.mj_step(self.model, self.data)
             rubbed = see.constraint.item(target) + see.passive.item(target)
             self._load = torque + rubbed - armature * see.acceleration.item(target)
         means = command.copy()

@@ -31,6 +31,8 @@ KNOWLEDGE = ("nothing", "known-force", "model", "others")
 MODEL_ERROR = 0.1  # of masses, sd
 PLAIN_SHARE = 0.05  # s, over which torques are averaged where a gap is measured
 SEARCHES = 3  # of the length of a play or a spring that makes a gap as large as asked for
+KICK = 2.0  # of Coulomb friction, that a controller's damping makes of one count at the most
+MOST_KEPT = 0.9  # of the speed before, by a filter that leaves the loop damped
 PERFECT, REAL = "perfect", "real"
 BY_NAME = {mechanism.name: mechanism for mechanism in (*MECHANISMS, *OUTSIDERS)}
 
@@ -154,6 +156,8 @@ def drawn_world(seed: int, needs: frozenset[str], design: str) -> World:
         waits=int(rng.integers(0, 2)) if real else 0,
         kept=float(rng.uniform(0.3, 0.8)),
     )
+    if real:
+        control = _without_buzz(arm, control, target)
     telemetry = _telemetry(rng, rate) if real else Telemetry()
     force_is = "commanded" if "commanded" in needs or rng.random() < 0.5 else "motor"
     return World(
@@ -193,6 +197,20 @@ def _arm(rng: Generator, joints: int, upright: bool) -> Arm:
         tuple(map(float, inertia * rng.uniform(0.2, 0.6, joints))),
         tuple(map(float, coulomb * rng.uniform(-0.2, 0.2, joints))),
     )
+
+
+def _without_buzz(arm: Arm, control: Control, target: int) -> Control:
+    """Return a controller whose damping does not kick harder at a count than :data:`KICK`.
+
+    As somebody who tunes it would, it filters speed more, and takes a finer encoder then.
+    """
+    reach = sum(arm.lengths[target:])
+    inertia = sum(arm.masses[target:]) * reach**2 / 3 + arm.armature[target]
+    damped = 1.4 * inertia * 2 * np.pi * control.bandwidth_hz
+    share = KICK * arm.coulomb[target] / (damped * control.rate_hz * control.count)
+    kept = float(np.clip(1 - share, control.kept, MOST_KEPT))
+    finest = KICK * arm.coulomb[target] / (damped * control.rate_hz * (1 - kept))
+    return replace(control, kept=kept, count=min(control.count, float(finest)))
 
 
 def _telemetry(rng: Generator, rate_hz: float) -> Telemetry:
@@ -279,10 +297,10 @@ def make(
                 "form": mechanism.name,
                 "own": mechanism.own,
                 "strength": strength,
-                "parameters": {"amplitude": one.amplitude, **one.numbers},
+                "parameters": {"amplitude": acting_form.amplitude, **acting_form.numbers},
                 "axes": list(mechanism.axes),
             }
-            for (mechanism, strength), one in zip(chosen, acting, strict=True)
+            for (mechanism, strength), acting_form in zip(chosen, acting, strict=True)
         ],
         "noise_free_gap": gap_of(world, runs),
         "beside": ["gravity-torque"] if _weight_is_unknown(world) else [],
@@ -308,11 +326,11 @@ def moved_run(world: World, acting: Sequence[Acting], run: int, seed: int) -> Mo
     rough = 1 + world.scatter * rng.standard_normal(world.arm.joints)
     half = world.runs / 2
     if world.tested and run < half:
-        acting = [one for one in acting if one.mechanism.part != "payload"]
+        acting = [form for form in acting if form.mechanism.part != "payload"]
     arm = world.arm
     if world.loads and run >= half:
         arm = replace(arm, masses=(*arm.masses[:-1], (1 + PAYLOAD) * arm.masses[-1]))
-    two_bodies = any(one.mechanism.part in ("gap", "wound") for one in acting)
+    two_bodies = any(form.mechanism.part in ("gap", "wound") for form in acting)
     return moved(
         arm,
         replace(world.control, step_s=2.5e-4 if two_bodies else 5e-4),
@@ -478,15 +496,15 @@ def _rows(
     world: World, log: Moved, run: int, joint: int, several: bool, seed: int
 ) -> dict[str, Any]:
     """Return what the telemetry has of one joint in one run."""
-    told = world.telemetry
+    telemetry = world.telemetry
     rng = _stream(seed, LOG, run, joint)
-    rows = np.arange(0, log.time_s.size, told.every)
-    held = rows[np.arange(rows.size) // told.held * told.held]
-    interval = told.every / world.control.rate_hz
-    times = log.time_s[rows] + told.jitter * interval * rng.uniform(-0.5, 0.5, rows.size)
+    rows = np.arange(0, log.time_s.size, telemetry.every)
+    held = rows[np.arange(rows.size) // telemetry.held * telemetry.held]
+    interval = telemetry.every / world.control.rate_hz
+    times = log.time_s[rows] + telemetry.jitter * interval * rng.uniform(-0.5, 0.5, rows.size)
     force = (log.command if world.force_is == "commanded" else log.given)[held, joint]
     if world.force_is == "motor":
-        noise = told.noise * world.arm.coulomb[joint]
+        noise = telemetry.noise * world.arm.coulomb[joint]
         force = force + noise * rng.standard_normal(rows.size)
     block: dict[str, Any] = {"run": [f"r{run}"] * rows.size}
     if several:

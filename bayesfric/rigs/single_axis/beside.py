@@ -46,12 +46,12 @@ class Amounts:
     ----------
     modes : ndarray, shape (K, n)
         T.
-    told : ndarray, shape (K,)
+    eigenvalues : ndarray, shape (K,)
         Eigenvalues of B'WB.
     """
 
     modes: Array
-    told: Array
+    eigenvalues: Array
 
     @classmethod
     def of(cls, form: Array, width: int = 6) -> "Amounts":
@@ -84,7 +84,7 @@ class Amounts:
             Of the rows' errors, over those of T.
         """
         modes = left @ self.modes.T
-        open_still = np.log1p(self.told / scale[:, None] ** 2).sum(axis=1)
+        open_still = np.log1p(self.eigenvalues / scale[:, None] ** 2).sum(axis=1)
         return np.asarray(-0.5 * ((modes**2).sum(axis=1) + open_still))
 
 

@@ -79,7 +79,7 @@ class Carried:
         held, moved = readings.known_held + beside[:, None], readings.known_moved.copy()
         keys, accelerations = _keys(table, self.columns), _accelerations(readings)
         for key, load in self.loads.items():
-            mine = np.array([one == key for one in keys], dtype=np.bool_)[readings.trial]
+            mine = np.array([other == key for other in keys], dtype=np.bool_)[readings.trial]
             at = readings.position[mine]
             pull = pull_basis(at.ravel(), load.middle, load.half) @ load.pull
             held[mine] += pull.reshape(at.shape)
@@ -105,10 +105,10 @@ def carried_by(
     """
     keys = _keys(table, columns)
     rows_of = {
-        key: np.flatnonzero(inside & np.array([one == key for one in keys])[readings.trial])
+        key: np.flatnonzero(inside & np.array([other == key for other in keys])[readings.trial])
         for key in dict.fromkeys(keys)
     }
-    if min(one.size for one in rows_of.values()) < ROWS_A_NUMBER * (POWERS + 3):
+    if min(rows.size for rows in rows_of.values()) < ROWS_A_NUMBER * (POWERS + 3):
         columns, rows_of = (), {(): np.flatnonzero(inside)}
     places = readings.position @ readings.weights
     law = _law(readings, places)
@@ -116,12 +116,12 @@ def carried_by(
     for _ in range(ROUNDS):
         others = rough_shares(np.hstack([law, rubbing]), readings.beside, readings.force, inside)
         loads = {key: _fitted(readings, places, rows, others) for key, rows in rows_of.items()}
-        found = Carried(tuple(columns), loads, others)
+        carried_force = Carried(tuple(columns), loads, others)
         if not others.size:
             break
-        carried = np.add(*found.at(readings, table)) @ readings.weights
+        carried = np.add(*carried_force.at(readings, table)) @ readings.weights
         rubbing = np.abs(carried)[:, None]  # friction by the load bends what others seem to pull
-    return found
+    return carried_force
 
 
 def _law(readings: Readings, places: Array) -> Array:
@@ -157,7 +157,9 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
     middle, half = places_of(places[rows])
     way, beside = readings.way[rows], readings.beside[rows] @ others
     force = readings.force[rows] - beside
-    known = way * ((readings.known_held + readings.known_moved) @ readings.weights)[rows] + beside
+    model_force = (
+        way * ((readings.known_held + readings.known_moved) @ readings.weights)[rows] + beside
+    )
     speed = (readings.speed @ readings.weights)[rows]
     law = np.stack([readings.acceleration[rows], np.ones(rows.size), speed], axis=1)
     pull = pull_basis(places[rows], middle, half) * way[:, None]
@@ -168,12 +170,12 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
     pulled, less = _squares(np.column_stack([law, pull]), force)
     if left - less >= PULLS * float(force @ force):
         both = pulled
-    elif known.any():
+    elif model_force.any():
         pull = pull[:, :0]
     else:
         return Pull(max(float(both[0]), 0.0), np.zeros(count), middle, half)
     for _ in range(ROUNDS):  # friction by the load bends what the place seems to pull
-        carried = known + both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
+        carried = model_force + both[0] * law[:, 0] + pull @ both[3 : 3 + pull.shape[1]]
         both, _ = _squares(np.column_stack([law, pull, np.abs(carried)]), force)
     own = np.zeros(count)
     own[: pull.shape[1]] = both[3 : 3 + pull.shape[1]]
@@ -183,8 +185,8 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
 def _squares(columns: Array, force: Array) -> tuple[Array, float]:
     width = np.abs(columns).max(axis=0, initial=0.0)
     width[width == 0] = 1.0
-    found = np.linalg.lstsq(columns / width, force, rcond=1e-8)[0] / width
-    return found, float(np.sum((force - columns @ found) ** 2))
+    coefficients = np.linalg.lstsq(columns / width, force, rcond=1e-8)[0] / width
+    return coefficients, float(np.sum((force - columns @ coefficients) ** 2))
 
 
 def shows_both_ways(readings: Readings, loads: int) -> bool:

@@ -27,14 +27,14 @@ class Scales(NamedTuple):
     ----------
     force : float
         What forces beside the law may be: the drive's, or the error of what is known of it.
-    known : float
+    known_force : float
         What is known of the drive force; 0 where nothing is.
     speed, acceleration : float
         The largest of any joint.
     """
 
     force: float
-    known: float
+    known_force: float
     speed: float
     acceleration: float
 
@@ -53,14 +53,16 @@ def scales_of(
     known_force_sd : float or None
         Standard error of what is known of the drive force, where it is stated.
     """
-    known = [log.known_force.value for log in logs if log.known_force is not None]
+    known_forces = [log.known_force.value for log in logs if log.known_force is not None]
     force = _rms([log.force for log in logs])
-    if known:
-        force = KNOWN_TO * _rms(known) if known_force_sd is None else known_force_sd
+    if known_forces:
+        force = KNOWN_TO * _rms(known_forces) if known_force_sd is None else known_force_sd
     speed = max((_rms([path.velocity]) for path in paths), default=0.0)
     rates = [np.gradient(path.velocity, path.interval_s) for path in paths]
     acceleration = max((_rms([rate]) for rate in rates), default=0.0)
-    return Scales(force, _rms(known) if known else 0.0, speed or 1.0, acceleration or 1.0)
+    return Scales(
+        force, _rms(known_forces) if known_forces else 0.0, speed or 1.0, acceleration or 1.0
+    )
 
 
 def _rms(values: Sequence[Array]) -> float:
@@ -68,19 +70,19 @@ def _rms(values: Sequence[Array]) -> float:
     return float(np.sqrt(np.mean(whole**2)))
 
 
-def known_to(known: WeakForce, scales: Scales) -> WeakForce:
+def known_to(force: WeakForce, scales: Scales) -> WeakForce:
     """Return by how much a known force may be wrong, as a share of itself.
 
     Parameters
     ----------
-    known : WeakForce
+    force : WeakForce
         Of a run.
     scales : Scales
         Of the recording, the error as it is stated.
     """
-    share = scales.force / scales.known if scales.known else 0.0
-    momentum = None if known.momentum is None else share * known.momentum
-    return WeakForce(share * known.value, momentum=momentum)
+    share = scales.force / scales.known_force if scales.known_force else 0.0
+    momentum = None if force.momentum is None else share * force.momentum
+    return WeakForce(share * force.value, momentum=momentum)
 
 
 def coupling(
@@ -113,7 +115,7 @@ def coupling(
     size = scales.force / (scales.acceleration * np.sqrt(len(columns)))
     yield from (WeakForce(nothing, momentum=size * column) for column in columns)
     pairs = combinations_with_replacement(rates, 2)
-    columns = [shape * one * other for one, other in pairs for shape in shapes]
+    columns = [shape * factor * other for factor, other in pairs for shape in shapes]
     size = scales.force / (scales.speed**2 * np.sqrt(len(columns)))
     yield from (WeakForce(size * column) for column in columns)
 

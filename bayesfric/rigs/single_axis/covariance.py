@@ -113,10 +113,10 @@ class Pieces:
         for piece in self.rows:
             there = piece[piece < self.count]
             groups += np.array_split(there, max(1, round(there.size / size)))
-        owner = np.repeat(np.arange(len(groups)), [one.size for one in groups])
-        share = np.repeat([1 / one.size for one in groups], [one.size for one in groups])
+        owner = np.repeat(np.arange(len(groups)), [group.size for group in groups])
+        share = np.repeat([1 / group.size for group in groups], [group.size for group in groups])
         matrix = csr_array((share, (owner, np.concatenate(groups))), (len(groups), self.count))
-        return matrix, np.array([one[0] for one in groups], dtype=np.intp)
+        return matrix, np.array([group[0] for group in groups], dtype=np.intp)
 
     def averaged(
         self,
@@ -162,9 +162,9 @@ class Solved:
         """Return the inverse covariance times values, of their shape (W, …)."""
         flat = values.reshape(values.shape[0], -1)
         padded = np.concatenate([flat, np.zeros((1, flat.shape[1]))])[self.pieces.rows]
-        found = np.empty((self.pieces.count + 1, flat.shape[1]))
-        found[self.pieces.rows] = self.inverse @ padded
-        return found[:-1].reshape(values.shape)
+        product = np.empty((self.pieces.count + 1, flat.shape[1]))
+        product[self.pieces.rows] = self.inverse @ padded
+        return product[:-1].reshape(values.shape)
 
     def log_determinant(self, kept: Flags) -> float:
         """Return that of the covariance of the rows that are kept: of whole pieces."""

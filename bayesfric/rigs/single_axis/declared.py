@@ -80,10 +80,10 @@ def _contradicted(
     declared: float, sd: float, numbers: Sequence[Interval], unit: str
 ) -> Iterator[str]:
     for number in numbers:
-        told = _by_the_data(number, declared, sd)
-        if told is None:
+        by_data = _by_the_data(number, declared, sd)
+        if by_data is None:
             continue
-        value, error = told
+        value, error = by_data
         apart = abs(value - declared) / float(np.hypot(error, sd))
         if apart > FAR:
             yield (

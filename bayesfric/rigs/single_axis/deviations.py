@@ -70,7 +70,7 @@ def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
     weight = np.exp(log_weight - log_weight[0])  # the first is not 0 however steep they fall
     total = weight.sum()
     changes = (-2 * decay * weight * turn2 / (1 + turn2), -decay * weight * np.log1p(turn2))
-    slopes = [2 * (one - weight * one.sum() / total) / total for one in changes]
+    slopes = [2 * (change - weight * change.sum() / total) / total for change in changes]
     return 2 * weight / total, slopes[0], slopes[1]
 
 
@@ -198,19 +198,19 @@ class Shared:
     def _lifted(self, columns: Array) -> Array:
         """Return columns of a run's deviations, (N, k, C), where those above stand."""
         assemblies = self._assemblies
-        found = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
-        found[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
-        found[:, :, assemblies:-2] = columns[:, :, 1:-1]
-        found[:, :, -2:] = columns[:, :, [0, -1]]
-        return found
+        lifted = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
+        lifted[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
+        lifted[:, :, assemblies:-2] = columns[:, :, 1:-1]
+        lifted[:, :, -2:] = columns[:, :, [0, -1]]
+        return lifted
 
     def _summed(self, values: Array) -> Array:
         """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
-        summed = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
-        np.add.at(summed, self._setup, values[:, 0])
-        summed[self._assemblies : -2] = values[:, 1:-1].sum(axis=0)
-        summed[-2:] = values[:, [0, -1]].sum(axis=0)
-        return summed
+        sums = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
+        np.add.at(sums, self._setup, values[:, 0])
+        sums[self._assemblies : -2] = values[:, 1:-1].sum(axis=0)
+        sums[-2:] = values[:, [0, -1]].sum(axis=0)
+        return sums
 
 
 def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:

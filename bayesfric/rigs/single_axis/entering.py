@@ -98,27 +98,27 @@ def entering(
     on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
     logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
-    found = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
+    limited = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
     dither = Dither()
-    if found is not None:
-        mass = rough_law_of(found[0], found[1].within(found[0])).mass
-        calm, dither = steady(logs, mass, found[0].half_s, resolution)
+    if limited is not None:
+        mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
+        calm, dither = steady(logs, mass, limited[0].half_s, resolution)
         logs = list(calm)
         if dither.left_out:
-            found = within_limit(
+            limited = within_limit(
                 logs, starts, resolution, clips=clips, declared=constants.force_limit_n
             )
-    too_few = too_few_windows(None if found is None else found[0])
-    if found is None or too_few is not None:
+    too_few = too_few_windows(None if limited is None else limited[0])
+    if limited is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
-    readings, limit = found
+    readings, limit = limited
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
     turns = _turns(readings, table["run"])
     if simulator is not None:
 
-        def again(told: Sequence[EvenLog]) -> Readings:
-            anew = readings_of(told, starts, resolution)
+        def again(logs_within: Sequence[EvenLog]) -> Readings:
+            anew = readings_of(logs_within, starts, resolution)
             if anew is None:
                 expected = "a simulator that follows the measured motion for some windows"
                 raise InputError([Fault(simulator.name, expected)])

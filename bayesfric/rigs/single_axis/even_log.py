@@ -27,7 +27,7 @@ class EvenLog:
     ----------
     time_s, position, force : ndarray, shape (N,)
         The log.
-    known : ndarray of bool, shape (N,)
+    is_known : ndarray of bool, shape (N,)
         False in gaps.
     interval_s : float
         Between samples.
@@ -49,7 +49,7 @@ class EvenLog:
     time_s: Array
     position: Array
     force: Array
-    known: Flags
+    is_known: Flags
     interval_s: float
     further: dict[str, Array]
     forces: tuple[WeakForce, ...] = ()
@@ -88,7 +88,7 @@ def even_grid(
         return None
     between = np.diff(time_s)
     interval = float(np.median(between))
-    known = np.ones(time_s.size, dtype=np.bool_)
+    is_logged = np.ones(time_s.size, dtype=np.bool_)
     own = time_s if force_time_s is None else force_time_s
     force = columns["force"]
     columns = {name: values for name, values in columns.items() if name != "force"}
@@ -96,7 +96,7 @@ def even_grid(
         count = int((time_s[-1] - time_s[0]) / interval) + 1
         grid = time_s[0] + interval * np.arange(count)
         after = np.searchsorted(time_s, grid, side="right").clip(1, time_s.size - 1)
-        known = time_s[after] - time_s[after - 1] <= GAP * interval
+        is_logged = time_s[after] - time_s[after - 1] <= GAP * interval
         on_grid = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
     else:
         grid, on_grid = time_s, dict(columns)
@@ -104,7 +104,7 @@ def even_grid(
         force = _mean_of_steps(grid, interval, own, force)
     elif force_time_s is not None or grid is not time_s:
         force = np.interp(grid, own, force)
-    return EvenLog(grid, on_grid.pop("position"), force, known, interval, on_grid)
+    return EvenLog(grid, on_grid.pop("position"), force, is_logged, interval, on_grid)
 
 
 def _mean_of_steps(grid: Array, interval: float, time_s: Array, sent: Array) -> Array:
@@ -170,12 +170,12 @@ def position_noise(log: EvenLog, resolution: float | None) -> float:
     smooth = local_polynomial(log.position, 3, 2)
     left = np.abs(log.position - smooth)[3:-3]
     # A parabola through seven samples takes up a third of the variance at its middle.
-    found = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
+    noise = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
     if resolution is None:
         steps = np.abs(np.diff(log.position))
         steps = steps[steps > 0]
         resolution = float(np.quantile(steps, 0.01)) if steps.size else 0.0
-    return float(max(found, resolution / 12**0.5))
+    return float(max(noise, resolution / 12**0.5))
 
 
 def resolving(log: EvenLog, half: int, noise: float) -> int:
@@ -226,12 +226,15 @@ def smooth_motion(
     for width in widths:
         way = np.where(way == 0, _surely(log, width, noise), way)
     well = FINE * np.abs(_speed(log, half)).max()
-    fine = next((one for one in widths if _speed_error(log, one, noise) < well), half)
+    fine = next(
+        (tried_width for tried_width in widths if _speed_error(log, tried_width, noise) < well),
+        half,
+    )
     if quick:
         fine = max(fine, QUICK)
     degree = 4 if quick else 2
     position = local_polynomial(log.position, fine, degree)
-    return position, _speed(log, fine, degree), np.where(log.known, way, 0.0)
+    return position, _speed(log, fine, degree), np.where(log.is_known, way, 0.0)
 
 
 def _surely(log: EvenLog, half: int, noise: float) -> Array:

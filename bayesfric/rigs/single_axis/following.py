@@ -141,8 +141,8 @@ class Followed:
             at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
             low = min(int(at), tried.size - 2)
             table = self._tabulated(held, slows, tried, damping, shares)[heavy][:, rows]
-            found = (1 - (at - low)) * table[..., low] + (at - low) * table[..., low + 1]
-            return found[0][:, None], found[1][:, None]
+            between = (1 - (at - low)) * table[..., low] + (at - low) * table[..., low + 1]
+            return between[0][:, None], between[1][:, None]
 
         return load
 
@@ -187,17 +187,19 @@ def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]
     """Yield paths that are followed together, in their order: a step of many costs as one's."""
     batch: list[DrivePath] = []
     longest = 0
-    for one in paths:
-        longest = max(longest, one.position.size)
+    for path in paths:
+        longest = max(longest, path.position.size)
         if batch and longest * (len(batch) + 1) * loads > AT_ONCE:
             yield batch
-            batch, longest = [], one.position.size
-        batch.append(one)
+            batch, longest = [], path.position.size
+        batch.append(path)
     yield batch
 
 
 def _side_by_side(paths: Sequence[DrivePath]) -> tuple[Array, Array]:
     """Return positions (N, R), of which shorter ones rest at their ends, and intervals (R,)."""
-    longest = max(one.position.size for one in paths)
-    padded = [np.pad(one.position, (0, longest - one.position.size), mode="edge") for one in paths]
-    return np.stack(padded, axis=1), np.array([one.interval_s for one in paths])
+    longest = max(path.position.size for path in paths)
+    padded = [
+        np.pad(path.position, (0, longest - path.position.size), mode="edge") for path in paths
+    ]
+    return np.stack(padded, axis=1), np.array([path.interval_s for path in paths])

@@ -33,15 +33,15 @@ def force_curvature(
     """
     half, count = test.half, log.time_s.size
     wide = BESIDE * half
-    found = test.over(log.force, test.curvature, centres)
+    curvature = test.over(log.force, test.curvature, centres)
     free = (centres >= wide) & (centres < count - wide)
     inside = centres[free]
     free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
     if free.any():
         kernel = _beside(half, wide, log.interval_s)
         windows = sliding_window_view(log.force, kernel.size)
-        found[free] = windows[centres[free] - wide] @ kernel
-    return found
+        curvature[free] = windows[centres[free] - wide] @ kernel
+    return curvature
 
 
 def _beside(half: int, wide: int, interval_s: float) -> Array:

@@ -60,8 +60,8 @@ def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
     if faults := not_modelled(axis, constants):
         return faults
     by_run = {str(run): of_run for run, of_run in axis.samples.groupby("run", sort=False)}
-    found = list(_of_runs(by_run, axis.runs["run"].tolist(), constants.encoder_resolution))
-    return with_rest(found[:LISTED], len(found[LISTED:]))
+    reasons = list(_of_runs(by_run, axis.runs["run"].tolist(), constants.encoder_resolution))
+    return with_rest(reasons[:LISTED], len(reasons[LISTED:]))
 
 
 def _of_runs(

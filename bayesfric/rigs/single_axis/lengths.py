@@ -1,7 +1,9 @@
 """How much play, or how long a wind-up, a load behind the drive may have: looked for in the rows.
 
 A load that coasts through play, or rings on a spring, does so in another rhythm at each length:
-between two lengths that a prior's quantiles would try nothing can be interpolated.
+between two lengths that a prior's quantiles would try nothing can be interpolated. Where the
+longest of all is the strongest, no length is told: what is explained goes on over all of the path,
+as what a coarse encoder in the loop does.
 """
 
 from dataclasses import replace
@@ -47,16 +49,21 @@ def with_lengths(
         for effect in all_effects(None).values()
         for held in effect.needs & LENGTHS.keys()
     }
-    lengths = {}
+    lengths, endless = {}, set()
     for held, effect in by_held.items():
-        takes, best = rows.strongest(effect, measures.stroke * LENGTHS[held], measures)
+        tried = measures.stroke * LENGTHS[held]
+        takes, best = rows.strongest(effect, tried, measures)
+        longest = best == tried[-1]
         if held == "spring":
             middling = np.array([measures.damping])
             own = rows.own_shares(effect, OWN, best * NEAR, middling)
             if own.takes > CLEARLY * takes:
                 best, measures = own.length, replace(measures, mass_over_friction=own.heavy)
+                longest = False
+        endless |= {held} if longest else set()
         lengths[held] = best * np.exp(SPREAD * SHAPE_NODES)
-    measures, spring = replace(measures, lengths=lengths), by_held["spring"]
+    measures = replace(measures, lengths=lengths, endless=frozenset(endless))
+    spring = by_held["spring"]
     damped = max(
         (replace(measures, damping=damping) for damping in DAMPINGS),
         key=lambda tried: rows.strongest(spring, lengths["spring"], tried)[0],

@@ -162,13 +162,13 @@ class AxisModel:
         rough = np.full_like(theta["mass"], self._rough.coulomb)
         wander = theta["wander"][:, None] * theta.get("coulomb", rough)[:, None]
         ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
-        found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
-        form = found[..., :-1].reshape(*found.shape[:2], WIDTH, WIDTH)
-        determinant = found[..., -1]
+        reduced = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 37)
+        form = reduced[..., :-1].reshape(*reduced.shape[:2], WIDTH, WIDTH)
+        determinant = reduced[..., -1]
         zero = np.zeros_like(theta["mass"])
         names = ("mass", "coulomb", "viscous", "latency", "offset")
         minus = [theta.get(name, zero) for name in names]
-        left = np.stack([np.ones_like(zero), *(-one for one in minus)], axis=-1)
+        left = np.stack([np.ones_like(zero), *(-column for column in minus)], axis=-1)
         residual = np.einsum("wi,wnij->wnj", left, form)
         square = np.einsum("wnj,wj->wn", residual, left) / scale**2
         stiff = form[..., COULOMB, COULOMB] / scale**2
@@ -202,7 +202,7 @@ class AxisModel:
     def start(self) -> dict[str, float]:
         """Return rough estimates; also by the names that a diagnosis has for any law."""
         rough, size = self._rough, self.scatter.size.sizes[0]
-        found = {
+        starts = {
             "mass": rough.mass,
             "coulomb": rough.coulomb,
             "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
@@ -213,7 +213,7 @@ class AxisModel:
         }
         reference = rough if self._theta is None else self._theta
         places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
-        return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
+        return starts | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 
 def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
@@ -242,14 +242,14 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         variance = noise[4] ** 2 * map_spectrum(noise[3] / rows.stroke, DECAY)[0]
         forms, determinants = integrated(grams, variance)
         form = forms.sum(axis=0)
-        told = np.diag(form)[:-1]
-        information = form[:-1, :-1] + NOTHING * told.max() * np.eye(columns.shape[1])
+        curvatures = np.diag(form)[:-1]
+        information = form[:-1, :-1] + NOTHING * curvatures.max() * np.eye(columns.shape[1])
         square = form[-1, -1] - form[-1, :-1] @ np.linalg.solve(information, form[:-1, -1])
         determinant = solved.log_determinant(every) + determinants.sum()
         return 0.5 * float(square + determinant + z @ z)
 
-    found = scipy.optimize.minimize(
+    optimum = scipy.optimize.minimize(
         loss, np.zeros(5), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5}
     )
-    position, force, wander, length, along = np.exp(start + width * found.x)
+    position, force, wander, length, along = np.exp(start + width * optimum.x)
     return float(position), float(force), float(wander), float(length), float(along)

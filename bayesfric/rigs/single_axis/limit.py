@@ -22,7 +22,7 @@ LIMITS = 60
 LOW, HIGH = 0.05, 0.998  # of these quantiles
 STATED = 0.02  # relative error of a limit that was declared
 MOST = 1.2  # of what is commanded beyond a limit may be lost
-TOLD = 0.5  # of what a line leaves that a kink explains at least; a lag explains a third
+LEAST_EXPLAINED = 0.5  # of what a line leaves that a kink explains at least; a lag explains a third
 ENOUGH = 10  # rows within the limit, which tell mass and friction roughly
 FINER = 9  # tried between two of them
 LINE = 4  # numbers of the line: by force, constant, by its rate and by speed
@@ -36,7 +36,7 @@ class Limit(NamedTuple):
     ----------
     force : float
         Where it is [N]; beyond all commands where there is none.
-    told : float
+    explained : float
         Part of what a line without a kink leaves of the acceleration, squared, that it explains.
     tried : int
         Among how many limits it was looked for.
@@ -45,14 +45,14 @@ class Limit(NamedTuple):
     """
 
     force: float
-    told: float
+    explained: float
     tried: int = LIMITS
     error: float = 0.1
 
     @property
     def there(self) -> bool:
         """Whether the drive has one: it explains what nothing else that bends the line does."""
-        return self.told > TOLD
+        return self.explained > LEAST_EXPLAINED
 
     def within(self, readings: Readings) -> Flags:
         """Return whether all of what a row commands lies within the limit, (W,).
@@ -101,11 +101,11 @@ def drive_limit(readings: Readings) -> Limit:
     """
     size = np.abs(readings.drive)
     toward = np.sign(readings.drive) * readings.way[:, None]
-    one, speed = np.ones(readings.count), readings.speed @ readings.weights
+    ones, speed = np.ones(readings.count), readings.speed @ readings.weights
     every = np.ones(readings.count, dtype=np.bool_)
-    law = np.column_stack([readings.acceleration, one, speed])
+    law = np.column_stack([readings.acceleration, ones, speed])
     rest = rough_amounts(law, readings.beside, readings.force, every)
-    line = np.stack([readings.force - rest, one, readings.force_rate, speed], axis=1)
+    line = np.stack([readings.force - rest, ones, readings.force_rate, speed], axis=1)
     pull = pull_columns(readings.position @ readings.weights, readings.way)
     line = np.column_stack([line, pull[:, : max(0, readings.count // ROWS_A_NUMBER - LINE)]])
     width = np.maximum(np.abs(line).max(axis=0), 1e-300)
@@ -115,10 +115,10 @@ def drive_limit(readings: Readings) -> Limit:
         lost = (toward * np.maximum(size - limit, 0.0)) @ readings.weights
         most = float(np.abs(lost).max()) or 1.0
         design = np.column_stack([line / width, lost / most])
-        found, squares, _, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
+        coefficients, squares, _, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
         if squares.size == 0:  # fewer rows than numbers, or columns that hang together
             return np.inf
-        by_force, rest, by_lost = (found / np.append(width, most))[[0, 1, -1]]
+        by_force, rest, by_lost = (coefficients / np.append(width, most))[[0, 1, -1]]
         if by_force <= 0:
             return np.inf
         share, friction = -by_lost / by_force, -rest / by_force

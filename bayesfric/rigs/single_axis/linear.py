@@ -144,9 +144,9 @@ class AxisPart:
             pulls = lent[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
-            found = solved.gradient(pulls, pulled, inverse[trial], kept)
+            slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
-            return found | {
+            return slopes | {
                 NAMES[4]: noise[NAMES[4]] ** 2 * run,
                 NAMES[5]: noise[NAMES[5]] ** 2 * setup,
                 NAMES[6]: noise[NAMES[6]] ** 2 * float(spectrum @ machine_map),
@@ -160,14 +160,14 @@ class AxisPart:
     def _levels(self, noise: Mapping[str, float]) -> tuple[Levels, tuple[Array, Array, Array]]:
         """Return the variances of deviations, and the spectrum of maps with its slopes."""
         tau, omega, machine, run, length, decay = (noise[name] for name in NAMES[4:])
-        found = map_spectrum(length / self.rows.stroke, decay)
-        return Levels(tau**2, omega**2, run**2 * found[0], machine**2 * found[0]), found
+        levels = map_spectrum(length / self.rows.stroke, decay)
+        return Levels(tau**2, omega**2, run**2 * levels[0], machine**2 * levels[0]), levels
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "AxisPart":
         """Return the rig with mixtures of its columns in their place."""
-        found = copy(self)
-        found.layout, found.columns = layout, self.columns @ squeeze
-        return found
+        rig = copy(self)
+        rig.layout, rig.columns = layout, self.columns @ squeeze
+        return rig
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
@@ -194,8 +194,8 @@ class AxisPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
-        each = np.array([noise[NAMES[4]] ** 2, noise[NAMES[5]] ** 2])
-        return np.tile(each, (len(self.size), 1))
+        variances = np.array([noise[NAMES[4]] ** 2, noise[NAMES[5]] ** 2])
+        return np.tile(variances, (len(self.size), 1))
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of some neighbouring rows."""

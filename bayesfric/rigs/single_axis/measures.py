@@ -52,6 +52,9 @@ class Measures:
         Rms of the force that goes with the place, where it takes much of the force.
     lengths : mapping of str to ndarray
         Of how a load is held: lengths at which it is followed [m or rad].
+    endless : frozenset of str
+        Of how a load is held: those that explain most at the longest length of all that were
+        tried, so that no length is better than those beside it.
     damping : float
         Of a load's spring, over what is critical.
     mass_over_friction : float
@@ -77,6 +80,7 @@ class Measures:
     limit: Limit
     pull: float = 0.0
     lengths: Mapping[str, Array] = field(default_factory=dict)
+    endless: frozenset[str] = frozenset()
     damping: float = DAMPINGS[2]
     mass_over_friction: float = 1.0
     carried: Carried | None = None
@@ -130,33 +134,33 @@ class Measures:
             amplitude = replace(
                 amplitude, prior=amplitude.prior.times(2), plausible=(2 * low, 2 * high)
             )
-        found = replace(effect, amplitude=amplitude, shape=shape, laws=laws)
+        measured = replace(effect, amplitude=amplitude, shape=shape, laws=laws)
         if shape is not None and "period" in effect.needs:
             prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
-            return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
+            return replace(measured, shape=replace(shape, prior=prior), searched=SEARCHED)
         if shape is not None and "limit" in effect.needs:
             prior = LogNormal(median=self.limit.force, sd_log=self.limit.error)
-            return replace(found, shape=replace(shape, prior=prior), searched=self.limit.tried)
-        held = next((one for one in self.lengths if one in effect.needs), None)
+            return replace(measured, shape=replace(shape, prior=prior), searched=self.limit.tried)
+        held = next((length for length in self.lengths if length in effect.needs), None)
         if shape is not None and held is not None:
             tried = self.lengths[held]
             prior = LogNormal(median=float(tried[tried.size // 2]), sd_log=SPREAD)
-            return replace(found, shape=replace(shape, prior=prior), searched=TRIED[held])
-        return found
+            return replace(measured, shape=replace(shape, prior=prior), searched=TRIED[held])
+        return measured
 
-    def _parameter(self, one: EffectParameter) -> EffectParameter:
-        scale = self.scale(one.unit)
-        low, high = one.plausible
-        reference = one.reference
-        if one.on_joints is not None:
-            low, high, reference = one.on_joints
+    def _parameter(self, parameter: EffectParameter) -> EffectParameter:
+        scale = self.scale(parameter.unit)
+        low, high = parameter.plausible
+        reference = parameter.reference
+        if parameter.on_joints is not None:
+            low, high, reference = parameter.on_joints
         return replace(
-            one,
-            unit=self.unit(one.unit),
-            prior=(one.joint_prior or one.prior).times(scale),
+            parameter,
+            unit=self.unit(parameter.unit),
+            prior=(parameter.joint_prior or parameter.prior).times(scale),
             plausible=(low * scale, high * scale),
             reference=reference,
-            typical=None if one.typical is None else one.typical * scale,
+            typical=None if parameter.typical is None else parameter.typical * scale,
         )
 
     @property

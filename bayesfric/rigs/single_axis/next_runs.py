@@ -99,7 +99,7 @@ def _paths(
     speed is A sin φ / √(sin² φ + ε²) with r² = 1 / (1 + ε²); a large ε makes a sine of it.
     """
     low, high = float(log.position.min()), float(log.position.max())
-    found = {
+    paths = {
         "as recorded": own,
         "mirrored": scipy.interpolate.BSpline(own.t, low + high - own.c, own.k),
     }
@@ -107,8 +107,8 @@ def _paths(
     for name, corner in ROUND.items():
         r = 1 / np.hypot(1.0, corner)
         wave = -np.arcsin(r * np.cos(phase)) / np.arcsin(r)
-        found[name] = _spline(log, 0.5 * (low + high) + 0.5 * (high - low) * wave, knot_s)
-    return found
+        paths[name] = _spline(log, 0.5 * (low + high) + 0.5 * (high - low) * wave, knot_s)
+    return paths
 
 
 def _top(path: "scipy.interpolate.BSpline") -> float:
@@ -119,7 +119,7 @@ def _speeds(tops: Mapping[str, float], rig: RigConstants) -> list[float]:
     slowest, fastest = SLOWEST * min(tops.values()), max(tops.values())
     low, high = rig.limits.get("velocity_m_s", (slowest, fastest))
     high = max(high, slowest)  # what is said to stand still was seen to move
-    return [float(one) for one in np.geomspace(min(max(low, slowest), high), high, SPEEDS)]
+    return [float(speed) for speed in np.geomspace(min(max(low, slowest), high), high, SPEEDS)]
 
 
 def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any]]:
@@ -127,12 +127,15 @@ def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any
     runs = runs[runs["run"].isin(list(tops))]
     runs = runs.iloc[np.argsort(runs["run"].map(tops).to_numpy(), kind="stable")]
     roles = runs["role"].fillna("") if "role" in runs else pd.Series("", runs.index)
-    found = []
+    conditions = []
     for role in dict.fromkeys(roles):
         own = runs[roles == role]
         at = np.unique(np.linspace(0, len(own) - 1, RUNS).astype(int))
-        found += [{str(k): v for k, v in one.items()} for one in own.iloc[at].to_dict("records")]
-    return found
+        conditions += [
+            {str(k): v for k, v in condition.items()}
+            for condition in own.iloc[at].to_dict("records")
+        ]
+    return conditions
 
 
 def _faster(
@@ -143,5 +146,5 @@ def _faster(
     velocity = faster * path(faster * time, 1)
     force = law.mass * faster**2 * path(faster * time, 2)
     force = force + np.sign(velocity) * law.coulomb + law.viscous * velocity
-    known = np.ones(time.size, dtype=np.bool_)
-    return EvenLog(time, path(faster * time), force, known, log.interval_s, {})
+    is_free = np.ones(time.size, dtype=np.bool_)
+    return EvenLog(time, path(faster * time), force, is_free, log.interval_s, {})

@@ -105,7 +105,7 @@ def _moved(log: EvenLog, late_s: float) -> EvenLog:
     place = np.arange(log.force.size) - late_s / log.interval_s
     force = np.interp(place, np.arange(log.force.size), log.force)
     inside = (place >= 0) & (place <= log.force.size - 1)
-    return replace(log, force=force, known=log.known & inside)
+    return replace(log, force=force, is_known=log.is_known & inside)
 
 
 class _Squares(NamedTuple):

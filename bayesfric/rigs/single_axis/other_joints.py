@@ -104,7 +104,7 @@ class Machine:
             if other is None:
                 return None
             inside = (log.time_s >= other.time_s[0]) & (log.time_s <= other.time_s[-1])
-            log = replace(log, known=log.known & inside)
+            log = replace(log, is_known=log.is_known & inside)
             paths[name] = path_of(other, log.time_s)
         if self.bodies is not None:
             log = _with_model(log, self.joint, paths, self.bodies)
@@ -169,8 +169,8 @@ def machine_of(axis: Axis, constants: RigConstants) -> Machine:
 
 
 def _logs_of(samples: pd.DataFrame, constants: RigConstants) -> list[EvenLog]:
-    runs = (one.reset_index(drop=True) for _, one in samples.groupby("run", sort=False))
-    return [log for one in runs if (log := log_of(one, constants)) is not None]
+    runs = (run.reset_index(drop=True) for _, run in samples.groupby("run", sort=False))
+    return [log for run in runs if (log := log_of(run, constants)) is not None]
 
 
 def _paths_of(samples: pd.DataFrame, constants: RigConstants) -> list[Path]:

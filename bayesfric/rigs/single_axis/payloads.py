@@ -58,11 +58,11 @@ def payload_forces(
     rotary : bool
         Whether the joint turns.
     """
-    one, nothing = np.ones(log.time_s.size), np.zeros(log.time_s.size)
-    pulls = [np.sin(path.position), np.cos(path.position)] if rotary else [one]
+    ones, nothing = np.ones(log.time_s.size), np.zeros(log.time_s.size)
+    pulls = [np.sin(path.position), np.cos(path.position)] if rotary else [ones]
     inertia = scales.force / scales.acceleration * log.position
-    found = []
+    forces = []
     for share in shares:
-        found += [WeakForce(share * scales.force * pull) for pull in pulls]
-        found.append(WeakForce(nothing, curvature=share * inertia))
-    return found
+        forces += [WeakForce(share * scales.force * pull) for pull in pulls]
+        forces.append(WeakForce(nothing, curvature=share * inertia))
+    return forces

@@ -47,13 +47,13 @@ def strongest_wave(readings: Readings) -> Wave:
     middle = low + 0.5 * span
     place = (readings.position - middle) / span
     ones = np.ones(readings.count)
-    known = np.stack(
+    fixed_waves = np.stack(
         [readings.acceleration, ones, readings.speed @ readings.weights, readings.force_rate]
         + [readings.way * (place**power @ readings.weights) for power in range(4)]
         + [*readings.beside.T],
         axis=1,
     )
-    basis = np.linalg.qr(known / np.maximum(np.abs(known).max(axis=0), 1e-300))[0]
+    basis = np.linalg.qr(fixed_waves / np.maximum(np.abs(fixed_waves).max(axis=0), 1e-300))[0]
     left = readings.force - basis @ (basis.T @ readings.force)
 
     def numbers(waves: float) -> tuple[float, Array]:
@@ -61,13 +61,13 @@ def strongest_wave(readings: Readings) -> Wave:
         angle = 2 * np.pi * waves * place
         pair = np.stack([np.cos(angle), np.sin(angle)]) @ readings.weights * readings.way
         pair = pair.T - basis @ (basis.T @ pair.T)
-        found = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
-        return float(left @ pair @ found), np.asarray(found, dtype=np.float64)
+        pair_numbers = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
+        return float(left @ pair @ pair_numbers), np.asarray(pair_numbers, dtype=np.float64)
 
     tried = np.arange(LEAST, MOST, APART)
-    best = tried[np.argmax([numbers(one)[0] for one in tried])]
+    best = tried[np.argmax([numbers(tried_period)[0] for tried_period in tried])]
     tried = best + APART * FINER
-    best = float(tried[np.argmax([numbers(one)[0] for one in tried])])
+    best = float(tried[np.argmax([numbers(tried_period)[0] for tried_period in tried])])
     cosine, sine = numbers(best)[1]
     period = span / best
     start = middle - period * float(np.arctan2(cosine, sine)) / (2 * np.pi)

@@ -151,14 +151,14 @@ def readings_of(
     limit : float
         Of the drive: what is commanded beyond it neither acts later nor changes what acts.
     """
-    stroke = max(float(np.ptp(one.position)) for one in logs)
+    stroke = max(float(np.ptp(run_log.position)) for run_log in logs)
     if like is None:
         noise = position_sd(logs, resolution)
         half_s, hop = window_width(logs, noise, stroke)
         if _count(logs, half_s, noise, stroke) < SPARSE:
             half = half_samples(half_s, logs[0])
             hop *= max(1, round(CLOSER * half)) / half
-        late_s = late_by([given(one, limit) for one in logs], half_s, noise, stroke)
+        late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []

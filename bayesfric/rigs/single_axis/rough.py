@@ -85,11 +85,11 @@ def rough_law(
     pull = pull[:, : max(0, force.size // ROWS_A_NUMBER - columns.shape[1])]
     if not pull.size:
         return _law(alone)
-    found, less = _positive(np.column_stack([columns, pull]), force)
+    coefficients, less = _positive(np.column_stack([columns, pull]), force)
     if left - less < PULLS * float(force @ force):
         return _law(alone)
-    pulls = float(np.sqrt(np.mean((pull @ found[3:]) ** 2)))
-    return _law(found, pulls)
+    pulls = float(np.sqrt(np.mean((pull @ coefficients[3:]) ** 2)))
+    return _law(coefficients, pulls)
 
 
 def _law(numbers: Array, pull: float = 0.0) -> RoughLaw:
@@ -106,10 +106,10 @@ def _positive(columns: Array, force: Array) -> tuple[Array, float]:
         width = np.abs(columns * free).max(axis=0, initial=0.0)
         width[width == 0] = 1.0
         design = columns * free / width
-        found = np.linalg.lstsq(design, force, rcond=SINGULAR)[0] / width
-        if found[2] >= 0 or not free[2]:
-            left = float(np.sum((force - columns * free @ found) ** 2))
-            return np.append(np.maximum(found[:3], 0.0), found[3:]), left
+        coefficients = np.linalg.lstsq(design, force, rcond=SINGULAR)[0] / width
+        if coefficients[2] >= 0 or not free[2]:
+            left = float(np.sum((force - columns * free @ coefficients) ** 2))
+            return np.append(np.maximum(coefficients[:3], 0.0), coefficients[3:]), left
         free[2] = 0.0
 
 

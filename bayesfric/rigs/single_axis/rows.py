@@ -23,7 +23,16 @@ from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
-KNOWN = ("run", "order", "setup", "role", "trial", "pulley_size", "n_pulleys", "wrap_angle_deg")
+OWN_COLUMNS = (
+    "run",
+    "order",
+    "setup",
+    "role",
+    "trial",
+    "pulley_size",
+    "n_pulleys",
+    "wrap_angle_deg",
+)
 PLACES = (
     "velocity",
     "tension",
@@ -136,13 +145,13 @@ class AxisRows:
     def covariates(self) -> dict[str, Array]:
         """Return where every row is, arrays of shape (W,)."""
         rows = self.readings
-        one = np.ones(rows.count)
+        ones = np.ones(rows.count)
         own = {name: self.table[name].to_numpy(dtype=np.float64) for name in self.further}
         return {name: values[rows.trial] for name, values in own.items()} | {
             "velocity": self.mean(rows.speed),
-            "tension": one,
-            "n_pulleys": one,
-            "wrap_angle": one,
+            "tension": ones,
+            "n_pulleys": ones,
+            "wrap_angle": ones,
             "displacement": self.mean(rows.position),
             "acceleration": rows.acceleration,
         }
@@ -208,7 +217,7 @@ class AxisRows:
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:
     """Return columns of the user's own, of a table of runs, that took more than one value."""
-    own = [str(name) for name in runs if name not in (*KNOWN, *PLACES)]
+    own = [str(name) for name in runs if name not in (*OWN_COLUMNS, *PLACES)]
     return tuple(name for name in own if np.ptp(runs[name].to_numpy(dtype=np.float64)) > 0)
 
 

@@ -150,11 +150,15 @@ def _known_load(log: EvenLog) -> tuple[Array, Array]:
 
     Of a force that somebody computed elsewhere all counts as held.
     """
-    known, nothing = log.known_force, np.zeros(log.time_s.size)
-    if known is None:
+    known_force, nothing = log.known_force, np.zeros(log.time_s.size)
+    if known_force is None:
         return nothing, nothing
-    moved = nothing if known.momentum is None else np.gradient(known.momentum, log.interval_s)
-    return known.value, moved
+    moved = (
+        nothing
+        if known_force.momentum is None
+        else np.gradient(known_force.momentum, log.interval_s)
+    )
+    return known_force.value, moved
 
 
 def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:

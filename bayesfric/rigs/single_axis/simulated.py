@@ -72,9 +72,9 @@ class SimulatedBaseline:
     def columns(self, readings: Readings) -> Array:
         """Return what each parameter adds to the needed force of each row, (W, 3)."""
         count = len(self.parameters)
-        found = np.zeros((readings.count, MOST_PARAMETERS))
-        found[:, :count] = readings.simulated[:, 1 : 1 + count]
-        return found
+        columns = np.zeros((readings.count, MOST_PARAMETERS))
+        columns[:, :count] = readings.simulated[:, 1 : 1 + count]
+        return columns
 
     def needed(self, readings: Readings, theta: Sequence[float]) -> Array:
         """Return the needed force of each row at values of the parameters, (W,)."""
@@ -115,10 +115,10 @@ class Guide:
     def followed(self) -> Flags:
         """Return where the guided axis follows: not right after the start or a reversal, (N,)."""
         long = int(np.ceil(SETTLING / self.rate / self.interval_s))
-        found = np.ones(self.velocity.size, dtype=np.bool_)
+        is_followed = np.ones(self.velocity.size, dtype=np.bool_)
         for begin in (0, *np.flatnonzero(np.diff(np.sign(self.velocity)))):
-            found[begin : begin + long] = False
-        return found
+            is_followed[begin : begin + long] = False
+        return is_followed
 
 
 def _recorded_forces(log: EvenLog, mass: float | None) -> Forces:
@@ -240,28 +240,28 @@ def linearised(
         raise InputError([Fault(calls.name, expected, value=f"{len(parameters)} parameters")])
     guides = [_guide(log, measures.mass, half_s) for log in logs]
     runs = [_run(log, guide, row) for log, guide, row in zip(logs, guides, rows, strict=True)]
-    each = 1 + len(parameters)
+    calls_a_run = 1 + len(parameters)
     rounds = ROUNDS if parameters else 1
     calls.announce(
-        len(runs) * rounds * each + 1,
-        f"{rounds} × {each} for each of {len(runs)} runs, and one for what a pull counts",
+        len(runs) * rounds * calls_a_run + 1,
+        f"{rounds} × {calls_a_run} for each of {len(runs)} runs, and one for what a pull counts",
     )
     made = calls.made
-    theta = np.array([float(from_normal(one.prior, 0.0)) for one in parameters])
-    steps = np.array([STEP * _width(one) for one in parameters])
+    theta = np.array([float(from_normal(parameter.prior, 0.0)) for parameter in parameters])
+    steps = np.array([STEP * _width(parameter) for parameter in parameters])
     _check_pull(calls, runs[0], guides[0], theta, PROBE * measures.friction)
     for left in reversed(range(rounds)):
         forces = _needed(calls, runs, guides, theta, steps)
-        found = readings(
+        at_steps = readings(
             [
-                replace(log, forces=own, further={}, known=log.known & guide.followed)
+                replace(log, forces=own, further={}, is_known=log.is_known & guide.followed)
                 for log, own, guide in zip(logs, forces, guides, strict=True)
             ]
         )
         if left:
-            theta = _best(found, parameters, theta, fits)
+            theta = _best(at_steps, parameters, theta, fits)
     centre = tuple(float(value) for value in theta)
-    return SimulatedBaseline(calls.name, parameters, centre, calls.made - made), found
+    return SimulatedBaseline(calls.name, parameters, centre, calls.made - made), at_steps
 
 
 def _guide(log: EvenLog, mass: float, half_s: float) -> Guide:
@@ -292,26 +292,26 @@ def _needed(
     """Return of each run the needed force, and its differences by the parameters."""
     moved = [theta, *(theta + step for step in np.diag(steps))]
     pulls = calls.pulled(
-        Task(run, tuple(float(one) for one in at), guide)
+        Task(run, tuple(float(value) for value in at), guide)
         for run, guide in zip(runs, guides, strict=True)
         for at in moved
     )
-    found = []
+    tasks = []
     for place, (run, guide) in enumerate(zip(runs, guides, strict=True)):
         first, *others = pulls[place * len(moved) : (place + 1) * len(moved)]
         parts = [WeakForce(run.force_n + first, first / guide.rate**2)]
         for other, step in zip(others, steps, strict=True):
             more = (other - first) / step
             parts.append(WeakForce(more, more / guide.rate**2))
-        found.append(tuple(parts))
-    return found
+        tasks.append(tuple(parts))
+    return tasks
 
 
 def _check_pull(
     calls: SimulatorCalls, run: SimulatorRun, guide: Guide, theta: Array, force: float
 ) -> None:
     """Refuse a simulator in which a pull does not count as the same drive force does."""
-    at = tuple(float(one) for one in theta)
+    at = tuple(float(value) for value in theta)
     pushed = replace(run, force_n=run.force_n + force)
     plain, less = calls.pulled([Task(run, at, guide), Task(pushed, at, guide)])
     counted = float(np.median((plain - less)[guide.followed])) / force
@@ -320,8 +320,8 @@ def _check_pull(
             "extra_force(t, q, v), at the time, the position and the velocity of the simulated "
             "axis, to be added to the generalised force as the drive force is"
         )
-        told = f"{counted:.3g} of a pull in the place of a drive force of 1"
-        raise InputError([Fault(calls.name, expected, value=told)])
+        counted_pull = f"{counted:.3g} of a pull in the place of a drive force of 1"
+        raise InputError([Fault(calls.name, expected, value=counted_pull)])
 
 
 def _best(
@@ -334,14 +334,15 @@ def _best(
     used = fits[readings.trial]
     columns = readings.simulated[used, 1:]
     left = readings.force[used] - readings.simulated[used, 0]
-    width = np.array([_width(one) for one in parameters])
+    width = np.array([_width(parameter) for parameter in parameters])
     free = np.linalg.lstsq(columns * width, left, rcond=1e-9)[0]
     variance = float(np.mean((left - columns * width @ free) ** 2)) or 1.0
-    middle = np.array([float(from_normal(one.prior, 0.0)) for one in parameters])
+    middle = np.array([float(from_normal(parameter.prior, 0.0)) for parameter in parameters])
     precision = (columns * width).T @ (columns * width) / variance + np.eye(width.size)
     slope = (columns * width).T @ left / variance + (middle - theta) / width
-    found = theta + width * np.linalg.solve(precision, slope)
+    best = theta + width * np.linalg.solve(precision, slope)
     low, high = (
-        np.array([float(from_normal(one.prior, z)) for one in parameters]) for z in (-3.0, 3.0)
+        np.array([float(from_normal(parameter.prior, z)) for parameter in parameters])
+        for z in (-3.0, 3.0)
     )
-    return np.asarray(np.clip(found, low, high))
+    return np.asarray(np.clip(best, low, high))

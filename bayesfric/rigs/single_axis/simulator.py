@@ -65,12 +65,12 @@ def lay_path(rng: np.random.Generator) -> Path:
 
 def _since_turn(position: Array, velocity: Array) -> Array:
     """Return the travel since the axis last turned; before the first turn many strokes."""
-    found = np.full(position.shape, 10 * STROKE_M)
+    travel = np.full(position.shape, 10 * STROKE_M)
     for run, (place, speed) in enumerate(zip(position, velocity, strict=True)):
         turns = np.flatnonzero(np.diff(np.sign(speed)) != 0) + 1
         for begin in turns:
-            found[run, begin:] = np.abs(place[begin:] - place[begin])
-    return found
+            travel[run, begin:] = np.abs(place[begin:] - place[begin])
+    return travel
 
 
 def _law(truth: Truth) -> AxisLaw:
@@ -116,12 +116,12 @@ def _following(path: Path, law: AxisLaw) -> Load:
     way = np.sign(path.velocity)
 
     def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
-        each = np.array([heavy]), np.atleast_1d(np.asarray(length, dtype=np.float64))
-        found = [
-            behind(held, run, interval, law.coulomb / law.mass, *each, DAMPING)
+        arguments = np.array([heavy]), np.atleast_1d(np.asarray(length, dtype=np.float64))
+        parts = [
+            behind(held, run, interval, law.coulomb / law.mass, *arguments, DAMPING)
             for run in path.position
         ]
-        ahead, rubs = (np.stack(one)[..., 0] for one in zip(*found, strict=True))
+        ahead, rubs = (np.stack(part)[..., 0] for part in zip(*parts, strict=True))
         late = np.gradient(np.gradient(ahead, interval, axis=1), interval, axis=1)
         return way * late, way * rubs - 1
 
@@ -130,7 +130,7 @@ def _following(path: Path, law: AxisLaw) -> Load:
 
 def _tested(effects: list[Effect]) -> Array:
     tested = np.zeros(RUNS)
-    if any("test" in one.needs for one in effects):
+    if any("test" in effect.needs for effect in effects):
         tested[-TESTED:] = 1.0
     return tested
 
@@ -154,9 +154,9 @@ def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | No
 def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
     """Return runs and samples."""
     streams = np.random.SeedSequence(seed).spawn(5)
-    lay, scatter, wander, noise, phases = (np.random.default_rng(one) for one in streams)
+    lay, scatter, wander, noise, phases = (np.random.default_rng(stream) for stream in streams)
     law, path = _law(truth), lay_path(lay)
-    effects = [one.effect for one in truth.effects]
+    effects = [strong.effect for strong in truth.effects]
     tested = _tested(effects)
     state = _state(path, law, tested)
     acting = draw_phases(truth, RUNS, 1, phases)
@@ -188,9 +188,9 @@ def _wander(path: Path, length: float, rng: np.random.Generator) -> Array:
     """Return a smooth function of position of unit variance, drawn anew each run."""
     low, extent = path.position.min(), float(np.ptp(path.position))
     size = np.sqrt(cosine_variances(length / extent, MODES))
-    each = size[:, None] * rng.standard_normal((MODES, RUNS))
-    found = np.einsum("kr,krt->rt", each, cosines((path.position - low) / extent, MODES))
-    return np.asarray(found)
+    amplitudes = size[:, None] * rng.standard_normal((MODES, RUNS))
+    wander = np.einsum("kr,krt->rt", amplitudes, cosines((path.position - low) / extent, MODES))
+    return np.asarray(wander)
 
 
 DESIGN = OwnDesign(

@@ -118,14 +118,14 @@ class SingleAxis(PlainRig):
         if parted := parted_by_joint(recording):
             return [
                 replace(fault, column=f"{joint}, {fault.column}" if fault.column else joint)
-                for joint, one in parted.items()
-                for fault in self.left_out(one)
+                for joint, part in parted.items()
+                for fault in self.left_out(part)
             ]
         if faults := not_modelled(recording.axis, recording.rig):
             return faults
-        found = entering(recording.axis, recording.rig)
-        if isinstance(found, Unsupported):
-            return [Fault(self.tables[1], f"a run that enters: {found.reason}")]
+        entered = entering(recording.axis, recording.rig)
+        if isinstance(entered, Unsupported):
+            return [Fault(self.tables[1], f"a run that enters: {entered.reason}")]
         return left_out(recording.axis, recording.rig)
 
 
@@ -208,51 +208,52 @@ class AxisRuns(PlainTrials):
     @cached_property
     def offers(self) -> frozenset[str]:
         """What effects may need."""
-        found = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
+        offered = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
         for turns, shown in TURNS.items():
-            found -= shown if self.turns < turns else set()
+            offered -= shown if self.turns < turns else set()
+        offered -= self.measures.endless
         # Of runs that are all alike a mass beside the one that is declared is an error of that.
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
-            found.add("test")
+            offered.add("test")
         # A drive that could not overcome friction would move nothing.
         if self.measures.limit.there and self.measures.limit.force > self._rough.coulomb:
-            found.add("limit")
+            offered.add("limit")
         if self.constants.force_is not in MEASURED:
-            found.add("commanded-force")
+            offered.add("commanded-force")
         loads = self._carried
         if loads is not None and shows_both_ways(self.readings, len(loads.loads)):
-            found.add("load-both-ways")
+            offered.add("load-both-ways")
         doubtful = contradicts(self.constants, self.measures.rough_mass)
         weighed = declared and not doubtful and not self.measures.pull
         if weighed or self._load_is_known:
-            found.add("known-load")
+            offered.add("known-load")
         if np.ptp(self.readings.dwell_s) > LONG_S:
-            found.add("dwell")
+            offered.add("dwell")
         if np.ptp(np.asarray(self._state(self._rough).warmth)) > 0:
-            found.add("warmth")
+            offered.add("warmth")
         if "c2" in self._lacks:
-            found.add(NO_COULOMB)
+            offered.add(NO_COULOMB)
         if not self._offset_sd:
-            found.add(NO_OFFSET)
-        return frozenset(found | ({*self._further} - OFFERED))
+            offered.add(NO_OFFSET)
+        return frozenset(offered | ({*self._further} - OFFERED))
 
     @property
     def _load_is_known(self) -> bool:
         """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
-        known = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
+        size = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
         stated = self.constants.known_force_sd
-        return stated is not None and stated < WELL_KNOWN * float(known)
+        return stated is not None and stated < WELL_KNOWN * float(size)
 
     @property
     def _carried(self) -> Carried | None:
         """What the gear carries, where that is more than a small part of friction."""
-        found = self.measures.carried
-        if found is None:
+        carried = self.measures.carried
+        if carried is None:
             return None
-        held, moved = found.at(self.readings, self.table)
+        held, moved = carried.at(self.readings, self.table)
         size = float(np.sqrt(np.mean((held + moved) ** 2)))
-        return found if size > HEAVY * self.measures.friction else None
+        return carried if size > HEAVY * self.measures.friction else None
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
@@ -297,7 +298,7 @@ class AxisRuns(PlainTrials):
         """
         del size
         if self._beside is not None:
-            return tuple((one.name, one.unit) for one in self._beside.parameters)
+            return tuple((parameter.name, parameter.unit) for parameter in self._beside.parameters)
         unit = self.measures.unit
         numbers = {"c1": ("mass", "kg"), "c2": ("coulomb", "N"), "c3": ("viscous", "N s/m")}
         return tuple(
@@ -320,8 +321,8 @@ class AxisRuns(PlainTrials):
 
         Where the axis runs one way only, the force that opposes it is friction.
         """
-        told = self.measures.both_ways and self._beside is None
-        return self.measures.force if told else 0.0
+        is_told = self.measures.both_ways and self._beside is None
+        return self.measures.force if is_told else 0.0
 
     @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
@@ -385,7 +386,7 @@ class AxisRuns(PlainTrials):
         """Priors of the law, in the machine's measures, or of the simulator in its place."""
         if self._beside is None:
             return {SIZE: self.measures.priors}
-        priors = [one.prior for one in self._beside.parameters]
+        priors = [parameter.prior for parameter in self._beside.parameters]
         return {SIZE: PriorOverrides(**dict(zip(Coefficients._fields, priors, strict=False)))}
 
     @property
@@ -425,22 +426,24 @@ class AxisRuns(PlainTrials):
 
     def suited(self, effect: Effect) -> Effect:
         """Return an effect with priors in the machine's measures, and no law twice."""
-        found = self.measures.effect(effect)
-        if found.acts_on not in ("friction", "drive") or found.components:
-            return found
+        measured = self.measures.effect(effect)
+        if measured.acts_on not in ("friction", "drive") or measured.components:
+            return measured
         # A share of all friction, or of Coulomb's: what differs by the law's own viscous friction
         # alone is one law.
-        values, state = small_values(found), self._state(self._rough._replace(viscous=0.0))
+        values, state = small_values(measured), self._state(self._rough._replace(viscous=0.0))
         laws: dict[str, Law] = {}
         seen: list[Array] = []
-        for name, law in found.laws.items():
+        for name, law in measured.laws.items():
             response = np.broadcast_to(law(values, state), self.readings.speed.shape).ravel()
             size = float(np.linalg.norm(response))
-            if size == 0 or any(abs(response @ one) > (1 - NOTHING) * size for one in seen):
+            if size == 0 or any(
+                abs(response @ direction) > (1 - NOTHING) * size for direction in seen
+            ):
                 continue
             seen.append(response / size)
             laws[name] = law
-        return replace(found, laws=laws or dict(list(found.laws.items())[:1]))
+        return replace(measured, laws=laws or dict(list(measured.laws.items())[:1]))
 
     def levels(self, name: str) -> int:
         """Return how many values a column takes; the cable that is not there has one tension."""
@@ -541,7 +544,7 @@ class AxisRuns(PlainTrials):
             if "c2" in self._lacks:  # effects and scatter still go by the friction that is there
                 around = around._replace(coulomb=self._rough.coulomb)
             return self._rows(around)
-        theta = tuple(float(np.asarray(one)) for one in law)
+        theta = tuple(float(np.asarray(value)) for value in law)
         return replace(self._rows(self._rough), simulated=self._beside, theta=theta)
 
     def _state(self, law: AxisLaw) -> State:
@@ -574,7 +577,7 @@ class AxisRuns(PlainTrials):
 def _opened(
     rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
-    found = entering(axis, constants, simulator)
-    if isinstance(found, Unsupported):
+    opened = entering(axis, constants, simulator)
+    if isinstance(opened, Unsupported):
         return None
-    return AxisRuns(rig, constants, **found._asdict(), source=axis)
+    return AxisRuns(rig, constants, **opened._asdict(), source=axis)

@@ -102,16 +102,18 @@ def test_function(half: int, interval_s: float) -> TestFunction:
     curvature = HEIGHT / width**3 * (-6 * inside**2 + 24 * u**2 * inside)
     powers = np.stack([np.ones_like(place), place * interval_s, (place * interval_s) ** 2])
     # A sum is no integral: what it has wrong of 1, t and t² is set right.
-    found = []
+    rows = []
     moments = ((1.0, 0.0, None), (0.0, -1.0, 0.0), (0.0, 0.0, 2.0))
     for kernel, wanted in zip((value, slope, curvature), moments, strict=True):
         kernel = kernel * interval_s
         held = [row for row, moment in zip(powers, wanted, strict=True) if moment is not None]
-        known = np.array([moment for moment in wanted if moment is not None])
+        wanted_moments = np.array([moment for moment in wanted if moment is not None])
         basis = np.stack(held) * inside  # the correction vanishes at the ends
         across = np.stack(held) @ basis.T
-        found.append(kernel + np.linalg.solve(across, known - np.stack(held) @ kernel) @ basis)
-    return TestFunction(half, *found)
+        rows.append(
+            kernel + np.linalg.solve(across, wanted_moments - np.stack(held) @ kernel) @ basis
+        )
+    return TestFunction(half, *rows)
 
 
 @cache

@@ -1,0 +1,72 @@
+"""What is told where an instrument and least squares are apart: the instrument's numbers.
+
+Errors of an encoder, and what disturbs a joint inside its controller's loop, are in the regressors
+of least squares. Where these two are apart by more than chance, the law of the instrument is the
+one to use (IDIM-IV), and nothing is said to leave no gap by numbers that are bent.
+
+References
+----------
+A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
+robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bayesfric.inference.truncated import normal_above
+from bayesfric.schemas import Instrument, Interval, LawNumber
+
+__all__ = ["by_the_instrument", "why_bent"]
+
+ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
+SIGNED = frozenset({"viscous"})  # numbers that may be below zero
+
+
+def why_bent(instrument: Instrument | str) -> str | None:
+    """Return why the law by least squares says of no gap that it is none; None where it may.
+
+    Parameters
+    ----------
+    instrument : Instrument or str
+        Beside least squares, or why there is none.
+    """
+    if isinstance(instrument, str) or not instrument.alarms:
+        return None
+    return (
+        "errors of the encoder, or what disturbs the joint inside its loop, move the law by more "
+        f"than that (Durbin, Wu and Hausman: p = {instrument.p_value:.1g})"
+    )
+
+
+def by_the_instrument(
+    law: Mapping[str, LawNumber], instrument: Instrument | str
+) -> dict[str, LawNumber]:
+    """Return the numbers of a law, those that an instrument has as it tells them if it alarms.
+
+    Parameters
+    ----------
+    law : mapping of str to LawNumber
+        By least squares.
+    instrument : Instrument or str
+        Beside it, or why there is none.
+    """
+    if isinstance(instrument, str) or not instrument.alarms:
+        return dict(law)
+    called = dict.fromkeys(ACCELERATES, "inertia")
+    return {
+        name: _number_told(name, number, instrument, called.get(name, name))
+        for name, number in law.items()
+    }
+
+
+def _number_told(name: str, number: LawNumber, instrument: Instrument, called: str) -> LawNumber:
+    if called not in instrument.numbers:
+        return number
+    value = instrument.numbers[called]
+    least = -np.inf if name in SIGNED else 0.0
+    mean, sd, quantiles = normal_above(value.instrumental, value.instrumental_se, least)
+    low, middle, high = map(float, quantiles)
+    after = Interval(mean=mean, sd=sd, q05=low, q50=middle, q95=high)
+    changed = {"after": after, "least_squares": number.after, "least_squares_why": None}
+    return number.model_copy(update=changed)

@@ -1,0 +1,47 @@
+"""Joints that MuJoCo moves: what acts is named, and nothing else."""
+
+import pytest
+from campaigns import joint_world
+
+RIGHT = {
+    "none-2": "perfect",
+    "stribeck-1": "perfect",
+    "cubic-drag+cogging-12": "perfect",
+    "delay-17": "perfect",
+    "none-11": "real",
+    "torque-saturation-19": "real",
+}
+"""Cases that are right, by the signals that they have."""
+NOT_FALSE = {"wave-in-time-5": "perfect", "cogging-14": "real"}
+"""Cases in which something was named that does not act: a coarse encoder, a wave in time."""
+
+
+def told(name, design):
+    return joint_world.case(joint_world.cases(40, design)[name])
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("name", "design"), RIGHT.items(), ids=RIGHT)
+def test_what_acts_is_named_and_nothing_else(name, design):
+    found = told(name, design)
+    assert found["exact"], found["sentence"]
+    assert not found["others_wrong"]
+    coulomb, mean, _, _ = found["law"]["coulomb"]
+    assert mean == pytest.approx(coulomb, rel=0.03)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("name", "design"), NOT_FALSE.items(), ids=NOT_FALSE)
+def test_nothing_is_named_that_does_not_act(name, design):
+    found = told(name, design)
+    assert not found["wrong"], found["sentence"]
+
+
+def test_no_name_is_of_both_halves():
+    halves = [set(joint_world.names(sealed)) for sealed in (False, True)]
+    assert not halves[0] & halves[1]
+    for sealed, own in zip((False, True), halves, strict=True):
+        cases = joint_world.cases(60, sealed=sealed).values()
+        used = {name for kind, effects, *_ in cases for name, _ in effects if kind != "outsider"}
+        assert used == own
+        assert sum(kind == "none" for kind, *_ in cases) >= 14

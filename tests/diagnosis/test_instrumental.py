@@ -1,0 +1,75 @@
+"""Where an instrument alarms its numbers are told, and those of least squares stand beside."""
+
+import pytest
+from rigs.looped_joint import LoopedJoint
+
+import bayesfric as bf
+from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
+from bayesfric.diagnosis.verdict import decide
+from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
+
+
+def instrument(*, alarms):
+    numbers = {
+        "inertia": (0.075, 0.001, 0.0645, 0.002),
+        "viscous": (0.1, 0.01, -0.02, 0.05),
+        "coulomb": (0.15, 0.01, 0.24, 0.05),
+    }
+    named = ("ordinary", "ordinary_se", "instrumental", "instrumental_se")
+    return Instrument(
+        kind="earlier motion",
+        statistic=12.0,
+        p_value=2e-8,
+        strength=49.0,
+        windows=400,
+        alarms=alarms,
+        numbers={
+            name: InstrumentNumber(unit="1", **dict(zip(named, values, strict=True)))
+            for name, values in numbers.items()
+        },
+    )
+
+
+def law():
+    value = Interval(mean=0.075, sd=0.001, q05=0.0734, q50=0.075, q95=0.0766)
+    names = ("inertia", "viscous", "coulomb", "offset")
+    return {name: LawNumber(unit="1", before=value, after=value) for name in names}
+
+
+def test_the_numbers_that_are_told_are_the_instruments():
+    found = by_the_instrument(law(), instrument(alarms=True))
+    assert found["inertia"].after.q50 == pytest.approx(0.0645)
+    assert found["inertia"].after.q95 == pytest.approx(0.0645 + 1.645 * 0.002, rel=1e-3)
+    assert found["viscous"].after.q05 == pytest.approx(-0.02 - 1.645 * 0.05, rel=1e-3)
+    assert found["coulomb"].after.q05 > 0
+    assert found["inertia"].least_squares == law()["inertia"].after
+    assert found["offset"] == law()["offset"]
+    mass = by_the_instrument({"armature": law()["inertia"]}, instrument(alarms=True))
+    assert mass["armature"].after.q50 == pytest.approx(0.0645)
+
+
+@pytest.mark.parametrize("silent", [instrument(alarms=False), "12 windows are too few to tell"])
+def test_without_an_alarm_nothing_changes(silent):
+    assert by_the_instrument(law(), silent) == law()
+    assert why_bent(silent) is None
+
+
+def test_numbers_that_are_bent_are_no_proof_of_no_gap():
+    why = why_bent(instrument(alarms=True))
+    assert "p = 2e-08" in why
+    assert decide({"none": 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
+
+
+@pytest.mark.nightly
+def test_a_joint_that_is_pushed_in_its_loop_is_told_by_the_instrument():
+    joint = LoopedJoint(pushed=0.3, gravity=0.0, amplitude=0.3, waits=3)
+    found = bf.diagnose(joint.recording()).summary
+    assert found.instrument.alarms
+    truth = {"inertia": joint.inertia, "coulomb": joint.coulomb, "viscous": joint.viscous}
+    entered = {number.parameter: number.value for number in found.enter}
+    for name, value in truth.items():
+        number, told = found.instrument.numbers[name], entered[name]
+        assert told == found.law[name].after
+        assert abs(told.mean - number.instrumental) < 0.5 * number.instrumental_se
+        assert abs(told.mean - value) < 3 * told.sd
+        assert found.law[name].least_squares is not None
