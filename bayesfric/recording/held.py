@@ -10,6 +10,7 @@ BUSY = 0.9  # of the samples at which the position changes, that the force chang
 CAUGHT_UP = 1.5  # usual steps, that a position moves by after a row that was repeated
 COUNTS = 3  # of an encoder, that a position that is held moves by at a time, at the least
 SENSED = frozenset({"motor", "link", "measured"})  # kinds of force that a sensor reads
+ANSWERS = 0.9  # correlation of a force's changes with those of the position, against them
 FEWEST = 10  # new readings, by which a rhythm is told
 
 
@@ -71,8 +72,9 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     """Return a run's samples without repeated readings, and what was done; None if nothing.
 
     Where the position is held, the first row of each reading is kept. A measured force that is
-    held goes on in a straight line to its next reading. A commanded one acts as it is held. Rows
-    that repeat the one before though the axis moved on are left out.
+    held goes on in a straight line to its next reading. A commanded one acts as it is held. One
+    that answers each count of the encoder went on answering; see :func:`answering`. Rows that
+    repeat the one before though the axis moved on are left out.
 
     Parameters
     ----------
@@ -85,7 +87,11 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     force = samples["force_n"].to_numpy(dtype=np.float64)
     position_held = position_held_for(position)
     force_held = held_for(force) if force_is in SENSED else 1
-    if force_held > 1:
+    answers = answering(position, force) if position_held == 1 else None
+    if answers is not None:
+        force_held = held_for(force)
+        samples = samples.assign(force_n=answers)
+    elif force_held > 1:
         time, new = samples["time_s"].to_numpy(dtype=np.float64), renewed(force)
         samples = samples.assign(force_n=np.interp(time, time[new], force[new]))
     if position_held > 1:
@@ -96,6 +102,8 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
         if count > 1
     ]
     said = [f"each reading is held, {' and '.join(held)}"] if held else []
+    if answers is not None:
+        said.append("the force answers each count of the encoder, and was told by these between")
     late = stale(*(samples[name].to_numpy(dtype=np.float64) for name in ("position_m", "force_n")))
     if late.any():
         said.append(
@@ -103,6 +111,36 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
         )
         samples = samples[~late].reset_index(drop=True)
     return samples, "; ".join(said) or None
+
+
+def answering(position: Array, force: Array) -> Array | None:
+    """Return a held force as it went on, where it answers the encoder's counts; None elsewhere.
+
+    A controller's damping kicks at each count. Telemetry that repeats its force for some samples
+    shows a kick too few, or one for too long; the counts, which it does not repeat, tell them all.
+
+    Parameters
+    ----------
+    position, force : ndarray, shape (N,)
+        Of evenly sampled rows.
+    """
+    if held_for(force) == 1:
+        return None
+    new = np.flatnonzero(renewed(force))
+    moved = np.diff(position, prepend=position[0])
+    quick_force, quick_move = _quick(force[new]), _quick(moved[new])
+    size = float(np.linalg.norm(quick_force) * np.linalg.norm(quick_move))
+    along = float(quick_force @ quick_move)
+    if size == 0 or along > -ANSWERS * size:
+        return None
+    kick = along / float(quick_move @ quick_move)
+    calm = np.interp(np.arange(force.size), new, force[new] - kick * moved[new])
+    return np.asarray(calm + kick * moved)
+
+
+def _quick(values: Array) -> Array:
+    """Return what changes from reading to reading, second differences, of shape (N − 2,)."""
+    return np.asarray(np.diff(values, 2))
 
 
 def position_held_for(position: Array) -> int:

@@ -1,8 +1,10 @@
 """Counts in the controller's damping shake a slow joint: its windows are found and left out."""
 
+import numpy as np
 import pytest
 from rigs.looped_joint import LoopedJoint
 
+from bayesfric.recording.held import answering, held_for, released
 from bayesfric.rigs import all_rigs
 
 AXIS = all_rigs()["single-axis"]
@@ -22,6 +24,31 @@ def test_friction_of_a_joint_that_dithers_is_told_where_it_does_not(count):
     assert f"In {runs.dither.windows} of {runs.dither.of} windows the joint dithers" in " ".join(
         runs.doubts({})
     )
+
+
+@pytest.mark.parametrize("force_is", ["commanded", "motor"])
+def test_a_force_that_is_held_over_the_kicks_of_a_controller_is_told_by_the_counts(force_is):
+    """With one force in five: inertia 0.09 to 0.26, Coulomb friction 0.03 to 0.59."""
+    joint = LoopedJoint(count=1e-3, gravity=0.0, force_held=5, **SHAKEN)
+    recording = joint.recording(force_is=force_is)
+    runs = AXIS.trials(recording)
+    assert runs.dither.left_out
+    rough = runs._rough
+    assert rough.mass == pytest.approx(joint.inertia, rel=0.02)
+    assert rough.coulomb == pytest.approx(joint.coulomb, rel=0.02)
+    assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)
+    first = recording.axis.samples.query("run == 'r0'")
+    assert "the force answers each count of the encoder" in released(first, force_is)[1]
+
+
+def test_a_slow_controllers_command_acts_as_it_is_held():
+    """Its speed is of its own interval, five samples of the log, and so are its kicks."""
+    rng = np.random.default_rng(2)
+    position = 1e-3 * np.round(np.cumsum(0.4e-3 * rng.standard_normal(4000)) / 1e-3)
+    answer = -600.0 * (position - np.concatenate([np.zeros(5), position[:-5]]))
+    held = answer[np.arange(4000) // 5 * 5] + 1e-3 * np.repeat(rng.standard_normal(800), 5)
+    assert held_for(held) == 5
+    assert answering(position, held) is None
 
 
 @pytest.mark.nightly
