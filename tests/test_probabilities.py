@@ -10,7 +10,7 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
-from bayesfric.diagnosis.verdict import Known, decide
+from bayesfric.diagnosis.verdict import KnownEffect, decide
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.probabilities import normalised, stated, total
 
@@ -44,7 +44,7 @@ def test_normalised_weights_are_probabilities():
 
 def test_a_verdict_of_several_hypotheses_that_add_up_to_more_than_one_is_stated():
     chances = {f"viscous+{name}": part for name, part in zip("abcd", ABOVE_ONE, strict=True)}
-    verdict, probability = decide(chances, [Known("viscous", 1.0, 1.0, 0.1)], 1.0, ())
+    verdict, probability = decide(chances, [KnownEffect("viscous", 1.0, 1.0, 0.1)], 1.0, ())
     assert (verdict, probability) == ("named", 1.0)
 
 

@@ -17,8 +17,6 @@ import numpy as np
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Instrument, Interval, LawNumber
 
-__all__ = ["by_the_instrument", "why_bent"]
-
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
 SIGNED = frozenset({"viscous"})  # numbers that may be below zero
 

@@ -21,10 +21,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from bayesfric.arrays import Array
-from bayesfric.inference.priors import LOG_2PI
+from bayesfric.inference.priors import LOG_2PI as LOG_2PI
 from bayesfric.inference.quadratic import eliminate, gram, matrices
-
-__all__ = ["LOG_2PI", "Grouped", "GroupedNormal", "Groups"]
 
 LARGEST_CONDITION = 1e12  # of the curve's precision; rounding would be felt beyond
 

@@ -20,19 +20,9 @@ from scipy.special import gammaln, logsumexp
 
 from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
-from bayesfric.inference.laplace import Laplace, LogDensity
+from bayesfric.inference.laplace import Laplace
+from bayesfric.inference.laplace import LogDensity as LogDensity
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
-
-__all__ = [
-    "LEAST_EFFECTIVE",
-    "SAMPLING_SPACE",
-    "Chart",
-    "LogDensity",
-    "Proposal",
-    "StudentT",
-    "importance_points",
-    "resampled",
-]
 
 Random = np.random.RandomState | np.random.Generator  # emcee has the former
 

@@ -19,16 +19,20 @@ from benchmark.problems import RECORDING
 from rigs.hall import gravity_likelihood
 
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis import diagnose
 from bayesfric.errors import InputError
 from bayesfric.inference.model import Model
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.simulate import simulate_recording
 
 TRIALS = (200, 2_000, 20_000, 50_000)
 POINTS = 40  # at which the likelihood is evaluated
-SLOPE, FLAT = 1.1, 1.3
-READ_S, READ_MIB = 10.0, 2048
+SLOPE, TIMES = 1.1, 20.0
+READ_S, READ_MIB = 5.0, 1024
+SAMPLES, SAMPLES_S = 200_000, 20.0  # of a joint's log, that is diagnosed
+JITTER = 0.003  # of the force's spread, so that no run is a copy of another
 REFUSED = 8_500  # trials, of a million events
 REFUSE_S, REFUSE_MIB = 20.0, 1024
 SEED = 1
@@ -54,6 +58,25 @@ def repeated(recording, trials):
     return replace(recording, gravity=Gravity(table, event), motor=None)
 
 
+def joints_log(samples):
+    """Return an axis of so many samples: the runs of a simulated one again and again."""
+    recording = simulate_recording("axis", seed=SEED)
+    axis, rng = recording.axis, np.random.default_rng(SEED)
+    rounds = -(-samples // len(axis.samples))
+    runs = pd.concat(
+        [axis.runs.assign(run=axis.runs["run"] + f"-{number}") for number in range(rounds)],
+        ignore_index=True,
+    )
+    tables = []
+    for number in range(rounds):
+        table = axis.samples.assign(run=axis.samples["run"].astype(str) + f"-{number}")
+        spread = JITTER * table["force_n"].std()
+        tables.append(table.assign(force_n=table["force_n"] + spread * rng.normal(size=len(table))))
+    runs["order"] = np.arange(1, len(runs) + 1)
+    whole = replace(axis, runs=runs, samples=pd.concat(tables, ignore_index=True))
+    return replace(recording, axis=whole)
+
+
 def targets():
     """Return a row a target, and the figures behind them."""
     recording = read_recording(RECORDING)
@@ -76,20 +99,26 @@ def targets():
         events = wrong / "gravity_events.csv"
         events.write_bytes(events.read_bytes().replace(b",drive,", b",drove,"))
         refused = _read(wrong)
+    log = joints_log(SAMPLES)
+    began = time.process_time()
+    diagnose(log, Analysis(seed=SEED))
+    diagnosed = time.process_time() - began
     first, last = seconds[TRIALS[1]], seconds[TRIALS[-1]]
     ratio = TRIALS[-1] / TRIALS[1]  # from 2,000 on, so that no constant part flatters
     whole = [one["read"] + one["reduce"] for one in (first, last)]
     slope = float(np.log(whole[1] / whole[0]) / np.log(ratio))
-    flat = last["likelihood"] / seconds[TRIALS[0]]["likelihood"]
+    times = last["likelihood"] / seconds[TRIALS[0]]["likelihood"]
     rows = [
         within("reading and reduction, slope in log-log", slope, SLOPE),
-        within("a likelihood at 50,000 trials, over one at 200", flat, FLAT),
+        within("a likelihood at 50,000 trials, over one at 200", times, TIMES),
+        within("diagnosing a joint's log of 200,000 samples, seconds", diagnosed, SAMPLES_S),
         within("reading 6 million events, seconds", last["read"], READ_S),
         within("reading 6 million events, MiB", last["read_mib"], READ_MIB),
         within("refusing a million events, seconds", refused["read"], REFUSE_S),
         within("refusing a million events, MiB", refused["read_mib"], REFUSE_MIB),
     ]
-    return rows, {str(trials): one for trials, one in seconds.items()} | {"refused": refused}
+    figures = {str(trials): one for trials, one in seconds.items()}
+    return rows, figures | {"refused": refused, "joint's log": {"diagnose": diagnosed}}
 
 
 def _read(folder):

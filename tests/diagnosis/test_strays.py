@@ -1,5 +1,7 @@
 """A reading far from all others counts little: what is named is what is named without it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from diagnosis.driven_axis import model_of_axis
@@ -8,6 +10,7 @@ from rigs.friction_points import recorded
 from scipy.stats import multivariate_normal
 
 import bayesfric as bf
+from bayesfric.diagnosis import strays
 from bayesfric.diagnosis.residuals import residuals_of, spread_numbers
 from bayesfric.diagnosis.strays import few_strays
 
@@ -125,3 +128,11 @@ def test_rows_of_an_axis_with_weights_have_so_much_less_error(tmp_path):
     np.testing.assert_allclose(found.precision, expected.precision, rtol=1e-7, atol=1e-9)
     one, other = (part.windows(each) for part, each in ((weighted, noise), (rig, larger)))
     np.testing.assert_allclose(one.covariance[0], other.covariance[0])
+
+
+def test_rows_of_the_papers_boards_count_alike_and_are_not_looked_at(monkeypatch):
+    monkeypatch.setattr(strays, "residuals_of", None)  # which takes as long as all hypotheses
+    boards = [SimpleNamespace(rig=SimpleNamespace(paper=True)) for _ in range(2)]
+    whole = SimpleNamespace(row_weights={})
+    model = SimpleNamespace(data=SimpleNamespace(rigs=boards), full=whole)
+    assert strays.without_strays(model, "hypotheses", None) == (model, "hypotheses")

@@ -69,6 +69,12 @@ def test_no_files_import_each_other():
     assert listed - set().union(*rings) == set(), "take these off the list"
 
 
+def test_no_file_lists_its_own_names():
+    """An underscore says what is private; what a file hands on, it imports under its own name."""
+    files = [file for file in PACKAGE.rglob("*.py") if file.name != "__init__.py"]
+    assert [str(file) for file in files if "__all__ = " in file.read_text("utf-8")] == []
+
+
 def test_lines_of_code_leave_out_what_is_for_readers_only():
     source = '"""A module.\n\nLong.\n"""\n\n# A comment.\nx = [\n    1,  # of two lines\n]\n'
     source += 'def f():\n    """Return.\n\n    Two.\n    """\n    return """a\n\n    b"""\n'

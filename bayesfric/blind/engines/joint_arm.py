@@ -15,8 +15,6 @@ import numpy as np
 from bayesfric.blind.engines.joint_forms import Mechanism, Now
 from bayesfric.blind.engines.state import Array
 
-__all__ = ["Acting", "Arm", "Control", "Moved", "mjcf", "moved"]
-
 REST = 1e-3  # rad/s, below which a joint rests
 RING_DAMPING = 0.1  # of critical, of the spring between rotor and link
 CONTACT_HZ = 60.0  # at which rotor and link ring where teeth touch

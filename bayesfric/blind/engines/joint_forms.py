@@ -16,8 +16,6 @@ from math import cos, exp, pi, sin
 
 from numpy.random import Generator
 
-__all__ = ["MECHANISMS", "OUTSIDERS", "Mechanism", "Now", "Scales"]
-
 HALF_RISE_S = 1.0  # of a rest, after which stiction has half of what it can have
 
 

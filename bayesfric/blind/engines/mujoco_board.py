@@ -20,10 +20,9 @@ from bayesfric.blind.engines.law import GRAVITY, SIZES, Nature, draw_nature
 from bayesfric.blind.engines.motion import Motion
 from bayesfric.blind.engines.mujoco_cable import STEP_S, Cable, closed_form, moved
 from bayesfric.blind.engines.recorder import event_trains, gravity_tables, recorded
-from bayesfric.blind.engines.reference import Made, Withheld
+from bayesfric.blind.engines.reference import Made as Made
+from bayesfric.blind.engines.reference import Withheld as Withheld
 from bayesfric.blind.engines.state import Array
-
-__all__ = ["Made", "Withheld", "effect_names", "forms", "make", "outsider_names"]
 
 LONGEST_S = 8.0
 SIMULATED_TRAVEL = 1.05  # of the travel, up to which a trial is simulated

@@ -22,8 +22,6 @@ from bayesfric.blind.engines.reference import Made, Withheld
 from bayesfric.blind.engines.state import Array
 from bayesfric.recording import Recording, read_recording
 
-__all__ = ["PERFECT", "REAL", "World", "drawn_world", "effect_names", "make", "outsider_names"]
-
 FULL = 0.1  # rms share of friction at strength 1
 LITTLE = 1e-6  # of friction: an amplitude that moves nothing
 NATURE, PATH, SHAPE, SIGN, DRIVE, LOG = range(30, 36)

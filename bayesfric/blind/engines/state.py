@@ -6,9 +6,7 @@ from typing import Any, Literal
 
 from numpy.random import Generator
 
-from bayesfric.arrays import Array
-
-__all__ = ["Array", "BoardState", "Form", "ImposedEffect", "Kind", "Passage", "no_parameters"]
+from bayesfric.arrays import Array as Array
 
 Acts = Literal["pulley", "ends", "air", "drive", "load", "inertia", "reading", "clock", "current"]
 

@@ -40,11 +40,10 @@ from bayesfric.rigs.gravity_board.measurements import (
     noise_parameters,
     rough_noise,
 )
-from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
+from bayesfric.rigs.gravity_board.places import TrialPlaces
+from bayesfric.rigs.gravity_board.places import trial_condition as trial_condition
 from bayesfric.rigs.gravity_board.scatter import gravity_scatter
 from bayesfric.rigs.gravity_board.wander import Wander
-
-__all__ = ["GravityModel", "trial_condition"]
 
 WALKERS_AT_ONCE = 50
 START_WANDER = 0.02  # of friction, a place to climb from
