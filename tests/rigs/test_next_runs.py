@@ -163,9 +163,9 @@ def test_runs_of_both_roles_are_run_again_with_their_payload(tmp_path):
 def question(tmp_path_factory):
     """Return slow runs, their model, two hypotheses that they leave open, and what is proposed.
 
-    Most seeds tell the two apart at more than 10 to 1: of the first six this one leaves them open.
+    The runs alone say some 20 to 1: the wider prior of a drag costs it most of that.
     """
-    runs, folder = slow_runs(6), tmp_path_factory.mktemp("slow")
+    runs, folder = slow_runs(2), tmp_path_factory.mktemp("slow")
     recording = recorded(folder / "axis", runs, limits={"velocity_m_s": [0.0, REACHED]})
     model, acting = modelled(recording)
     found = hypotheses(model, acting)
@@ -177,10 +177,10 @@ def question(tmp_path_factory):
 def test_the_next_run_is_at_the_speed_at_which_a_line_and_a_parabola_part(question):
     """Up to 0.25 m/s they explain a drag alike; at what the axis can do they are far apart."""
     _, _, found, (told,) = question
-    assert abs(found["viscous"].at.value - found["air-drag"].at.value) < np.log(10)
+    assert abs(found["viscous"].at.value - found["air-drag"].at.value) < np.log(100)
     assert told.separates == ("viscous", "air-drag")
     assert told.condition["velocity_m_s"] == pytest.approx(REACHED)
-    assert told.log10_bayes_factor > 1  # what 10 to 1 leaves open, it decides
+    assert told.log10_bayes_factor > 1  # one run more says 10 to 1 by itself
 
 
 def test_a_new_run_has_the_clocks_of_the_machine(question):
