@@ -67,7 +67,7 @@ class Sampler(Section):
         "proposal, also of the first of three pilots; each further pilot is twice as long.",
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        160, description="Steps of an ensemble that are kept, before thinning."
+        240, description="Steps of an ensemble that are kept, before thinning."
     )
     thin: Annotated[int, Field(ge=1, le=1000)] = Field(2, description="Keep each thin-th step.")
     extensions: Annotated[int, Field(ge=0, le=100)] = Field(
