@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.claims.comparison import FOUND_WITH
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
@@ -26,6 +26,7 @@ from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.power import LEAST_PRECISION_RATIO, smallest_found
 from bayesfric.inference.priors import from_normal
+from bayesfric.observation.coefficients import coefficient_prior
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import Recording
@@ -39,6 +40,7 @@ Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
 TO_ITS_PRIOR = "these conditions leave it to its prior"
 NEEDED = "conditions at which something moves by the friction of Table I or of the priors"
+NUMBER = ("value", "sd", "unit", "informed")  # what is told of each
 AS_TEXT: dict[str, Any] = {"float_format": "{:.3g}".format, "na_rep": ""}
 INSEPARABLE_CORRELATION = (
     0.95  # correlation of two amplitudes, from which on the data hardly tell them apart
@@ -184,13 +186,16 @@ def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]
             row = table1()[size]
             laws[size] = Coefficients(row.c1.value, row.c2.value, row.c3.value)
         else:
-            own = priors.pulleys[size]
-            middle = [
-                float(from_normal(getattr(own, coefficient), 0.0))
-                for coefficient in Coefficients._fields
-            ]
-            laws[size] = Coefficients(*middle)
+            laws[size] = _middle(priors, size)
     return laws
+
+
+def _middle(priors: Priors, size: str) -> Coefficients:
+    middle: dict[str, float] = {}
+    for name in Coefficients._fields:
+        prior, whole = coefficient_prior(priors, name, size)
+        middle[name] = float(from_normal(prior, 0.0)) * (1.0 if whole is None else middle[whole])
+    return Coefficients(**middle)
 
 
 def _model(
@@ -285,7 +290,8 @@ def _coefficients(model: LinearModel, rest: Places, covariance: Matrix, sd: Arra
             "unit": units[name],
             "informed": spread < float(sd[rest[at]]) / np.sqrt(2),
         }
-    return pd.DataFrame.from_dict(rows, orient="index")
+    # A user's own simulator may leave the law no number at all.
+    return pd.DataFrame(list(rows.values()), index=list(rows), columns=list(NUMBER))
 
 
 def _effects(

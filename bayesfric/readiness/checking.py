@@ -214,7 +214,8 @@ def _part(
         if not reasons:  # it is not the data that cannot be used
             raise
         return Part(name, None, tuple(reasons))
-    if not power.coefficients["informed"].any():
+    numbers = power.coefficients
+    if len(numbers) and not numbers["informed"].any():
         return Part(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
     examined, lacking = examinable(data, {})
     in_law = {*map(str, power.coefficients.index)}

@@ -109,3 +109,22 @@ def test_boards_are_checked_by_their_conditions(tmp_path):
     assert np.isfinite(part.power.coefficients["sd"]).all()
     assert not part.lacking
     assert "What can be told" in "\n".join(part.lines())
+
+
+def test_a_simulator_that_leaves_the_law_no_number_is_no_reason_to_refuse(tmp_path):
+    """A rigid body without friction: its forces are known, and nothing of it is fitted."""
+    machine = Machine(control_hz=250.0, bandwidth_hz=5.0, loop_delay_s=0.0, viscous=0.8)
+    table, samples = simulate(machine, runs=2, seconds=4.0, seed=6)
+    acceleration = np.concatenate(
+        [
+            np.gradient(np.gradient(run["position_m"], run["time_s"]), run["time_s"])
+            for _, run in samples.groupby("run", sort=False)
+        ]
+    )
+    samples = samples.assign(sim_force_n=machine.mass * acceleration)
+    axis = read_recording(write(tmp_path / "axis", machine, table, samples))
+    (part,) = readiness_of(axis, numbers_alone=True).parts
+    assert part.why_not == ()
+    assert list(part.power.coefficients.index) == []
+    told = run("check", tmp_path / "axis")
+    assert (told.exit_code, told.exception) == (0, None)
