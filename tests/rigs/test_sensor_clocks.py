@@ -94,6 +94,29 @@ def test_each_trial_has_an_offset_of_its_own(board):
     assert found.sd_s == pytest.approx(0.3 / np.sqrt(len(late)), rel=0.3)
 
 
+def moving_evenly(recording, trial):
+    """Return it with a trial that moves evenly after a fifth of a second, as by strong drag."""
+    settling, speed = 0.5, 0.13
+    fine = np.linspace(0.0, 12.0, 40_001)
+    travel = speed * (fine - settling * (1 - np.exp(-fine / settling)))
+    events, rng = recording.gravity.events.copy(), np.random.default_rng(3)
+    for sensor, before in (("drive", 0.3), ("load", 0.6)):
+        rows = ((events["trial"] == trial) & (events["sensor"] == sensor)).to_numpy()
+        places = (np.arange(rows.sum()) + before) * recording.rig.hall_spacing_m
+        times = np.interp(places, travel, fine) + 1e-3 * rng.standard_normal(rows.sum())
+        events.loc[rows, "time_s"] = times
+    return dataclasses.replace(recording, gravity=Gravity(recording.gravity.trials, events))
+
+
+def test_a_trial_that_soon_moves_evenly_has_no_clock_that_is_late(board):
+    """When it was at rest is an extrapolation by far; the sensors saw it at the same times."""
+    name = str(board.gravity.trials["trial"].iloc[3])
+    clocks = clocks_of(moving_evenly(board, name))
+    own = clocks.trials.set_index("trial").loc[name]
+    assert abs(own["late_s"]) < 4 * own["sd_s"] < 0.1
+    assert clock_faults(clocks) == []
+
+
 def test_a_cable_that_slips_is_no_clock_that_is_late(board):
     """A load sensor that misses 0.8 % of all travel: its speed would be 10 to 20 ms late."""
     slip = AppliedEffect(all_effects()["slip"], "proportional", {"share": 0.008})

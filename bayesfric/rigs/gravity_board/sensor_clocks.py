@@ -27,6 +27,7 @@ from bayesfric.rigs.gravity_board.sensor_agreement import noise_variance
 FURTHEST = 5.0  # of these standard deviations, that no cable explains
 SURE_SD = 5.0  # standard errors by which an offset is beyond them
 SHARP = 10.0  # standard errors of an acceleration that tells when the cable was at rest
+LESS = 0.05  # of a sensor's time: by so much less of it in common, a first estimate is none
 SAME_SHARE = 0.01  # by which a sensor reads too long: beyond it, not only the clocks differ
 ROUNDS = 3  # the motion of both sensors is known once their clocks are
 DEGREE, EVENTS_A_POWER = 5, 4  # of the motion that both see; fewer events tell a parabola
@@ -132,16 +133,19 @@ def _of_both(trains: EventTrains) -> EventTrains:
 def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, Flags]:
     """Return place, offset, standard error and sameness of motion of each trial.
 
-    When both sensors were at rest is a first estimate. Then both are fitted by one smooth motion
-    each: an offset of the load sensor, a share by which it reads all travel too long, and the
-    speed times how late it is are what the two sensors may differ by.
+    When both sensors were at rest is a first estimate, unless by it they saw the mass at other
+    times than by their clocks as they are: the rest time of a trial that soon moves evenly is an
+    extrapolation by far. Then both are fitted by one smooth motion each: an offset of the load
+    sensor, a share by which it reads all travel too long, and the speed times how late it is are
+    what the two sensors may differ by.
     """
     pilot = quadratic_fits(trains, np.ones(trains.time.size))
     variance = noise_variance(pilot.residual, pilot.leverage, pilot.speed**2, tick_s**2 / 12)
     fits = quadratic_fits(trains, 1 / np.maximum(variance, LEAST_VARIANCE))
     sharp = np.abs(fits.acceleration) > SHARP * np.sqrt(fits.acceleration_variance)
     drive, load = fits.rest_time.reshape(-1, 2).T
-    late = np.where(sharp.reshape(-1, 2).all(axis=1), load - drive, 0.0)
+    nearer = _overlap(trains, load - drive) > _overlap(trains, np.zeros_like(drive)) - LESS
+    late = np.where(nearer & sharp.reshape(-1, 2).all(axis=1), load - drive, 0.0)
     events = _Padded.of(trains, np.maximum(variance, LEAST_VARIANCE))
     for _ in range(ROUNDS):
         further, share, deviation = events.apart(late)
@@ -149,6 +153,19 @@ def _offsets(trains: EventTrains, tick_s: float) -> tuple[Whole, Array, Array, F
     longer, unsure = np.abs(share), deviation[1]
     same = (longer <= SAME_SHARE) | (longer <= SURE_SD * unsure)
     return trains.trial[::2], late, deviation[0], same
+
+
+def _overlap(trains: EventTrains, late_s: Array) -> Array:
+    """Return in which share of the shorter sensor's time both saw the mass, shape (n,).
+
+    Below 0 where there is a time between.
+    """
+    first = np.concatenate([[0], np.cumsum(trains.sizes)[:-1]])
+    start = np.minimum.reduceat(trains.time, first).reshape(-1, 2)
+    end = np.maximum.reduceat(trains.time, first).reshape(-1, 2)
+    start[:, 1], end[:, 1] = start[:, 1] - late_s, end[:, 1] - late_s
+    common = end.min(axis=1) - start.max(axis=1)
+    return np.asarray(common / (end - start).min(axis=1))
 
 
 @dataclass(frozen=True)
