@@ -55,18 +55,18 @@ def _kinds(sealed) -> Iterator[tuple[str, tuple]]:
                 yield "outsider", ((outsiders[(turn * 2 + place // 6) % len(outsiders)], FULL),)
             if place % 6 == 4:
                 pair = pairs[(turn * 7 + place * 5) % len(pairs)]
-                yield "pair", tuple((one, FULL) for one in pair)
+                yield "pair", tuple((effect, FULL) for effect in pair)
 
 
 def cases(number, design="perfect", sealed=False, first_seed=FIRST_SEED):
     """Return what is withheld in each case, and its seed, by name."""
-    found = {}
+    withheld_of = {}
     for place, (kind, effects) in enumerate(islice(_kinds(sealed), number)):
         seed = first_seed + place
         name = "+".join(effect for effect, _ in effects) or "none"
         weak = "-weak" if any(strength < FULL for _, strength in effects) else ""
-        found[f"{name}{weak}-{seed}"] = (kind, effects, seed, design)
-    return found
+        withheld_of[f"{name}{weak}-{seed}"] = (kind, effects, seed, design)
+    return withheld_of
 
 
 def made(given):
@@ -80,13 +80,13 @@ def case(given):
     case_made = made(given)
     truth = case_made.truth
     summary = diagnose(case_made.recording).summary
-    joints = {one.joint or truth["joint"]: one for one in summary.joints} or {
+    joints = {diagnosed.joint or truth["joint"]: diagnosed for diagnosed in summary.joints} or {
         truth["joint"]: summary
     }
-    acts = {one["name"] for one in truth["withheld"]} | set(truth["beside"])
+    acts = {withheld["name"] for withheld in truth["withheld"]} | set(truth["beside"])
     judged = {
-        joint: judge(one, acts if joint == truth["joint"] else set(), given[0])
-        for joint, one in joints.items()
+        joint: judge(diagnosed, acts if joint == truth["joint"] else set(), given[0])
+        for joint, diagnosed in joints.items()
     }
     own = judged.pop(truth["joint"])
     if truth["noise_free_gap"] < PRACTICAL and set(own["missing"]) <= {n for n, _ in given[1]}:
@@ -99,7 +99,9 @@ def case(given):
         "seed": given[2],
         "knows": truth["world"]["knows"],
         "gap": truth["noise_free_gap"],
-        "others_wrong": {joint: one["named"] for joint, one in judged.items() if one["wrong"]},
+        "others_wrong": {
+            joint: other["named"] for joint, other in judged.items() if other["wrong"]
+        },
         "law": {
             name: [truth["law"][name], value.after.mean, value.after.q05, value.after.q95]
             for name, value in law.items()
@@ -108,66 +110,69 @@ def case(given):
     }
 
 
-def judge(found, acts, kind):
+def judge(summary, acts, kind):
     """Return what a diagnosis of one joint says beside what acts in it."""
-    named = {cause.effect: cause.inclusion_probability for cause in found.causes}
-    twins = [set(one.effects) for one in found.unseparated if one.reason.startswith("identical")]
+    named = {cause.effect: cause.inclusion_probability for cause in summary.causes}
+    twins = [
+        set(group.effects) for group in summary.unseparated if group.reason.startswith("identical")
+    ]
     classes = [*ALIKE, *twins]
 
-    def stands_for(one, other):
-        return one == other or any({one, other} <= alike for alike in classes)
+    def stands_for(effect, other):
+        return effect == other or any({effect, other} <= alike for alike in classes)
 
     wrong = [
         name
         for name, chance in named.items()
-        if not any(stands_for(name, one) for one in acts) and chance >= CERTAIN
+        if not any(stands_for(name, effect) for effect in acts) and chance >= CERTAIN
     ]
-    missing = [one for one in acts if not any(stands_for(name, one) for name in named)]
-    told = {one.effect for one in (*found.possible, *found.considered)}
-    told |= {name for one in found.unseparated for name in one.effects}
-    possible = all(any(stands_for(name, one) for name in told) for one in missing)
+    missing = [effect for effect in acts if not any(stands_for(name, effect) for name in named)]
+    left_open = {cause.effect for cause in (*summary.possible, *summary.considered)}
+    left_open |= {name for group in summary.unseparated for name in group.effects}
+    possible = all(any(stands_for(name, effect) for name in left_open) for effect in missing)
     exact = not missing and len(named) == len(acts) and not wrong
     if kind == "outsider":
-        exact = not wrong and found.verdict == "unknown"
+        exact = not wrong and summary.verdict == "unknown"
     return {
-        "verdict": found.verdict,
+        "verdict": summary.verdict,
         "named": named,
         "wrong": wrong,
         "exact": exact,
         "missing": missing,
         "possible": bool(missing) and possible,
-        "sentence": found.sentence,
+        "sentence": summary.sentence,
     }
 
 
-def figures(found):
+def figures(judged):
     """Return how many cases are right, of those that are there.
 
     Parameters
     ----------
-    found : list of dict
+    judged : list of dict
         As of :func:`case`.
     """
-    full = [one for one in found if one["kind"] in ("effect", "pair") and min(one["strength"]) == 1]
-    weak = [one for one in found if one["kind"] == "effect" and min(one["strength"]) < 1]
-    empty = [one for one in found if one["kind"] == "none"]
-    outsiders = [one for one in found if one["kind"] == "outsider"]
-    exact = sum(one["exact"] and not one["others_wrong"] for one in full)
+    acting = [row for row in judged if row["kind"] in ("effect", "pair")]
+    full = [row for row in acting if min(row["strength"]) == FULL]
+    weak = [row for row in acting if row["kind"] == "effect" and min(row["strength"]) < FULL]
+    empty = [row for row in judged if row["kind"] == "none"]
+    outsiders = [row for row in judged if row["kind"] == "outsider"]
+    exact = sum(row["exact"] and not row["others_wrong"] for row in full)
     interval = binomtest(exact, max(len(full), 1)).proportion_ci(0.95)
     return {
         "exact": exact,
         "of": len(full),
         "interval": [interval.low, interval.high],
-        "possible": sum(not one["exact"] and one["possible"] for one in full),
-        "wrongly_named": sum(bool(one["wrong"] or one["others_wrong"]) for one in full),
+        "possible": sum(not row["exact"] and row["possible"] for row in full),
+        "wrongly_named": sum(bool(row["wrong"] or row["others_wrong"]) for row in full),
         "weak_named_or_possible": sum(
-            (one["exact"] or one["possible"]) and not one["wrong"] for one in weak
+            (row["exact"] or row["possible"]) and not row["wrong"] for row in weak
         ),
         "of_weak": len(weak),
-        "empty_named": sum(bool(one["wrong"] or one["others_wrong"]) for one in empty),
+        "empty_named": sum(bool(row["wrong"] or row["others_wrong"]) for row in empty),
         "of_empty": len(empty),
-        "outsiders_named": sum(bool(one["wrong"]) for one in outsiders),
-        "outsiders_unknown": sum(one["exact"] for one in outsiders),
+        "outsiders_named": sum(bool(row["wrong"]) for row in outsiders),
+        "outsiders_unknown": sum(row["exact"] for row in outsiders),
         "of_outsiders": len(outsiders),
     }
 
@@ -183,7 +188,7 @@ def gather(folder):
     done = run_on_processes(case, whole, folder, workers=2)
 
     def of(start):
-        return figures([one for name, one in done.items() if name.startswith(start)])
+        return figures([row for name, row in done.items() if name.startswith(start)])
 
     starts = [f"{design}-{half}-" for design in NUMBER for half in ("open", "sealed")]
     return Gathered(
@@ -196,9 +201,9 @@ def gather(folder):
 
 def promises(figures):
     """Return what was promised beside what was found."""
-    found = []
+    promised = []
     for which, counts in figures.items():
-        found += [
+        promised += [
             rate(
                 f"{which}: an effect is named, and nothing else",
                 counts["exact"],
@@ -224,4 +229,4 @@ def promises(figures):
                 least=0.85,
             ),
         ]
-    return found
+    return promised

@@ -16,25 +16,25 @@ NOT_FALSE = {"wave-in-time-5": "perfect", "cogging-14": "real"}
 """Cases in which something was named that does not act: a coarse encoder, a wave in time."""
 
 
-def told(name, design):
+def diagnosed(name, design):
     return joint_world.case(joint_world.cases(40, design)[name])
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(("name", "design"), RIGHT.items(), ids=RIGHT)
 def test_what_acts_is_named_and_nothing_else(name, design):
-    found = told(name, design)
-    assert found["exact"], found["sentence"]
-    assert not found["others_wrong"]
-    coulomb, mean, _, _ = found["law"]["coulomb"]
+    judged = diagnosed(name, design)
+    assert judged["exact"], judged["sentence"]
+    assert not judged["others_wrong"]
+    coulomb, mean, _, _ = judged["law"]["coulomb"]
     assert mean == pytest.approx(coulomb, rel=0.03)
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(("name", "design"), NOT_FALSE.items(), ids=NOT_FALSE)
 def test_nothing_is_named_that_does_not_act(name, design):
-    found = told(name, design)
-    assert not found["wrong"], found["sentence"]
+    judged = diagnosed(name, design)
+    assert not judged["wrong"], judged["sentence"]
 
 
 def test_no_name_is_of_both_halves():

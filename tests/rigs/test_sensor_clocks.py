@@ -95,7 +95,7 @@ def test_each_trial_has_an_offset_of_its_own(board):
 
 
 def moving_evenly(recording, trial):
-    """Return it with a trial that moves evenly after a fifth of a second, as by strong drag."""
+    """Return it with a trial that moves evenly after some two seconds, as by strong drag."""
     settling, speed = 0.5, 0.13
     fine = np.linspace(0.0, 12.0, 40_001)
     travel = speed * (fine - settling * (1 - np.exp(-fine / settling)))

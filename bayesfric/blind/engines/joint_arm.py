@@ -334,6 +334,7 @@ class Machine:
         payload = sum(form.amplitude for form in acting if form.mechanism.part == "payload")
         self.model.dof_armature[target] += payload
         self.rotor = rotor
+        self._load = 0.0  # that the gear carried in the last step [N·m]
         inertia = self.inertia()
         self.link = link_of(acting, rotor, inertia[target], arm.coulomb[target])
         self.drive = Drive(acting, control.step_s)
@@ -422,8 +423,6 @@ class Machine:
         means = command.copy()
         means[target] = given / self.steps
         return means, beside / self.steps
-
-    _load = 0.0
 
 
 class Views:
