@@ -1,6 +1,6 @@
 """Which effects can be told apart at all: by rank, before any evidence."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import comb
 
@@ -66,7 +66,7 @@ class Classes:
     left_out: dict[str, str]
     odds: Mapping[str, float] = field(default_factory=dict)
 
-    def log_prior_among(self, names: Sequence[str]) -> float:
+    def log_prior_among(self, names: Collection[str]) -> float:
         """Return the log prior that these act, of all sets of as many classes."""
         if not self.odds:
             return -float(np.log(comb(len(self.members), len(names))))

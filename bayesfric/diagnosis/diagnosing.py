@@ -27,7 +27,7 @@ from bayesfric.diagnosis.examined import examinable, examined_effects, no_effect
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
-from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
@@ -60,6 +60,7 @@ from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, printed
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, provenance
@@ -276,13 +277,13 @@ def _diagnose(
     )
     floor = gap.floor.q50 / gap.friction_rms
 
-    checks: dict[str, Checked] = {}
+    checks: dict[Hypothesis, Checked] = {}
 
     def check(hypothesis: Weighed | Unknown) -> Checked:
-        label = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.label
-        if label not in checks:
-            checks[label] = noise_checked(model, searched, hypothesis, check_rng)
-        return checks[label]
+        acting = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.hypothesis
+        if acting not in checks:
+            checks[acting] = noise_checked(model, searched, hypothesis, check_rng)
+        return checks[acting]
 
     def causes_named(names: list[str]) -> tuple[Cause, ...]:
         return causes_of(names, model, searched, posterior, practical, floor, check)
@@ -341,11 +342,11 @@ def _diagnose(
         verdict=verdict,
         verdict_probability=chance,
         sentence=f"{sentence_of(statement)} {held_out_words(gap, causes or considered)}",
-        probabilities=chances,
+        probabilities=printed(chances),
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
-            "0.1": searched.probabilities(0.1),
-            "0.9": searched.probabilities(0.9),
+            "0.1": printed(searched.probabilities(0.1)),
+            "0.9": printed(searched.probabilities(0.9)),
         },
         unvisited_probability=searched.unvisited(),
         inclusion=inclusion_of(effects_known, posterior, practical),

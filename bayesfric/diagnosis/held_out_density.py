@@ -90,7 +90,9 @@ def block_densities(
         None where no hypothesis has the causes, or where there are fewer than
         :data:`FEWEST_BLOCKS` blocks.
     """
-    within = [weighed for weighed in search.weighed.values() if set(causes) <= set(weighed.names)]
+    within = [
+        weighed for weighed in search.weighed.values() if weighed.hypothesis.issuperset(causes)
+    ]
     if not causes or not within:
         return None
     best = max(within, key=search.worth)

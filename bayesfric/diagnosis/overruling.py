@@ -7,6 +7,7 @@ from bayesfric.diagnosis.held_out_density import FEWEST_BLOCKS, BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
+from bayesfric.hypothesis import Hypothesis
 from bayesfric.schemas import Gap, HeldOutDensity, Interval
 
 MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
@@ -58,7 +59,7 @@ def overruled(
         Probability that the gap is practical or more.
     """
     for effects in together:
-        search = search.overruled(frozenset(effects))
+        search = search.overruled(Hypothesis(effects))
     acting = inclusion(search)
     effects_known = [
         replace(effect, probability=acting.get(effect.effect, 0.0)) for effect in effects_known

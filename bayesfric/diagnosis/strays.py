@@ -12,10 +12,11 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import At
-from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
 from bayesfric.diagnosis.verdict import HALF
+from bayesfric.hypothesis import UNKNOWN
 
 FREEDOM = 4.0  # of the Student-t distribution
 FAR = 5.0  # robust standard deviations, from which on a row is a stray: one of a million is not

@@ -6,6 +6,7 @@ from typing import Literal
 
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.effects import Effect
+from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.probabilities import total
 from bayesfric.schemas import Unseparated
 
@@ -70,7 +71,7 @@ def sort_effects(
 
 
 def decide(
-    chances: Mapping[str, float],
+    chances: Mapping[Hypothesis, float],
     causes: Sequence[KnownEffect],
     above: float,
     together: Sequence[Sequence[str]],
@@ -82,7 +83,7 @@ def decide(
 
     Parameters
     ----------
-    chances : mapping of str to float
+    chances : mapping of Hypothesis to float
         Posterior probabilities of hypotheses.
     causes : sequence of KnownEffect
         Effects that are causes.
@@ -99,22 +100,20 @@ def decide(
         if shown:
             return "no-gap", 1 - above
         return "undecided", max(none_before, 1 - none_before)
-    unknown = chances.get("unknown", 0.0)
+    unknown = chances.get(UNKNOWN, 0.0)
     if unknown >= HALF:
         return "unknown", unknown
     if above >= SURE and causes:
         names = {cause.effect for cause in causes}
-        return "named", total(p for name, p in chances.items() if names <= set(name.split("+")))
+        return "named", total(p for acting, p in chances.items() if names <= acting)
     if above >= SURE and together:
-        acting = {name for rivals in together for name in rivals}
-        return "unseparated", total(
-            p for name, p in chances.items() if acting & set(name.split("+"))
-        )
+        rivals = {name for exclusive in together for name in exclusive}
+        return "unseparated", total(p for acting, p in chances.items() if rivals & acting)
     return "undecided", max(above, 1 - above)
 
 
 def sets_of_one(
-    chances: Mapping[str, float], effects_known: Sequence[KnownEffect], causes: Sequence[str]
+    chances: Mapping[Hypothesis, float], effects_known: Sequence[KnownEffect], causes: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     """Return sets of effects of which one acts with probability 0.9, and none does alone.
 
@@ -128,7 +127,7 @@ def sets_of_one(
     chosen: list[str] = []
     for name in rivals[:6]:
         chosen.append(name)
-        either = total(p for h, p in chances.items() if set(h.split("+")) & set(chosen))
+        either = total(p for acting, p in chances.items() if acting & set(chosen))
         if len(chosen) > 1 and either >= SURE:
             return (tuple(chosen),)
     return ()

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from bayesfric.hypothesis import UNKNOWN, parsed
 from bayesfric.invariants.common import Rule
 
 SUM, SHARES = 1e-9, 1e-6
@@ -93,8 +94,8 @@ def _remainder(record: Mapping[str, Any]) -> list[str]:
 
 def _verdict(record: Mapping[str, Any]) -> list[str]:
     kind, chance = record["verdict"], record["verdict_probability"]
-    chances, above = record["probabilities"], record["gap"]["probability_above_practical"]
-    unknown, wrong = chances.get("unknown", 0.0), []
+    chances, above = parsed(record["probabilities"]), record["gap"]["probability_above_practical"]
+    unknown, wrong = chances.get(UNKNOWN, 0.0), []
     causes = {cause["effect"] for cause in record["causes"]}
     rivals = [pair for pair in record["unseparated"] if pair["reason"] == "these-data"]
     no_gap = above <= 1 - SURE + SUM
@@ -115,15 +116,11 @@ def _verdict(record: Mapping[str, Any]) -> list[str]:
     stated = {
         "no-gap": 1 - above,
         "unknown": unknown,
-        "named": math.fsum(_chances(chances, lambda acting: causes <= acting)),
+        "named": math.fsum(p for acting, p in chances.items() if causes <= acting),
     }.get(kind)
     if stated is not None and abs(stated - chance) > UNLISTED:
         wrong.append(f"it states {chance:.4g} where the probabilities say {stated:.4g}")
     return wrong
-
-
-def _chances(chances: Mapping[str, float], holds: Any) -> Iterator[float]:
-    return (chance for name, chance in chances.items() if holds(set(name.split("+"))))
 
 
 def _causes_act(record: Mapping[str, Any]) -> list[str]:
@@ -138,10 +135,10 @@ def _causes_act(record: Mapping[str, Any]) -> list[str]:
 
 
 def _acting(record: Mapping[str, Any]) -> list[str]:
-    wrong = []
+    wrong, hypotheses = [], parsed(record["probabilities"])
     for effect in record["inclusion"]:
         name, chance = effect["effect"], effect["probability"]
-        whole = math.fsum(_chances(record["probabilities"], lambda names, name=name: name in names))
+        whole = math.fsum(p for acting, p in hypotheses.items() if name in acting)
         if abs(whole - chance) > UNLISTED:
             wrong.append(f"{name} acts with {chance:.4g}, and its hypotheses have {whole:.4g}")
     return wrong
