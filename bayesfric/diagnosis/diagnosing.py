@@ -58,6 +58,7 @@ from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, printed
@@ -71,12 +72,9 @@ from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, Recordi
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 NOTHING_TOLD = "these data tell no number of the model"
-MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
 
 LN10 = float(np.log(10))
-SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
-FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
 
 
 def diagnose(
@@ -317,10 +315,10 @@ def _diagnose(
         unseparated,
         beside,
         considered,
-        not_shown if above < MOSTLY else None,
+        not_shown if above < RULES.likely else None,
         others if elsewhere else None,
         why,
-        unexplained_by_scatter if above < MOSTLY else None,
+        unexplained_by_scatter if above < RULES.likely else None,
         windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
@@ -417,7 +415,7 @@ def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
 def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearModel, Search]:
     """Compare the finalists alike, around the law that was fitted with the leader."""
     model = first
-    if searched.probabilities().get(NONE, 0.0) > SURELY:
+    if searched.probabilities().get(NONE, 0.0) > RULES.sure:
         # All are compared alike already, and nothing is large enough to have another form.
         return model, searched
     for _ in range(ROUNDS):
@@ -445,7 +443,7 @@ def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, 
     top = searched.worth(ranked[0])
     acting: dict[str, tuple[Candidate, float]] = {}
     for weighed in ranked:
-        if searched.worth(weighed) < top - FORMED:
+        if searched.worth(weighed) < top - RULES.followed_within:
             break
         for candidate, amplitude in model.amplitudes(weighed.at, weighed.acting):
             acting.setdefault(candidate.effect.name, (candidate, amplitude))

@@ -12,13 +12,9 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis
 from bayesfric.probabilities import normalised, total
-
-LISTED = 1e-6  # probability below which a hypothesis is not listed
-CONTRADICTED = 0.95  # of causes whose held-out shrink lies below the model's by its 90 % interval
-MOSTLY = 0.5  # probability, from which on effects beside the largest are none
-BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 
 
 @dataclass(frozen=True)
@@ -88,7 +84,7 @@ class Search:
         acting = self.priors.one + self.priors.two + self.priors.more
         among = self.log_prior(effects) - np.log(acting)
         parts = np.array([alone.log_evidence, beside.log_evidence])
-        parts += np.log([1 - BESIDE, BESIDE]) + np.array([0.0, among])
+        parts += np.log([1 - RULES.beside_effects, RULES.beside_effects]) + np.array([0.0, among])
         larger = alone if parts[0] > parts[1] else beside
         return replace(self, unknown=replace(larger, log_evidence=float(logsumexp(parts))))
 
@@ -106,7 +102,7 @@ class Search:
             values[UNKNOWN] = self.none.log_evidence
         logs = np.array([value + self.log_prior(acting, none) for acting, value in values.items()])
         chances = dict(zip(values, np.exp(logs - logsumexp(logs)).tolist(), strict=True))
-        listed = {acting: p for acting, p in chances.items() if p > LISTED or acting == NONE}
+        listed = {acting: p for acting, p in chances.items() if p > RULES.listed or acting == NONE}
         ranked = _ranked(listed)
         ranked.setdefault(UNKNOWN, 0.0)
         ranked = self._without_minor(ranked)
@@ -115,7 +111,7 @@ class Search:
     def overruled(self, effects: Hypothesis) -> "Search":
         """Return these where held-out data contradict that effects make the gap."""
         before = self.foreign.get(effects, 0.0)
-        share = 1 - (1 - before) * (1 - CONTRADICTED)
+        share = 1 - (1 - before) * (1 - RULES.contradicted)
         return replace(self, foreign={**self.foreign, effects: share})
 
     def _without_minor(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
@@ -148,7 +144,7 @@ class Search:
     def best(self) -> Weighed:
         """Return the most probable hypothesis of those with names, none among them."""
         weighed = list(self.weighed.values())
-        if self.minor is not None and self.minor[1] >= MOSTLY:
+        if self.minor is not None and self.minor[1] >= RULES.likely:
             weighed = [rival for rival in weighed if not self.minor[0] < rival.hypothesis]
         return max(weighed, key=self.worth)
 

@@ -27,16 +27,14 @@ from bayesfric.diagnosis.systematic import (
     shrink_of,
 )
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.verdict import HALF, KnownEffect, sort_effects
+from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES
 from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-FOREIGN = 0.15  # of the squared gap, beyond which it is not made by the effects that are named
-SMALL = 0.1  # of the squared gap, that effects leave which make most of it
-RARE = 0.003  # probability of that, below which it is left out
 PASSES = 2  # over shapes of several causes, one at a time
 
 
@@ -115,13 +113,13 @@ def judge(
         )
 
     share, again = leaves(judged), judged
-    if share >= RARE:
+    if share >= RULES.rare:
         # A shape that was found beside a share by which its law is wrong may be a poor one alone.
         reshaped = _reshaped(model, judged)
         other = share if reshaped is None else leaves(reshaped)
         if reshaped is not None and other < share:
             share, again = other, reshaped
-    if share < RARE:
+    if share < RULES.rare:
         return again
     foreign = {Hypothesis(judged.named): share}
     moved = replace(
@@ -195,7 +193,7 @@ def _judged(
     rng: np.random.Generator,
 ) -> Judged:
     best, force = search.best(), search.unknown
-    mostly = search.probabilities()[UNKNOWN] >= HALF
+    mostly = search.probabilities()[UNKNOWN] >= RULES.likely
     settled = force.at if mostly and force is not None else best.at
     residuals = residuals_of(model.full, settled.psi)
     posterior = posterior_of(model, search, residuals, rng)
@@ -252,7 +250,7 @@ def _leaves_too_much(
         if shrink is None:
             continue
         left = np.clip(1 - shrink, 0.0, 1.0)
-        is_beyond = (left > FOREIGN) & (np.sqrt(left) * gap >= practical)
+        is_beyond = (left > RULES.foreign) & (np.sqrt(left) * gap >= practical)
         too_much.append(is_beyond[drawn == acting])
     return float(np.concatenate(too_much).mean()) if too_much else 0.0
 
@@ -286,7 +284,7 @@ def _largest_alone(
     whole = float((posterior.gap**2 + posterior.unresolved2)[drawn].mean())
     large: list[int] = []
     others = list(range(len(names)))
-    while others and (not large or left(large).mean() > SMALL * whole):
+    while others and (not large or left(large).mean() > RULES.made_by_most * whole):
         nearest = min(others, key=lambda place: float(left([*large, place]).mean()))
         large.append(nearest)
         others.remove(nearest)
@@ -294,9 +292,11 @@ def _largest_alone(
     if not others or alone not in search.weighed:
         return None
     stays, before = left([*large, *others]), left(large)
-    imitated = (stays > FOREIGN * before) & (np.sqrt(stays) >= practical * residuals.friction_rms)
+    imitated = (stays > RULES.foreign * before) & (
+        np.sqrt(stays) >= practical * residuals.friction_rms
+    )
     share = float(imitated.mean())
-    return (alone, share) if share >= RARE else None
+    return (alone, share) if share >= RULES.rare else None
 
 
 def _own_force(

@@ -15,6 +15,7 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.base import RigTrials
@@ -24,10 +25,8 @@ from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
 Places = Whole
-RIVAL = 0.05  # probability of a hypothesis that is still in question
 RIVALS = 3
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-TWO = float(np.log10(2))  # expected log10 Bayes factor below which a trial is not worth it
 LN10 = float(np.log(10))
 
 
@@ -55,7 +54,7 @@ def next_experiment(
     open_ = [
         search.weighed[hypothesis]
         for hypothesis, p in chances.items()
-        if p >= RIVAL and hypothesis in search.weighed
+        if p >= RULES.rival and hypothesis in search.weighed
     ][:RIVALS]
     if len(open_) < 2:
         return (), "no two hypotheses are left to separate"
@@ -66,7 +65,7 @@ def next_experiment(
     proposals = []
     for first, other in combinations(open_, 2):
         best = _most_telling(model, Data(rigs), first, other)
-        if best is not None and best.log10_bayes_factor > TWO:
+        if best is not None and best.log10_bayes_factor > np.log10(RULES.next_trial_factor):
             proposals.append(best)
     if not proposals:
         return (

@@ -23,18 +23,10 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, log_volume
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import NONE, Hypothesis
 
-MOST = 4  # effects at a time
-BEAM = 3  # hypotheses of each number that are gone on from
-TRIED = 5  # of those with an effect more, by a first look
-WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
 NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
-FAR = 20.0  # nat from the best, prior included, of what is not compared again
-GAIN = 0.5  # nat that a further effect has to gain to be gone on from
-FINALISTS = 8
-NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
-NEARLY = 12.0  # nat from the best, of an unknown force whose own noise is
 
 
 class Steps(NamedTuple):
@@ -78,7 +70,9 @@ def search(
     rough = _extended(model, none, effects, none.at.psi, shapes)
     leader = none
     for alone in sorted(rough, key=lambda alone: -rough[alone]):
-        first = [*starts, quiet] if rough[alone] > none.log_evidence + GAIN else starts
+        first = (
+            [*starts, quiet] if rough[alone] > none.log_evidence + RULES.effect_gains else starts
+        )
         if leader is not none:
             first = [*first, leader.at.psi]
         weighed = steps.weigh(model, alone.names, first, inverse, volume, shapes=shapes)
@@ -87,7 +81,7 @@ def search(
             leader = weighed
         shapes |= _shapes_of(weighed)
     # Where scatter had taken up what an effect does, the others look different without it.
-    if leader.log_evidence > none.log_evidence + WITHIN:
+    if leader.log_evidence > none.log_evidence + RULES.weighed_within:
         for alone, weighed in list(searched.weighed.items()):
             if alone in (NONE, leader.hypothesis):
                 continue
@@ -99,27 +93,27 @@ def search(
             )
             if again.log_evidence > weighed.log_evidence:
                 searched.weighed[alone] = again
-    for number in range(2, MOST + 1):
+    for number in range(2, RULES.most_effects + 1):
         last = [
             weighed for weighed in searched.weighed.values() if len(weighed.names) == number - 1
         ]
         last = sorted(last, key=lambda weighed: -searched.worth(weighed))[
-            : BEAM if number > 2 else 2
+            : RULES.beam if number > 2 else 2
         ]
         top = max(searched.worth(weighed) for weighed in searched.weighed.values())
         grown = False
         for base in last:
-            if searched.worth(base) < top - 2 * WITHIN and number > 2:
+            if searched.worth(base) < top - 2 * RULES.weighed_within and number > 2:
                 continue
             rough = _extended(model, base, effects, base.at.psi, shapes)
             searched.rough.update(
                 {more: v for more, v in rough.items() if more not in searched.rough}
             )
-            for more in sorted(rough, key=lambda more: -rough[more])[:TRIED]:
+            for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
                 prior = searched.log_prior(more)
-                if more in searched.weighed or rough[more] + prior < top - WITHIN:
+                if more in searched.weighed or rough[more] + prior < top - RULES.weighed_within:
                     continue
-                if rough[more] < base.log_evidence + GAIN:
+                if rough[more] < base.log_evidence + RULES.effect_gains:
                     continue
                 weighed = steps.weigh(
                     model, more.names, [base.at.psi], inverse, volume, shapes=shapes
@@ -205,10 +199,10 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
     best = result.best()
     effects = sorted(members[0] for members in first.classes.members)
-    if best.names and len(best.names) < MOST:
+    if best.names and len(best.names) < RULES.most_effects:
         rough = _extended(model, best, effects, best.at.psi, {}, forms=best.forms)
-        for more in sorted(rough, key=lambda more: -rough[more])[:TRIED]:
-            if more in compared or rough[more] < best.log_evidence + GAIN:
+        for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
+            if more in compared or rough[more] < best.log_evidence + RULES.effect_gains:
                 continue
             compared[more] = steps.weigh(
                 model,
@@ -230,7 +224,7 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
         if acting not in compared
     }
     result = replace(result, rough=rough)
-    near = best.log_evidence - NEARLY
+    near = best.log_evidence - RULES.followed_within
     unknown = steps.unknown_force(model, none, Acting(), inverse, volume, [noise], near)
     if best.names and unknown is not None:
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
@@ -256,7 +250,7 @@ def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
 
 def found_near(first: Search, weighed: Weighed) -> bool:
     """Return whether a hypothesis is near enough to the best for its own noise volume."""
-    return first.worth(weighed) > first.worth(first.best()) - NEAREST
+    return first.worth(weighed) > first.worth(first.best()) - RULES.own_noise_within
 
 
 def _finalists(first: Search) -> list[Hypothesis]:
@@ -264,7 +258,11 @@ def _finalists(first: Search) -> list[Hypothesis]:
     ranked = sorted(first.weighed.values(), key=lambda weighed: -first.worth(weighed))
     best = ranked[0]
     top = first.worth(best)
-    chosen = [rival.hypothesis for rival in ranked[:FINALISTS] if first.worth(rival) > top - FAR]
+    chosen = [
+        rival.hypothesis
+        for rival in ranked[: RULES.finalists]
+        if first.worth(rival) > top - RULES.compared_within
+    ]
     # Each part of the leader: a cause counts against the best without it.
     for number in range(1, len(best.names)):
         parts = map(Hypothesis, combinations(best.names, number))

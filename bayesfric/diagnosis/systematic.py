@@ -22,6 +22,7 @@ from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
 from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis
 from bayesfric.inference.priors import from_normal
@@ -29,10 +30,8 @@ from bayesfric.probabilities import total
 from bayesfric.schemas import Interval
 
 DRAWS = 1000
-RARE = 0.003  # probability of a hypothesis that is not drawn from
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 # Of friction: what windows and linearisation leave of boards without noise (docs/blind.md).
-UNRESOLVED = 0.002
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def posterior_of(
     chances = {
         name: chance
         for name, chance in search.probabilities().items()
-        if chance > RARE
+        if chance > RULES.rare
         and (name in search.weighed or (name == UNKNOWN and search.unknown is not None))
     }
     names = list(chances)
@@ -180,7 +179,7 @@ def posterior_of(
         np.array(hypotheses, dtype=object),
         force,
         hidden2,
-        (UNRESOLVED * rms * rng.standard_normal(DRAWS)) ** 2,
+        (RULES.unresolved * rms * rng.standard_normal(DRAWS)) ** 2,
         gap,
         strengths,
         {name: float(np.mean(values)) for name, values in lefts.items()},

@@ -4,14 +4,11 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN, parsed
 from bayesfric.invariants.common import Rule
 
 SUM, SHARES = 1e-9, 1e-6
-SURE, HALF, POSSIBLE = 0.9, 0.5, 0.1
-ABOVE_FLOOR = 0.95  # probability that a gap is above the floor, from which on it can shrink
-MOST_SHRINK = 1.2
-UNRESOLVED = 0.002  # of friction, a gap that windows and linearisation leave without any noise
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 
@@ -52,7 +49,7 @@ def _shares(record: Mapping[str, Any]) -> list[str]:
 def _gap_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     systematic, before, floor = gap["systematic"], gap["before"], gap["floor"]
-    if systematic["q50"] < UNRESOLVED * (gap.get("friction_rms") or 0.0):
+    if systematic["q50"] < RULES.unresolved * (gap.get("friction_rms") or 0.0):
         return []
     # By chance as much may be taken off the squares before as scatter makes.
     most, middle = (max(before[key], floor[key]) for key in ("q95", "q50"))
@@ -77,10 +74,10 @@ def _shrinks(record: Mapping[str, Any]) -> list[str]:
         shrink = row["shrink"]
         if shrink is None:
             continue
-        if 1 - row["below_floor"] < ABOVE_FLOOR - SUM:
+        if 1 - row["below_floor"] < RULES.above_floor - SUM:
             above = 1 - row["below_floor"]
             wrong.append(f"{name} shrinks, and is above its floor with {above:.2f} only")
-        if shrink["q50"] > MOST_SHRINK + SUM:
+        if shrink["q50"] > RULES.most_shrink + SUM:
             wrong.append(f"{name} shrinks by {shrink['q50']:.3g} of itself")
     return wrong
 
@@ -98,16 +95,16 @@ def _verdict(record: Mapping[str, Any]) -> list[str]:
     unknown, wrong = chances.get(UNKNOWN, 0.0), []
     causes = {cause["effect"] for cause in record["causes"]}
     rivals = [pair for pair in record["unseparated"] if pair["reason"] == "these-data"]
-    no_gap = above <= 1 - SURE + SUM
+    no_gap = above <= 1 - RULES.sure + SUM
     if no_gap and kind not in ("no-gap", "undecided"):
         wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
     if kind == "no-gap" and not no_gap:
         wrong.append(f"it is no-gap where a gap is there with {above:.3g}")
-    if kind == "unknown" and unknown < HALF:
+    if kind == "unknown" and unknown < RULES.likely:
         wrong.append(f"it is unknown where an unknown force acts with {unknown:.3g} only")
-    if unknown >= HALF and not no_gap and kind not in ("unknown", "undecided"):
+    if unknown >= RULES.likely and not no_gap and kind not in ("unknown", "undecided"):
         wrong.append(f"it is {kind} where an unknown force acts with {unknown:.3g}")
-    if kind in ("named", "unseparated") and above < SURE:
+    if kind in ("named", "unseparated") and above < RULES.sure:
         wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
     if kind == "named" and not causes:
         wrong.append("it is named and names no cause")
@@ -124,7 +121,11 @@ def _verdict(record: Mapping[str, Any]) -> list[str]:
 
 
 def _causes_act(record: Mapping[str, Any]) -> list[str]:
-    bounds = {"causes": (SURE, 1.0), "present": (SURE, 1.0), "possible": (POSSIBLE, SURE)}
+    bounds = {
+        "causes": (RULES.sure, 1.0),
+        "present": (RULES.sure, 1.0),
+        "possible": (RULES.possible, RULES.sure),
+    }
     wrong = []
     for kind, (least, most) in bounds.items():
         for effect in record[kind]:
