@@ -12,7 +12,7 @@ from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_sha
 
 ROWS = 8  # windows, twice the numbers of the law and its clocks: below that nothing is told
 AT_EASE = 4 * FEWEST  # samples in a pass: with fewer, few windows run one way all through
-STICKS = 0.5  # of rests after which the axis goes on the same way: from there on it sticks and slips
+STICKS = 0.5  # of rests after which the axis goes on the same way, that show that it sticks
 
 
 def too_short(samples: Sequence[int]) -> Unsupported:
