@@ -10,6 +10,7 @@ import pandas as pd
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import carried_by
 from bayesfric.rigs.single_axis.declared import MEASURED
 from bayesfric.rigs.single_axis.dither import Dither, steady
@@ -32,9 +33,6 @@ from bayesfric.simulators import SimulatorCalls
 
 SIZE = "axis"  # in the place of a pulley size
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
-ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
-EARLY = 3.0  # times what two clocks may be off by, that a force may be early
-SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
 
 
 class Entering(NamedTuple):
@@ -68,7 +66,7 @@ def entering(
     simulator : SimulatorCalls or None
         A user's, whose force is looked for beside the rows.
     """
-    parts = max(1, -(-ENOUGH // len(axis.runs)))
+    parts = max(1, -(-AXIS_RULES.few_runs // len(axis.runs)))
     recorded: list[EvenLog] = []
     starts, rows, runs = [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
@@ -95,7 +93,7 @@ def entering(
     if nothing is not None:
         return nothing
     interval = float(np.median([log.interval_s for log in logs]))
-    on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+    on_one_clock, late_s = on_time(logs, resolution, AXIS_RULES.early * margin_s(interval))
     logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     limited = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
@@ -131,7 +129,7 @@ def entering(
         named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
         columns = [column for name, column in named.items() if name in logs[0].further]
         beside = SimulatedBaseline(" and ".join(columns))
-    if "setup" not in table or table["setup"].nunique() < SETUPS:
+    if "setup" not in table or table["setup"].nunique() < AXIS_RULES.least_setups:
         table["setup"] = table["trial"]
     inside = measures.limit.within(readings)
     carried = carried_by(readings, inside, table, varied_columns(axis.runs))
