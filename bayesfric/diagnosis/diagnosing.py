@@ -355,6 +355,7 @@ def _diagnose(
         overruled_by=why,
         enter=to_enter,
         enter_why=not_entered,
+        untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},
         scatter=model.noise.named(settled.psi),
         law=law_found,
         unseparated=unseparated,

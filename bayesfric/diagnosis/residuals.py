@@ -12,7 +12,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
-from bayesfric.rigs.rotary import rotary_unit
+from bayesfric.rigs.rotary import rotary_unit, turns
 
 AXES = {
     "velocity": "m/s",
@@ -249,7 +249,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         tuple(rig.rows.name for rig in model.rigs),
         joined("shown").astype(np.bool_),
         tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
-        model.data.unit == rotary_unit("N"),
+        turns(model.data.unit),
         joined("time_s"),
         joined("counts"),
         shared_columns(model),

@@ -27,7 +27,6 @@ NOT_YET_SHORT = {
     "diagnosis/stored.py gap_of",
     "diagnosis/systematic.py posterior_of",
     "diagnosis/unknown.py unknown_force",
-    "rigs/single_axis/entering.py entering",
 }
 NOT_YET_STRAIGHT: list[set[str]] = []
 # End of what is not yet held.
