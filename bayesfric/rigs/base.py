@@ -56,6 +56,9 @@ class Words:
         What its law and its likelihood are, in sentences; nothing where they are the paper's.
     group, groups : str
         What trials of one value of ``setup`` are together, and several of these.
+    thresholds : dataclass or None
+        By which its log is read, where there are some: fields made by
+        :func:`bayesfric.rules.rule`.
     """
 
     rig: str
@@ -64,6 +67,7 @@ class Words:
     law: str = ""
     group: str = "assembly"
     groups: str = "assemblies"
+    thresholds: Any = None
 
 
 class Rig(Protocol):
