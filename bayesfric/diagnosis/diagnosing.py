@@ -31,7 +31,7 @@ from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
-from bayesfric.diagnosis.law import law_of_diagnosis
+from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
@@ -220,8 +220,8 @@ def _diagnose(
 
     first, first_found = without_strays(first, first_found, with_weights)
     model, searched = _finals(first, first_found, steps)
-    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng, law_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(8)
     )
     judged = judge(model, searched, law_shipped, practical, draw_rng)
     searched, best = judged.search, judged.search.best()
@@ -294,7 +294,8 @@ def _diagnose(
         causes = ()
     unseparated = unseparated_of(searched.classes, together)
     proposals, no_proposal = next_experiment(model, searched, chances)
-    law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    scatter = scatter_of_runs(model, plain, held_out.inside[2])
+    law_found = law_of_diagnosis(model, psi, posterior, residuals, scatter, law_rng)
     law_found = by_the_instrument(law_found, instrument)
     to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None

@@ -110,7 +110,8 @@ def search(
         for base in last:
             if searched.worth(base) < top - 2 * WITHIN and number > 2:
                 continue
-            rough = _extended(model, base, effects, base.at.psi, shapes)
+            joining = _that_may_act(base, effects, classes)
+            rough = _extended(model, base, joining, base.at.psi, shapes)
             searched.rough.update(
                 {name: v for name, v in rough.items() if name not in searched.rough}
             )
@@ -138,11 +139,13 @@ def _weigh_parts(
     """Weigh the leader without each of its effects, and so on with a part that leads then.
 
     The way to the leader may have passed them by: a curve along speed that stands for two
-    effects can come in before the second of them, which then makes no more of it.
+    effects can come in before the second of them, which then makes no more of it. In the place
+    of a rung of a ladder each other one is weighed too.
     """
     while True:
         best = searched.best()
         parts = [tuple(name for name in best.names if name != left_out) for left_out in best.names]
+        parts += searched.classes.other_rungs(best.names)
         missing = [names for names in parts if names and label(names) not in searched.weighed]
         if not missing:
             return
@@ -204,7 +207,8 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     best = result.best()
     effects = sorted(members[0] for members in first.classes.members)
     if best.names and len(best.names) < MOST:
-        rough = _extended(model, best, effects, best.at.psi, {}, forms=best.forms)
+        joining = _that_may_act(best, effects, first.classes)
+        rough = _extended(model, best, joining, best.at.psi, {}, forms=best.forms)
         for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
             if name in compared or rough[name] < best.log_evidence + GAIN:
                 continue
@@ -270,6 +274,15 @@ def _finalists(first: Search) -> list[str]:
             if label(names) in first.weighed:
                 chosen.append(label(names))
     return list(dict.fromkeys(chosen))
+
+
+def _that_may_act(base: Weighed, effects: Sequence[str], classes: Classes) -> list[str]:
+    """Return the effects of a hypothesis, and those that may act beside them."""
+    return [
+        name
+        for name in effects
+        if name in base.names or classes.may_act_together((*base.names, name))
+    ]
 
 
 def _extended(

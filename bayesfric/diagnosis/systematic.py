@@ -139,6 +139,8 @@ def posterior_of(
         forces.append(_made(residuals, local))
         # A smooth force may hold a part of what the law says: the law is that of both.
         local[:, :, full.own : full.own + full.candidates] = 0.0
+        if not model.data.rigs[0].has_pulleys:
+            local[:, :, _of_acting(model, acting)] = 0.0
         moves += residuals.taken_by_law(_made(residuals, local))
         refitted.take(rows, own, acting, at.psi, drawn, moves)
         hidden.append(np.zeros(int(count)))
@@ -187,6 +189,25 @@ def posterior_of(
         waves,
         refitted,
     )
+
+
+def _of_acting(model: LinearModel, acting: Acting) -> list[int]:
+    """Return local columns of traces and forms of what acts: they are its own, not the law's.
+
+    What a rung of a ladder has of the other ones is its own too.
+    """
+    effects = [model.candidates[law.places[0]].effect for law in acting.laws]
+    names = {effect.name for effect in effects} | {law.effect for law in acting.laws}
+    ladders = {effect.ladder for effect in effects if effect.ladder}
+    traces = [candidate.effect for candidate, _ in model.full.discrepancy.amounts]
+    traces += [form.candidate.effect for form in model.forms]
+    layout = model.full.layout
+    first = layout.own + layout.candidates + layout.shared - len(traces)
+    return [
+        first + place
+        for place, effect in enumerate(traces)
+        if effect.name in names or effect.ladder in ladders
+    ]
 
 
 def _made(residuals: Residuals, local: Array) -> Array:
