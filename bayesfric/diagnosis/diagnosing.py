@@ -28,7 +28,7 @@ from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
-from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
+from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
@@ -248,8 +248,10 @@ def _diagnose(
     why = None
     if remainder is not None:
         why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
-    contradicted = why is not None or elsewhere
-    if contradicted:
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
+    bent = None if why is not None or elsewhere else not_held(instrument, named)
+    contradicted = why is not None or elsewhere or bent is not None
+    if contradicted and bent is None:
         apart = overruled(
             searched, effects_known, [named] if named else [[name] for name in rivals], above
         )
@@ -257,8 +259,8 @@ def _diagnose(
         present, possible = apart.present, apart.possible
         chances = searched.probabilities()
     together = () if elsewhere else sets_of_one(chances, effects_known, named)
-    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
-    not_shown = why_not_shown(searched, residuals) or loosely_known(model, residuals, posterior)
+    not_shown = why_not_shown(searched, residuals, data.rigs[0].windows_a_number)
+    not_shown = not_shown or loosely_known(model, residuals, posterior)
     not_shown = not_shown or why_bent(instrument)
     unexplained_by_scatter = unlike_scatter(
         gap, residuals, held_out.inside[1], posterior, practical, order_rng
@@ -322,6 +324,7 @@ def _diagnose(
         why,
         unexplained_by_scatter if above < MOSTLY else None,
         windows_told(residuals),
+        bent,
     )
     errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
@@ -354,7 +357,7 @@ def _diagnose(
         present=beside,
         possible=causes_named(possible),
         considered=considered,
-        overruled_by=why,
+        overruled_by=why or bent,
         enter=to_enter,
         enter_why=not_entered,
         scatter=model.noise.named(settled.psi),

@@ -14,7 +14,6 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
 HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
 WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
 TOLD_OF_AXES = ("mass", "coulomb")
@@ -22,7 +21,7 @@ LARGEST = 700.0  # nat, of which there is an exponential
 LEAST_ODDS = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
 
-def why_not_shown(search: Search, residuals: Residuals) -> str | None:
+def why_not_shown(search: Search, residuals: Residuals, windows_a_number: int) -> str | None:
     """Return why the data could not have shown a gap; None where they could.
 
     Parameters
@@ -31,12 +30,14 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
         Hypotheses, an unknown force among them where something varied.
     residuals : Residuals
         Windows of the recording.
+    windows_a_number : int
+        Of each number of the law, that the recording has at least.
     """
     windows, numbers = residuals.independent, _numbers(residuals)
-    if windows < WINDOWS_A_NUMBER * numbers:
+    if windows < windows_a_number * numbers:
         return (
             f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
-            f"of the law, and {WINDOWS_A_NUMBER * numbers} are needed"
+            f"of the law, and {windows_a_number * numbers} are needed"
         )
     if search.unknown is None:
         return "nothing varied along which a force could show"

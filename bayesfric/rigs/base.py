@@ -188,6 +188,10 @@ class RigTrials(Protocol):
     def has_pulleys(self) -> bool:
         """Whether a cable runs over pulleys, which the paper and its claims are about."""
 
+    @property
+    def windows_a_number(self) -> int:
+        """Windows that each number of the law takes, at least, where no gap is to be a finding."""
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
 

@@ -36,6 +36,11 @@ class PulleyTrials:
         """True."""
         return True
 
+    @property
+    def windows_a_number(self) -> int:
+        """Three."""
+        return 3
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
         if law.name in OF_AXES:

@@ -79,16 +79,3 @@ def test_rungs_of_one_ladder_do_not_act_together_and_share_one_prior():
         ("load-quadratic", "spring"),
         ("load-stribeck", "spring"),
     ]
-
-
-@pytest.mark.nightly
-def test_friction_by_the_load_that_dies_out_with_speed_is_named_alone_and_its_law_is_right():
-    made = {"coulomb": 0.2, "viscous": 0.06, "gravity": 1.2, "inertia": 0.05}
-    joint = LoadedJoint(
-        **made, load_at_rest=(0.2, 0.5), seed=3, payloads=(1.0, 1.0, 1.8, 1.8), runs=4, seconds=9.0
-    )
-    summary = bf.diagnose(joint.recording()).summary
-    assert {cause.effect for cause in summary.causes} == {"gravity-torque", "load-stribeck"}
-    assert not summary.present
-    for name in ("coulomb", "viscous", "inertia"):
-        assert summary.law[name].after.q50 == pytest.approx(made[name], rel=0.03)

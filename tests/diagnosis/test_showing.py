@@ -43,13 +43,13 @@ def search(unknown, best=0.0):
     ],
 )
 def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, why):
-    found = why_not_shown(search(unknown), recorded(windows))
+    found = why_not_shown(search(unknown), recorded(windows), 3)
     assert (found is None) == (why is None)
     assert why is None or why in found
 
 
 def test_what_does_nothing_is_no_number_that_needs_windows():
-    assert why_not_shown(search(-3.0), recorded(5, numbers=1)) is None
+    assert why_not_shown(search(-3.0), recorded(5, numbers=1), 3) is None
 
 
 @pytest.mark.parametrize(

@@ -72,6 +72,7 @@ and how a load follows the drive."""
 NO_COULOMB = "law-without-coulomb"
 WELL_KNOWN = 0.05  # of a known force, that its error may be where a gear's gain is to show
 HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
+WINDOWS_A_NUMBER = 8  # of the law: fewer fit many an effect's force together
 LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
     "angle",
@@ -361,15 +362,18 @@ class AxisRuns(PlainTrials):
         if self._beside is not None:
             return "a simulator has the place of the law"
         rows, readings = self._rows(self._rough), self.readings
-        speed = rows.mean(readings.speed)
-        others = [rows.candidate_column(candidate) for candidate, _ in acting]
+        others: dict[str, Array] = {}
+        for candidate, _ in acting:
+            column = rows.candidate_column(candidate)
+            if not isinstance(column, Unsupported):
+                others[candidate.effect.name] = column
         columns = np.column_stack(
             [
                 readings.acceleration,
-                speed,
+                rows.mean(readings.speed),
                 np.ones(readings.count),
                 *rows.nuisance_columns().T,
-                *(column for column in others if not isinstance(column, Unsupported)),
+                *others.values(),
             ]
         )
         inside = self.measures.limit.within(readings)
@@ -378,8 +382,12 @@ class AxisRuns(PlainTrials):
             columns[inside],
             readings.instruments[inside],
             readings.piece[inside],
+            tuple(others),
         )
-        return comparison if isinstance(comparison, str) else comparison.stored(self.measures.unit)
+        units = {candidate.effect.name: candidate.effect.amplitude.unit for candidate, _ in acting}
+        if isinstance(comparison, str):
+            return comparison
+        return comparison.stored(self.measures.unit, units)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -414,6 +422,11 @@ class AxisRuns(PlainTrials):
     def has_pulleys(self) -> bool:
         """False."""
         return False
+
+    @property
+    def windows_a_number(self) -> int:
+        """Enough for a force of each effect's kind to show beside the law's numbers."""
+        return WINDOWS_A_NUMBER
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
