@@ -16,7 +16,7 @@ from bayesfric.attention import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
-from bayesfric.diagnosis.causes import causes_of, inclusion_of
+from bayesfric.diagnosis.causes import causes_of, implausible, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
@@ -247,7 +247,10 @@ def _diagnose(
     elsewhere = looks_like_others(named, rivals, examined, others, gap, amounts)
     why = None
     if remainder is not None:
-        why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
+        beyond = () if data.rigs[0].has_pulleys else implausible(named, model, searched, posterior)
+        why = why_overruled(
+            gap, practical, told_as_remainder=remainder.significant, implausible=beyond
+        )
     instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
     bent = None if why is not None or elsewhere else not_held(instrument, named)
     contradicted = why is not None or elsewhere or bent is not None
