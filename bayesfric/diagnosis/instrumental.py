@@ -14,12 +14,11 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
-ERRORS = 3.0  # of an effect's amplitude by an instrument, that it is at least
-LEAST_KEPT = 0.5  # of an effect's amplitude by least squares, that an instrument tells at least
 SIGNED = frozenset({"viscous"})  # numbers that may be below zero
 
 
@@ -74,7 +73,8 @@ def _is_told(value: InstrumentNumber) -> bool:
     """Return whether an effect acts by the instrument, about as much as by least squares."""
     ordinary, instrumental = value.ordinary, value.instrumental * np.sign(value.ordinary)
     return bool(
-        instrumental > ERRORS * value.instrumental_se and instrumental > LEAST_KEPT * abs(ordinary)
+        instrumental > RULES.instrument_errors * value.instrumental_se
+        and instrumental > RULES.instrument_keeps * abs(ordinary)
     )
 
 

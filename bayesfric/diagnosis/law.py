@@ -10,6 +10,7 @@ from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Interval, LawNumber
 
@@ -17,7 +18,6 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
-FEWEST_RUNS = 4  # whose frictions tell by how much those of runs differ
 FRICTION = frozenset({"coulomb", "viscous"})
 
 
@@ -57,10 +57,10 @@ def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> Ru
         Force that the law leaves in them, with the causes [N].
     """
     table = model.rigs[0].rows.table
-    if model.data.rigs[0].has_pulleys or "run" not in table:
+    if not model.data.rigs[0].along_path:
         return None
     runs, run_of_trial = np.unique(table["run"].to_numpy(dtype=np.str_), return_inverse=True)
-    if runs.size < FEWEST_RUNS:
+    if runs.size < RULES.runs_of_scatter:
         return None
     run = run_of_trial[residuals.trial]
     friction, weight = residuals.friction_n, residuals.weight
@@ -68,7 +68,7 @@ def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> Ru
     size = np.bincount(run, weight * friction**2, runs.size)
     there = size > 0
     deviation = along[there] / size[there]
-    if deviation.size < FEWEST_RUNS:
+    if deviation.size < RULES.runs_of_scatter:
         return None
     return RunScatter(float(np.std(deviation, ddof=1)), int(deviation.size))
 
@@ -101,6 +101,7 @@ def law_of_diagnosis(
     # Friction that scatters as that of some effect would take its place.
     has_model = ARMATURE in model.data.rigs[0].in_simulator
     called = {MASS: ARMATURE if has_model else INERTIA}
+    untold = {name for rig in model.data.rigs for name in rig.untold}
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
     numbers = {}
@@ -109,7 +110,7 @@ def law_of_diagnosis(
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
             shown = residuals.columns[residuals.size == place, column].any()
-            if not (alone.free[place, column] and shown):
+            if not (alone.free[place, column] and shown) or name in untold:
                 continue
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])

@@ -189,8 +189,8 @@ class RigTrials(Protocol):
         """Whether a cable runs over pulleys, which the paper and its claims are about."""
 
     @property
-    def windows_a_number(self) -> int:
-        """Windows that each number of the law takes, at least, where no gap is to be a finding."""
+    def along_path(self) -> bool:
+        """Whether its windows are neighbours along the path of a machine, and hang together."""
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
@@ -213,6 +213,10 @@ class RigTrials(Protocol):
     @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
         """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
+
+    @property
+    def untold(self) -> Mapping[str, str]:
+        """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""

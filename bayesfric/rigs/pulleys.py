@@ -37,9 +37,9 @@ class PulleyTrials:
         return True
 
     @property
-    def windows_a_number(self) -> int:
-        """Three."""
-        return 3
+    def along_path(self) -> bool:
+        """False."""
+        return False
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
@@ -55,6 +55,11 @@ class PulleyTrials:
     @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
         """None: what a board has beside the law is no number of it."""
+        return {}
+
+    @property
+    def untold(self) -> Mapping[str, str]:
+        """None."""
         return {}
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:

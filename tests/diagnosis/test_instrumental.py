@@ -6,6 +6,7 @@ from rigs.looped_joint import LoopedJoint
 import bayesfric as bf
 from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent
 from bayesfric.diagnosis.verdict import decide
+from bayesfric.hypothesis import NONE
 from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
 
 
@@ -90,7 +91,7 @@ def test_a_cause_that_an_instrument_has_no_column_of_is_not_held():
 def test_numbers_that_are_bent_are_no_proof_of_no_gap():
     why = why_bent(instrument(alarms=True))
     assert "p = 2e-08" in why
-    assert decide({"none": 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
+    assert decide({NONE: 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
 
 
 @pytest.mark.nightly

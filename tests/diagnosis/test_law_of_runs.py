@@ -11,7 +11,7 @@ from bayesfric.diagnosis.law import scatter_of_runs
 
 def a_model(runs, *, pulleys=False):
     table = pd.DataFrame({"run": np.repeat([f"r{run}" for run in range(runs)], 2)})
-    rig = SimpleNamespace(has_pulleys=pulleys)
+    rig = SimpleNamespace(along_path=not pulleys)
     rows = SimpleNamespace(rows=SimpleNamespace(table=table))
     return SimpleNamespace(data=SimpleNamespace(rigs=[rig]), rigs=[rows])
 
