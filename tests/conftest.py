@@ -1,6 +1,8 @@
 """Fits that several tests read and none changes."""
 
 import os
+from concurrent.futures import Executor, Future
+from contextlib import nullcontext
 from pathlib import Path
 
 # One BLAS thread a process, here and in what the tests start: the matrices are small.
@@ -44,6 +46,26 @@ def no_result_contradicts_itself():
     with pytest.MonkeyPatch.context() as patch:
         for module in (posterior, pooled, checking, diagnosing, computing):
             patch.setattr(module, "identified", looked_at)
+        yield
+
+
+class AtOnce(Executor):
+    """Computes where it is asked, in the place of processes, each of which imports everything."""
+
+    def submit(self, function, /, *arguments, **options):
+        future = Future()
+        try:
+            future.set_result(function(*arguments, **options))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.fixture(scope="module")
+def no_processes():
+    """Let verbs that are called by these tests start no process of their own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("bayesfric.campaign.processes", lambda workers: nullcontext(AtOnce()))
         yield
 
 
