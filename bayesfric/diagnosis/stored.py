@@ -131,8 +131,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N
         return None
     left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
     return (
-        f"data held out leave {left:.3g} m{unit}, {'less' if less < AGREES else 'more'} than "
-        f"friction's scatter and the gap that is left would make ({expected:.3g} m{unit})"
+        f"data held out are off by {left:.2g} m{unit} rms, {'less' if less < AGREES else 'more'} "
+        f"than the {expected:.2g} m{unit} that scatter and the remaining gap would make"
     )
 
 
