@@ -40,6 +40,7 @@ RESAMPLED = 2000
 LEAST_GAIN = 0.05  # of the error as it is: what a proposal gains at the least, to be promoted
 FEWEST_BLOCKS = 5
 NO_MODEL = "a robot's model (rig.robot), to replay runs in"
+NO_FORCE = "a drive force (force_n): runs are replayed from it, and a log of commands has none"
 SPLIT = "the unseen last third of each run"
 BY_ROLE = "the runs of role test"
 
@@ -68,6 +69,8 @@ def held_out_parts(recording: Recording) -> tuple[Recording, Recording, str]:
     axis = recording.axis
     if axis is None or recording.rig.robot is None:
         raise InputError([Fault("--replay", NO_MODEL)])
+    if "force_n" not in axis.samples:
+        raise InputError([Fault("--replay", NO_FORCE)])
     if "role" in axis.runs and (axis.runs["role"] == "test").any():
         tested = axis.runs[axis.runs["role"] == "test"]
         return recording, _with(recording, tested, axis.samples), BY_ROLE

@@ -67,10 +67,18 @@ def export(
         expected = f"--to with one of {', '.join(OF_MODELS)}, where --into is given"
         raise options.unusable(expected, "--to", to)
     with hold(folder, "export"):
+        if to != "json":
+            _refuse_ratios(folder)
         if into is None and not (to == "isaaclab" or _of_several(folder)):
             _export_law(folder, to, draws)
         else:
             _export_joints(folder, to, into, joint or [], draws)
+
+
+def _refuse_ratios(folder: Path) -> None:
+    from bayesfric.export.joints import refuse_ratios
+
+    refuse_ratios(folder)
 
 
 def _of_several(folder: Path) -> bool:

@@ -1,6 +1,6 @@
 """Which effects can be told apart at all: by rank, before any evidence."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import comb
 
@@ -9,17 +9,14 @@ import scipy
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS
 
-ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
-LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
-FELT = 1e-2  # squared signal over noise at one prior sd: less, and nobody could notice
-MISSED = 10.0  # the same: more, and what is left of it shows, however little that is of it
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
 
@@ -66,7 +63,7 @@ class Classes:
     left_out: dict[str, str]
     odds: Mapping[str, float] = field(default_factory=dict)
 
-    def log_prior_among(self, names: Sequence[str]) -> float:
+    def log_prior_among(self, names: Collection[str]) -> float:
         """Return the log prior that these act, of all sets of as many classes."""
         if not self.odds:
             return -float(np.log(comb(len(self.members), len(names))))
@@ -110,15 +107,17 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
                 entering.append(name)
             continue
         inside = [columns.index(place) for place in own]
-        if raw[inside].max() < FELT:
+        if raw[inside].max() < RULES.effect_felt:
             left_out[name] = _absent(model, own[0])
-        elif (felt[inside] < LEFT * raw[inside]).all() and felt[inside].max() < MISSED:
+        elif (felt[inside] < RULES.effect_absorbed * raw[inside]).all() and felt[
+            inside
+        ].max() < RULES.effect_shows:
             taken = _absorbed(model, information, sd, places[inside[0]], name)
             if taken is None:
                 left_out[name] = BY_THE_RIG
             else:
                 absorbed.append(taken)
-        elif felt[inside].max() < FELT:
+        elif felt[inside].max() < RULES.effect_felt:
             left_out[name] = "no influence on the prediction"
         else:
             entering.append(name)
@@ -157,7 +156,9 @@ def _is_coefficient(model: LinearModel) -> Flags:
 
 def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
     width = prior_moments(model.candidates[own[0]].effect.amplitude.prior)[1]
-    return any(width**2 * rig.phase_strength(p) > FELT for rig in model.rigs for p in own)
+    return any(
+        width**2 * rig.phase_strength(p) > RULES.effect_felt for rig in model.rigs for p in own
+    )
 
 
 def _absorbed(
@@ -220,11 +221,11 @@ def _doubled(
     """Return whether each middling shape of one law has its double among the other's."""
     inner, other = np.array(mine)[np.abs(nodes) <= INNER], np.array(theirs)
     if other.size == 1:
-        return bool((np.abs(direction[inner, other[0]]) > ALIKE).all())
+        return bool((np.abs(direction[inner, other[0]]) > RULES.effects_alike).all())
     # Between the nodes the response is that of a spline through them.
     weights = scipy.interpolate.make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
     across = direction[np.ix_(inner, other)] @ weights.T
     length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
     # Some shape may do nothing here, or less than that by rounding.
     cosine = np.abs(across) / np.sqrt(np.where(length > 0, length, np.inf)).clip(1e-150)
-    return bool((cosine.max(axis=1) > ALIKE).all())
+    return bool((cosine.max(axis=1) > RULES.effects_alike).all())

@@ -27,7 +27,7 @@ from bayesfric.diagnosis.examined import examinable, examined_effects, no_effect
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
-from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
@@ -58,8 +58,10 @@ from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, printed
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, provenance
@@ -70,12 +72,9 @@ from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, LawNumber, Recordi
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 NOTHING_TOLD = "these data tell no number of the model"
-MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
 
 LN10 = float(np.log(10))
-SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
-FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
 
 
 def diagnose(
@@ -276,13 +275,13 @@ def _diagnose(
     )
     floor = gap.floor.q50 / gap.friction_rms
 
-    checks: dict[str, Checked] = {}
+    checks: dict[Hypothesis, Checked] = {}
 
     def check(hypothesis: Weighed | Unknown) -> Checked:
-        label = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.label
-        if label not in checks:
-            checks[label] = noise_checked(model, searched, hypothesis, check_rng)
-        return checks[label]
+        acting = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.hypothesis
+        if acting not in checks:
+            checks[acting] = noise_checked(model, searched, hypothesis, check_rng)
+        return checks[acting]
 
     def causes_named(names: list[str]) -> tuple[Cause, ...]:
         return causes_of(names, model, searched, posterior, practical, floor, check)
@@ -316,10 +315,10 @@ def _diagnose(
         unseparated,
         beside,
         considered,
-        not_shown if above < MOSTLY else None,
+        not_shown if above < RULES.likely else None,
         others if elsewhere else None,
         why,
-        unexplained_by_scatter if above < MOSTLY else None,
+        unexplained_by_scatter if above < RULES.likely else None,
         windows_told(residuals),
     )
     errors = () if amounts is None else model_errors([amounts])
@@ -341,11 +340,11 @@ def _diagnose(
         verdict=verdict,
         verdict_probability=chance,
         sentence=f"{sentence_of(statement)} {held_out_words(gap, causes or considered)}",
-        probabilities=chances,
+        probabilities=printed(chances),
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
-            "0.1": searched.probabilities(0.1),
-            "0.9": searched.probabilities(0.9),
+            "0.1": printed(searched.probabilities(0.1)),
+            "0.9": printed(searched.probabilities(0.9)),
         },
         unvisited_probability=searched.unvisited(),
         inclusion=inclusion_of(effects_known, posterior, practical),
@@ -356,6 +355,7 @@ def _diagnose(
         overruled_by=why,
         enter=to_enter,
         enter_why=not_entered,
+        untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},
         scatter=model.noise.named(settled.psi),
         law=law_found,
         unseparated=unseparated,
@@ -416,7 +416,7 @@ def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
 def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearModel, Search]:
     """Compare the finalists alike, around the law that was fitted with the leader."""
     model = first
-    if searched.probabilities().get(NONE, 0.0) > SURELY:
+    if searched.probabilities().get(NONE, 0.0) > RULES.sure:
         # All are compared alike already, and nothing is large enough to have another form.
         return model, searched
     for _ in range(ROUNDS):
@@ -444,7 +444,7 @@ def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, 
     top = searched.worth(ranked[0])
     acting: dict[str, tuple[Candidate, float]] = {}
     for weighed in ranked:
-        if searched.worth(weighed) < top - FORMED:
+        if searched.worth(weighed) < top - RULES.followed_within:
             break
         for candidate, amplitude in model.amplitudes(weighed.at, weighed.acting):
             acting.setdefault(candidate.effect.name, (candidate, amplitude))

@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
-from bayesfric.rigs.rotary import rotary_unit
+from bayesfric.rigs.rotary import is_relative, rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
 from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
 
@@ -18,6 +18,7 @@ NO_JOINT = "no number of this law has a field in a simulator of joints"
 EVERY_FIELD = "every simulator has a field for it"
 NO_FORCE = "what it makes alone was not drawn"
 NO_MODEL = "no model of the machine was given"
+RATIO = "it is over the stiffness K of the servo, which no field takes: multiply it by K first"
 NOT_IN_MODEL = "no joint of a model has such a number"
 NAMES = {"inertia": ("inertia", "armature", "mass"), "armature": ("armature", "mass")}
 """Of a number of the law, those by which a rig may call it."""
@@ -66,7 +67,18 @@ def numbers_to_enter(
             entered.append(_of_law("viscous", interval(damping), unit, has, motion))
         else:
             entered += _of_effect(cause, gap, turns)
+    if is_relative(model.data.unit):
+        entered = [_over_stiffness(number) for number in entered]
     return tuple(entered), None
+
+
+def _over_stiffness(number: Enter) -> Enter:
+    """Return a number that no field takes as it stands."""
+    if not is_relative(number.unit):
+        return number
+    nowhere = dict.fromkeys(number.fields)
+    without = {"fields": nowhere, "lost_without": None, "lost_without_why": RATIO}
+    return number.model_copy(update=without)
 
 
 class _Motion(NamedTuple):

@@ -36,13 +36,14 @@ def law_of_diagnosis(
     # Friction that scatters as that of some effect would take its place.
     has_model = ARMATURE in model.data.rigs[0].in_simulator
     called = {MASS: ARMATURE if has_model else INERTIA}
+    untold = {name for rig in model.data.rigs for name in rig.untold}
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
     numbers = {}
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
             shown = residuals.columns[residuals.size == place, column].any()
-            if not (alone.free[place, column] and shown):
+            if not (alone.free[place, column] and shown) or name in untold:
                 continue
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])

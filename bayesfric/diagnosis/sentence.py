@@ -4,13 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bayesfric.diagnosis.verdict import Verdict
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
 
 ALL_BUT = 0.999
-LEAST = 0.001  # of friction, below which a gap has no figure
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
-RARELY = 0.05  # probability that the gap is not above the floor, up to which data can tell
 
 
 PULLS = {
@@ -83,8 +82,8 @@ class Statement:
         gap, middle = self.gap, self.gap.systematic.q50
         if gap.no_share is not None:
             return f"{middle:.3g} {gap.unit} rms"
-        if middle < LEAST * gap.friction_rms:
-            return f"less than {LEAST:.1%} of friction"
+        if middle < RULES.has_figure * gap.friction_rms:
+            return f"less than {RULES.has_figure:.1%} of friction"
         return f"{middle:.3g} {gap.unit} rms, {middle / gap.friction_rms:.1%} of friction"
 
     @property
@@ -148,7 +147,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
         open_still = f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}"
         return f"{open_still}; {better}." if better else f"{open_still}."
     sizes = f"({row.before.q50:.3g} {gap.unit} rms beside {row.floor.q50:.3g} {gap.unit})"
-    if row.below_floor <= RARELY:
+    if row.below_floor <= 1 - RULES.above_floor:
         return f"The law misses data held out by more than scatter explains {sizes}."
     return f"The law misses data held out by no more than scatter explains {sizes}."
 

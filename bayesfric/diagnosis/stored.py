@@ -11,6 +11,7 @@ from bayesfric.diagnosis.held_out import HeldOut, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.schemas import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
@@ -18,7 +19,6 @@ NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
 NO_SHIPPED = "no shipped values were given, and none are published"
-AGREES = 0.01  # probability of as much left by scatter or of as little, down to which they agree
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 OF_SOME = ("acceleration", "trial_in_setup", "drive_end", "direction", "travel_since_reversal")
 """Further places, which stand there if some window has one."""
@@ -127,12 +127,13 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N
     """
     expected2 = np.add.outer(by_chance, open2)
     less = float(np.mean(expected2 < left2))
-    if AGREES <= less <= 1 - AGREES:
+    if RULES.like_scatter <= less <= 1 - RULES.like_scatter:
         return None
     left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
+    more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"data held out are off by {left:.2g} m{unit} rms, {'less' if less < AGREES else 'more'} "
-        f"than the {expected:.2g} m{unit} that scatter and the remaining gap would make"
+        f"data held out are off by {left:.2g} m{unit} rms, {more_or_less} than the "
+        f"{expected:.2g} m{unit} that scatter and the remaining gap would make"
     )
 
 
@@ -145,7 +146,7 @@ def excess_of(left2: float, by_chance: Array, open2: Array) -> float:
         As of :func:`floor_disagrees`.
     """
     expected2 = np.add.outer(by_chance, open2)
-    if float(np.mean(expected2 < left2)) <= 1 - AGREES:
+    if float(np.mean(expected2 < left2)) <= 1 - RULES.like_scatter:
         return 0.0
     return float(np.sqrt(left2 - np.median(expected2)))
 

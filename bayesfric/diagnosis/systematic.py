@@ -15,23 +15,23 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.forms import FormShare
-from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
+from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis
 from bayesfric.inference.priors import from_normal
 from bayesfric.probabilities import total
 from bayesfric.schemas import Interval
 
 DRAWS = 1000
-RARE = 0.003  # probability of a hypothesis that is not drawn from
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 # Of friction: what windows and linearisation leave of boards without noise (docs/blind.md).
-UNRESOLVED = 0.002
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Posterior:
 
     Parameters
     ----------
-    hypothesis : ndarray of str, shape (S,)
+    hypothesis : ndarray of Hypothesis, shape (S,)
         Of each draw.
     force : ndarray, shape (R, S)
         Systematic force in each window, the law recalibrated [N].
@@ -65,7 +65,7 @@ class Posterior:
         Coefficients and amplitudes, drawn together.
     """
 
-    hypothesis: NDArray[np.str_]
+    hypothesis: NDArray[np.object_]
     force: Array
     hidden2: Array
     unresolved2: Array
@@ -97,7 +97,7 @@ def posterior_of(
     chances = {
         name: chance
         for name, chance in search.probabilities().items()
-        if chance > RARE
+        if chance > RULES.rare
         and (name in search.weighed or (name == UNKNOWN and search.unknown is not None))
     }
     names = list(chances)
@@ -105,7 +105,8 @@ def posterior_of(
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     rms = residuals.friction_rms
     weight, full = residuals.weight, model.full.layout
-    labels, forces, hidden = [], [], []
+    hypotheses: list[Hypothesis] = []
+    forces, hidden = [], []
     strengths: dict[str, Array] = {}
     lefts: dict[str, list[float]] = {}
     amplitudes: dict[str, list[Array]] = {}
@@ -169,16 +170,16 @@ def posterior_of(
             lefts.setdefault(law.effect, []).append(float(share.mean()) if real else 0.0)
             if real:
                 hidden[-1] = hidden[-1] + (share * rms) ** 2
-        labels += [name] * int(count)
+        hypotheses += [name] * int(count)
         start = rows.stop
     force = residuals.without_law(np.concatenate(forces, axis=1))
     hidden2 = np.concatenate(hidden)
     gap = np.sqrt(weight @ force**2 + hidden2)
     return Posterior(
-        np.array(labels),
+        np.array(hypotheses, dtype=object),
         force,
         hidden2,
-        (UNRESOLVED * rms * rng.standard_normal(DRAWS)) ** 2,
+        (RULES.unresolved * rms * rng.standard_normal(DRAWS)) ** 2,
         gap,
         strengths,
         {name: float(np.mean(values)) for name, values in lefts.items()},
@@ -342,14 +343,8 @@ def interval(draws: Array) -> Interval:
 
 def inclusion(search: Search) -> dict[str, float]:
     """Return the probability that each effect acts, over all hypotheses."""
-    return _inclusion(search.probabilities())
-
-
-def _inclusion(chances: Mapping[str, float]) -> dict[str, float]:
     within: dict[str, list[float]] = {}
-    for name, chance in chances.items():
-        if name in (NONE, UNKNOWN):
-            continue
-        for effect in name.split("+"):
+    for hypothesis, chance in search.probabilities().items():
+        for effect in () if hypothesis == UNKNOWN else hypothesis:
             within.setdefault(effect, []).append(chance)
     return {name: total(parts) for name, parts in within.items()}

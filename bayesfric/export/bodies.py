@@ -5,6 +5,7 @@ from collections.abc import Callable
 from bayesfric.export.digits import by_error
 from bayesfric.export.joint_friction import joint_friction
 from bayesfric.export.stored_law import StoredLaw
+from bayesfric.rigs.rotary import turns
 
 HEAD = """<!-- Friction of {name}, calibrated and diagnosed by bayesfric. Causes: {causes}.
      {law}
@@ -152,7 +153,7 @@ def _mass(law: StoredLaw) -> str:
 
 
 def _turns(law: StoredLaw) -> bool:
-    return law.unit != "N"
+    return turns(law.unit)
 
 
 def _attribute(name: str) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from bayesfric.export.digits import by_error
+from bayesfric.rigs.rotary import is_relative
 from bayesfric.schemas import DiagnosisFile, Enter
 
 CALLED = {
@@ -51,6 +52,8 @@ def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
 
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
     """Yield what must be known before the numbers are entered, a sentence each."""
+    if ratios := [number for number in enter if is_relative(number.unit)]:
+        yield _multiply(ratios)
     below = [
         number.parameter
         for number in enter
@@ -73,6 +76,21 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
             file = f"{number.snippet}.py"
             instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
         yield f"{who} for {number.parameter}: {force} stay wrong without it.{instead}"
+
+
+def _multiply(ratios: Sequence[Enter]) -> str:
+    """Return what to do with numbers that are over a servo's stiffness."""
+    turns = any("N·m" in number.unit for number in ratios)
+    angle, stiffness = ("rad", "N·m/rad") if turns else ("m", "N/m")
+    friction = next((number for number in ratios if number.parameter == "coulomb"), None)
+    example = ""
+    if friction is not None:
+        error = by_error(friction.value.mean, friction.value.sd)
+        example = f" Coulomb friction is {error} {angle} of position error."
+    return (
+        f"No number is in newtons: all are over the stiffness K of your servo.{example} Multiply "
+        f"each by K [{stiffness}] before you enter it."
+    )
 
 
 def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:

@@ -11,6 +11,7 @@ from scipy.stats import norm, rankdata
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
+from bayesfric.rigs.rotary import is_relative, turns
 from bayesfric.schemas import DiagnosisFile, Enter, LawNumber
 
 INERTIAS = ("inertia", "armature", "mass")
@@ -63,6 +64,34 @@ class ExportedJoint:
         possible = np.all([values >= 0 for values in signed], axis=0) & np.ones(count, bool)
         kept = {name: values[possible] for name, values in self.draws.items()}
         return kept, int(count - possible.sum())
+
+
+def refuse_ratios(folder: Path) -> None:
+    """Refuse numbers that are over a servo's stiffness: no simulator takes them.
+
+    Parameters
+    ----------
+    folder : Path
+        With the results of ``diagnose``.
+
+    Raises
+    ------
+    InputError
+        A number of a joint is one.
+    """
+    file = folder / "diagnosis.json"
+    if not file.is_file():
+        return
+    diagnosis = read_json(DiagnosisFile, file)
+    for block in diagnosis.joints or (diagnosis,):
+        if is_relative(block.gap.unit):
+            expected = (
+                f"numbers in newtons: those{f' of {block.joint}' if block.joint else ''} are over "
+                f"the stiffness K of a servo ({block.gap.unit}). Say what tells it "
+                "(rig.command_gain, a payload with rig.payload_arm_m, rig.moving_mass_kg, a model "
+                "in rig.robot), or take the ratios with --to json"
+            )
+            raise InputError([Fault("diagnosis.json", expected)])
 
 
 def read_joints(folder: Path) -> tuple[ExportedJoint, ...]:
@@ -120,7 +149,7 @@ def _joint(block: DiagnosisFile, law: xr.Dataset) -> ExportedJoint:
     return ExportedJoint(
         name=block.joint or "",
         in_model=block.joint_in_model,
-        turns=block.gap.unit != "N",
+        turns=turns(block.gap.unit),
         numbers=numbers,
         draws={name: values for name, values in draws.items() if name in numbers},
         causes=tuple(cause.effect for cause in block.causes),
@@ -128,10 +157,9 @@ def _joint(block: DiagnosisFile, law: xr.Dataset) -> ExportedJoint:
 
 
 def _drawn_law(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
-    """Return draws of the law's own numbers: the coefficients stand for them in this order."""
-    names = [name for name in OF_LAW if name in block.law]
-    columns = [law[name].to_numpy()[:, 0] for name in ("c1", "c2", "c3")]
-    drawn = dict(zip(names, columns, strict=False))
+    """Return draws of the law's own numbers, by the coefficients that stand for them."""
+    places = {**dict.fromkeys(INERTIAS, "c1"), "coulomb": "c2", "viscous": "c3"}
+    drawn = {name: law[places[name]].to_numpy()[:, 0] for name in OF_LAW if name in block.law}
     return {name: _by_instrument(block.law[name], values) for name, values in drawn.items()}
 
 

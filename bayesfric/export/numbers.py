@@ -40,7 +40,8 @@ def law_said(fit: FitFile, diagnosis: DiagnosisFile) -> str:
 def numbers_of(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
     """Return the numbers of the law by name, of the refit where the diagnosis names a cause.
 
-    A number that a diagnosis holds, or that the refit does not tell, is that of the fit.
+    A number that a diagnosis holds, or that the refit does not tell, is that of the fit; one that
+    the data cannot tell is left out.
 
     Parameters
     ----------
@@ -49,7 +50,8 @@ def numbers_of(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
     diagnosis : DiagnosisFile
         Of the same recording and law.
     """
-    return _fitted(fit) | _told_by_refit(fit, diagnosis)
+    every = _fitted(fit) | _told_by_refit(fit, diagnosis)
+    return {name: number for name, number in every.items() if name not in diagnosis.untold}
 
 
 def _fitted(fit: FitFile) -> dict[str, Number]:
@@ -119,8 +121,8 @@ def _of_refit(
         names = [coefficient_name(name, size) for name in Coefficients._fields]
         law = _law_by_fit(diagnosis)
         if not law.keys() & set(names):
-            names = [name for name in OF_AXIS if name in law]
-        flat |= dict(zip(names, columns, strict=False))
+            names = list(OF_AXIS)
+        flat |= dict(zip(names, columns, strict=True))
     flat = {name: values for name, values in flat.items() if name in wanted}
     scatter = [str(name) for name in table.data_vars if str(name).startswith("omega")]
     flat |= {name: table[name].to_numpy() for name in scatter}

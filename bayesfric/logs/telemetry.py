@@ -46,6 +46,8 @@ class Telemetry:
     late_s : float or None
         By how much the force's own clock is behind the positions' in the median [s]; None where
         it has none.
+    tells_force : bool
+        Whether a force was logged; else commands were.
     """
 
     joint: str | None
@@ -62,6 +64,7 @@ class Telemetry:
     force_largest: float
     at_limit: float
     late_s: float | None
+    tells_force: bool = True
 
     def lines(self, *, turns: bool) -> Iterator[tuple[str, str]]:
         """Yield what to know, label and text.
@@ -89,6 +92,9 @@ class Telemetry:
         limit = ""
         if self.at_limit >= AT_LIMIT:
             limit = f", where it stands in {self.at_limit:.1%} of the samples: a limit"
+        if not self.tells_force:
+            yield "force", "none: commands of a position stand in its place"
+            return
         yield (
             "force",
             f"up to {self.force_largest:.4g} {force}{limit}" + self._held(self.force_hold),
@@ -146,6 +152,7 @@ def _of_joint(samples: pd.DataFrame, joint: str | None) -> Telemetry:
         force_largest=largest,
         at_limit=_at_limit(np.abs(force), largest),
         late_s=late,
+        tells_force=bool(force.size),
     )
 
 

@@ -4,16 +4,9 @@ from bayesfric.recording.csv_text import LISTED
 from bayesfric.recording.held import released
 from bayesfric.recording.tables import Axis, RigConstants
 
-UNUSED_COLUMNS = (
-    "command_m",
-    "command_time_s",
-)
-"""Columns of ``axis_samples.csv`` that no model takes yet."""
-UNUSED_KEYS = (
-    "command_gain",
-    "sample_hold_s",
-    "latency_s",
-)
+OF_COMMANDS = ("command_gain", "latency_s", "payload_arm_m")
+"""Keys of ``rig`` that say something of a log of commands without a force."""
+UNUSED_KEYS = ("sample_hold_s",)
 """Keys of ``rig`` that no model takes yet."""
 
 
@@ -26,9 +19,11 @@ def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
     ]
     if len(notes) > LISTED:
         notes = [*notes[:LISTED], f"axis_samples.csv: and {len(notes) - LISTED:,} runs like these"]
-    if columns := [name for name in UNUSED_COLUMNS if name in axis.samples]:
-        notes.append(f"axis_samples.csv: {_listed(columns)} read and checked, and not used yet")
-    if keys := [f"rig.{name}" for name in UNUSED_KEYS if getattr(rig, name) is not None]:
+    has_force = "force_n" in axis.samples
+    if has_force and "command_time_s" in axis.samples:
+        notes.append("axis_samples.csv: command_time_s is read and checked, and not used yet")
+    unused = (*UNUSED_KEYS, *(OF_COMMANDS if has_force else ()))
+    if keys := [f"rig.{name}" for name in unused if getattr(rig, name) is not None]:
         notes.append(f"datapackage.json: {_listed(keys)} read and checked, and not used yet")
     if "sim_position_m" in axis.samples and rig.moving_mass_kg is None:
         notes.append(

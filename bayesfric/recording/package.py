@@ -190,6 +190,7 @@ class _Rig(_Strict):
     known_force_sd: Positive | None = None
     command_gain: Positive | None = None
     force_limit_n: Positive | None = None
+    payload_arm_m: Length | None = None
     sample_hold_s: Resolution | None = None
     latency_s: Delay | None = None
     rotary: bool | None = None

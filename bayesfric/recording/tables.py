@@ -91,6 +91,8 @@ class RigConstants:
         Standard error of ``known_force_n``, and the largest drive force [N or N·m].
     command_gain : float or None
         Drive force by how far the joint is from its command [N/m or N·m/rad].
+    payload_arm_m : float or None
+        From the axis of a joint that turns to the payloads of ``axis_runs.csv`` [m].
     sample_hold_s, latency_s : float or None
         How long telemetry holds a value, and by how much it is late [s].
     rotary : bool
@@ -116,6 +118,7 @@ class RigConstants:
     known_force_sd: float | None = None
     command_gain: float | None = None
     force_limit_n: float | None = None
+    payload_arm_m: float | None = None
     sample_hold_s: float | None = None
     latency_s: float | None = None
     rotary: bool = False

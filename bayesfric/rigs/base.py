@@ -210,6 +210,10 @@ class RigTrials(Protocol):
     def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
         """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
 
+    @property
+    def untold(self) -> Mapping[str, str]:
+        """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
 

@@ -52,6 +52,11 @@ class PulleyTrials:
         """None: what a board has beside the law is no number of it."""
         return {}
 
+    @property
+    def untold(self) -> Mapping[str, str]:
+        """None."""
+        return {}
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return none."""
         del law

@@ -440,6 +440,9 @@ class DiagnosisFile(Provenance):
         (), description="Numbers to enter in a simulator, of a driven joint."
     )
     enter_why: str | None = Field(None, description="Why there are none.")
+    untold: dict[str, str] = Field(
+        {}, description="Numbers of the law that such data cannot tell: name and reason."
+    )
     replay: Replay | None = Field(
         None, description="Held-out runs with the numbers to enter and with those of the model."
     )

@@ -6,6 +6,7 @@ from rigs.looped_joint import LoopedJoint
 import bayesfric as bf
 from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
 from bayesfric.diagnosis.verdict import decide
+from bayesfric.hypothesis import NONE
 from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
 
 
@@ -57,7 +58,7 @@ def test_without_an_alarm_nothing_changes(silent):
 def test_numbers_that_are_bent_are_no_proof_of_no_gap():
     why = why_bent(instrument(alarms=True))
     assert "p = 2e-08" in why
-    assert decide({"none": 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
+    assert decide({NONE: 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
 
 
 @pytest.mark.nightly

@@ -19,6 +19,7 @@ from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.schemas import HeldOutDensity, Interval
 
 PRACTICAL = 0.02
@@ -92,16 +93,16 @@ def test_hypotheses_with_what_is_overruled_are_of_an_unknown_force():
     """Nineteen in twenty of them; what was found beside is still told."""
     at = SimpleNamespace()
     weighed = {
-        name: Weighed(tuple(name.split("+")) if name != "none" else (), value, None, Acting(), at)
-        for name, value in (("none", 0.0), ("viscous", 20.0), ("slip+viscous", 24.0))
+        Hypothesis(names): Weighed(names, value, None, Acting(), at)
+        for names, value in (((), 0.0), (("viscous",), 20.0), (("slip", "viscous"), 24.0))
     }
     classes = Classes(members=(("slip",), ("viscous",)), absorbed=(), left_out={})
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
-    before = search.probabilities()
+    before = printed(search.probabilities())
     known = [KnownEffect("viscous", 1.0, 1.0, 0.1), KnownEffect("slip", 0.9, 0.0, 0.001)]
     found = overruled(search, known, [["viscous"]], 1.0)
-    chances = found.search.probabilities()
+    chances = printed(found.search.probabilities())
     acting = before["viscous"] + before["slip+viscous"]
     assert chances["unknown"] == pytest.approx(0.95 * acting)
     assert {one.effect: one.probability for one in found.effects_known}["viscous"] == pytest.approx(

@@ -52,7 +52,7 @@ def test_all_keys_are_carried_there_and_back(tmp_path: Path) -> None:
     assert {key: getattr(found.rig, key) for key in KEYS} == KEYS
     assert round_trip(found, tmp_path / "b").rig == found.rig
     (_, note) = found.notes
-    assert note.startswith("datapackage.json: rig.command_gain, rig.sample_hold_s")
+    assert note.startswith("datapackage.json: rig.sample_hold_s, rig.command_gain")
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,11 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.even_log import LEAST_SAMPLES, EvenLog
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.run_rows import FEWEST
-from bayesfric.rigs.single_axis.windows import pass_s, position_sd
+from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_share
 
 ROWS = 8  # windows, twice the numbers of the law and its clocks: below that nothing is told
 AT_EASE = 4 * FEWEST  # samples in a pass: with fewer, few windows run one way all through
+STICKS = 0.5  # of rests after which the axis goes on the same way, that show that it sticks
 
 
 def too_short(samples: Sequence[int]) -> Unsupported:
@@ -52,11 +53,17 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
             "never shows which way the axis runs"
         )
     if one_way < AT_EASE * interval:
-        return Unsupported(
+        seen = (
             f"it runs one way for some {one_way:.3g} s at a time, in which "
-            f"{one_way / interval:.0f} samples come and it takes {AT_EASE}: take "
-            f"{np.ceil(AT_EASE / one_way):.0f} samples a second, or move slower"
+            f"{one_way / interval:.0f} samples come and it takes {AT_EASE}"
         )
+        if sticking_share(logs, noise) > STICKS:
+            return Unsupported(
+                f"{seen}; between, it rests and goes on the same way, so that it sticks and slips: "
+                "move faster, or in a stiffer loop, so that it keeps moving"
+            )
+        rate = np.ceil(AT_EASE / one_way)
+        return Unsupported(f"{seen}: take {rate:.0f} samples a second, or move slower")
     return None
 
 

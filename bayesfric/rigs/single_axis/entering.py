@@ -27,6 +27,7 @@ from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
 from bayesfric.rigs.single_axis.rows import varied_columns
+from bayesfric.rigs.single_axis.servo import Servo, servo_of, with_open_stiffness
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
@@ -50,6 +51,8 @@ class Entering(NamedTuple):
     machine: Machine
     late_s: float
     dither: Dither
+    servo: Servo | None
+    constants: RigConstants
 
 
 def entering(
@@ -68,6 +71,8 @@ def entering(
     simulator : SimulatorCalls or None
         A user's, whose force is looked for beside the rows.
     """
+    servo = servo_of(axis, constants)
+    constants = constants if servo is None else servo.constants
     parts = max(1, -(-ENOUGH // len(axis.runs)))
     recorded: list[EvenLog] = []
     starts, rows, runs = [], [], list[Mapping[str, object]]()
@@ -95,12 +100,14 @@ def entering(
     if nothing is not None:
         return nothing
     interval = float(np.median([log.interval_s for log in logs]))
-    on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
-    logs = list(on_one_clock)
+    late_s = 0.0
+    if servo is None:  # what a servo is late by is in its log already
+        on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+        logs = list(on_one_clock)
     clips = constants.force_is not in MEASURED
     limited = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
     dither = Dither()
-    if limited is not None:
+    if limited is not None and servo is None:
         mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
         calm, dither = steady(logs, mass, limited[0].half_s, resolution)
         logs = list(calm)
@@ -112,6 +119,8 @@ def entering(
     if limited is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = limited
+    if servo is not None:
+        readings = with_open_stiffness(readings, servo)
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
     turns = _turns(readings, table["run"])
@@ -152,6 +161,8 @@ def entering(
         machine,
         late_s,
         dither,
+        servo,
+        constants,
     )
 
 

@@ -44,6 +44,9 @@ class EvenLog:
         What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
     dithers : ndarray of bool, shape (N,), or None
         Where it turns back between two counts; None where nobody looked.
+    sent : ndarray, shape (N,), or None
+        Of a log of commands, the force that a servo's stiffness makes of them: `force` is that
+        less what it makes of the position. None where a force was logged.
     """
 
     time_s: Array
@@ -57,6 +60,12 @@ class EvenLog:
     beside: tuple[WeakForce, ...] = ()
     known_inertia: float = 0.0
     dithers: Flags | None = None
+    sent: Array | None = None
+
+    @property
+    def delayed(self) -> "EvenLog":
+        """The run with what a delay acts on in the place of the force: of a servo, its command."""
+        return self if self.sent is None else replace(self, force=self.sent)
 
 
 def even_grid(

@@ -34,9 +34,6 @@ def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
     """
     del constants
     samples, faults = axis.samples, []
-    if "force_n" not in samples:
-        expected = "force_n: a log of commands alone is read, and no model takes one yet"
-        return [Fault(SAMPLES, expected, column="command_m")]
     if "joint" in samples and len(samples["joint"].unique()) > 1:
         expected = (
             "the samples of one joint: diagnose and fit take each joint by itself, and this "
@@ -93,9 +90,10 @@ def _of_runs(
 
 
 def _log(samples: pd.DataFrame) -> EvenLog | None:
+    lead = "force_n" if "force_n" in samples else "command_m"
     columns: dict[str, Array] = {
         name: samples[column].to_numpy(dtype=np.float64)
-        for name, column in (("position", "position_m"), ("force", "force_n"))
+        for name, column in (("position", "position_m"), ("force", lead))
     }
     return even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
 

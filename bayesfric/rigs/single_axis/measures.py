@@ -15,7 +15,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.effects.base import Load
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.rotary import rotary_unit
+from bayesfric.rigs.rotary import over_stiffness, rotary_unit
 from bayesfric.rigs.single_axis.carried import Carried
 from bayesfric.rigs.single_axis.declared import mass_sd_kg
 from bayesfric.rigs.single_axis.even_log import EvenLog
@@ -65,6 +65,8 @@ class Measures:
         By least squares, whatever was written down.
     both_ways : bool
         Whether the axis runs both ways: else a constant force is friction.
+    relative : bool
+        Whether forces are over the unknown stiffness K of a servo.
     """
 
     stroke: float
@@ -86,6 +88,7 @@ class Measures:
     carried: Carried | None = None
     rough_mass: float = 0.0
     both_ways: bool = True
+    relative: bool = False
 
     def load(self, rows: Readings) -> Load:
         """Return how a load follows in some rows."""
@@ -95,8 +98,9 @@ class Measures:
         )
 
     def unit(self, unit: str) -> str:
-        """Return a unit as it is here, radians for metres where the axis turns."""
-        return rotary_unit(unit) if self.rotary else unit
+        """Return a unit as it is here: radians for metres where the axis turns, and over K."""
+        turned = rotary_unit(unit) if self.rotary else unit
+        return over_stiffness(turned) if self.relative else turned
 
     def scale(self, unit: str) -> float:
         """Return by what a value in a unit is larger here than on the board."""
@@ -217,4 +221,5 @@ def measures_of(
         pull=rough.pull,
         rough_mass=rough.mass,
         both_ways=bool((readings.way > 0).any() and (readings.way < 0).any()),
+        relative=constants.command_gain is None and any(log.sent is not None for log in logs),
     )

@@ -40,6 +40,26 @@ def payload_shares(runs: pd.DataFrame) -> Mapping[str, tuple[float, ...]]:
     return {str(run): tuple(map(float, own)) for run, own in named}
 
 
+def payload_masses(runs: pd.DataFrame) -> Mapping[str, float]:
+    """Return what each run carries beyond the least of all [kg], by name.
+
+    Nothing where no column of masses varied, or several did: they may be at different places.
+
+    Parameters
+    ----------
+    runs : DataFrame
+        ``axis_runs.csv``.
+    """
+    columns = [str(name) for name in runs if str(name).endswith(MASS)]
+    varied = [name for name in columns if np.ptp(runs[name].to_numpy(dtype=np.float64)) > 0]
+    if len(varied) != 1:
+        return {}
+    masses = runs[varied[0]].to_numpy(dtype=np.float64)
+    return {
+        str(run): float(mass - masses.min()) for run, mass in zip(runs["run"], masses, strict=True)
+    }
+
+
 def payload_forces(
     path: Path, log: EvenLog, shares: Sequence[float], scales: Scales, rotary: bool
 ) -> list[WeakForce]:

@@ -65,7 +65,7 @@ def rows_of_run(
         "way": sign,
         "acceleration": sign * test.over(log.position, test.curvature, centres),
         "time_s": log.time_s[centres],
-        "speed": np.abs(inside(velocity)),
+        "speed": _speed_inside(log, test, centres, np.abs(inside(velocity))),
         "travel": inside(travel),
         "passes": before[centres],
         "dwell_s": dwell[centres],
@@ -82,6 +82,19 @@ def rows_of_run(
         **_forces(log, test, centres, sign, runs, late_s, limit),
         **_errors(log, test, centres, step),
     }
+
+
+def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array) -> Array:
+    """Return speeds at places inside of windows, of a servo with the mean that its positions have.
+
+    What a servo's damping is off by is told beside its delay, which shows in small parts of the
+    speed: there a polynomial through many samples is too coarse.
+    """
+    if log.sent is None:
+        return speed
+    mean = speed @ node_weights()[1]
+    exact = np.abs(test.over(log.position, test.slope, centres))
+    return np.asarray(speed * (exact / np.where(mean > 0, mean, 1.0))[:, None])
 
 
 def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
@@ -127,7 +140,7 @@ def _forces(
         force = force - log.known_force.over(test, centres)
     acting = given(log, limit)
     curvature = force_curvature(acting, test, centres, runs)
-    delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
+    delayed, lagging = late_rates(acting.delayed, test, centres, curvature, late_s)
     return {
         "force": sign * force,
         "force_rate": sign * delayed,

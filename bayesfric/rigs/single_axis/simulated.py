@@ -32,6 +32,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.servo_log import commanded, force_of_commands
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
 
@@ -145,8 +146,12 @@ def _recorded_forces(log: EvenLog, mass: float | None) -> Forces:
 def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     """Return the log of a run, with what a simulator left in it; None where it is too short.
 
-    What telemetry holds is released: see :mod:`bayesfric.recording.held`.
+    What telemetry holds is released: see :mod:`bayesfric.recording.held`. Where commands stand in
+    the place of a force, that is what a servo makes of them: see :mod:`.servo`.
     """
+    tells_commands = "force_n" not in samples
+    if tells_commands:
+        samples = force_of_commands(samples, constants)
     whole, samples = samples, released(samples, constants.force_is)[0]
     names = {
         "position": "position_m",
@@ -159,14 +164,20 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     }
     if constants.moving_mass_kg is None:
         del names["sim_position"]  # it takes the simulated mass to make a force of a path
+    is_relative = tells_commands and constants.command_gain is None
+    if is_relative:  # no force in newtons can stand beside one that is over the stiffness
+        del names["sim_force"]
     columns = {
         name: samples[column].to_numpy(dtype=np.float64)
         for name, column in names.items()
         if column in samples
     }
-    time, steps = samples["time_s"].to_numpy(dtype=np.float64), constants.force_is == "commanded"
+    time = samples["time_s"].to_numpy(dtype=np.float64)
+    steps = tells_commands or constants.force_is == "commanded"
     own = _time_of_force(samples)
-    if position_held_for(whole["position_m"].to_numpy(dtype=np.float64)) > 1:
+    if tells_commands:  # each acts from its own time on, also one between two new positions
+        columns["force"], own = whole["force_n"].to_numpy(dtype=np.float64), _time_of_force(whole)
+    elif position_held_for(whole["position_m"].to_numpy(dtype=np.float64)) > 1:
         force = whole["force_n"].to_numpy(dtype=np.float64)
         # A force that is held like the position is a sample of what went on changing; one that
         # is not tells what acted between two positions.
@@ -176,10 +187,12 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     log = even_grid(time, columns, force_time_s=own, steps=steps)
     if log is None:
         return None
+    if tells_commands:
+        log = commanded(log, constants)
     forces = _recorded_forces(log, constants.moving_mass_kg)
     value = log.further.get("known_force")
     # A simulator in the place of the law says the whole force.
-    known_force = None if value is None or forces else WeakForce(value)
+    known_force = None if value is None or forces or is_relative else WeakForce(value)
     return replace(log, forces=forces, known_force=known_force)
 
 

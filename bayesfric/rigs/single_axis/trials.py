@@ -41,6 +41,7 @@ from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import state_of, varied_columns
+from bayesfric.rigs.single_axis.servo import NEVER, Servo, servo_of
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.schemas import Instrument, LawNumber
@@ -111,6 +112,15 @@ class SingleAxis(PlainRig):
             return None
         return _opened(self, recording.axis, recording.rig)
 
+    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
+        """Return what a log of commands says of its servo."""
+        lines: list[tuple[str, str]] = []
+        for joint, part in (parted_by_joint(recording) or {"": recording}).items():
+            servo = None if part.axis is None else servo_of(part.axis, recording.rig)
+            said = () if servo is None else servo.said(rotary=recording.rig.rotary)
+            lines += [(f"servo {joint}".strip(), line) for line in said]
+        return tuple(lines)
+
     def left_out(self, recording: Recording) -> list[Fault]:
         """Return the runs that do not enter, and why; see :mod:`.left_out`."""
         if recording.axis is None:
@@ -164,6 +174,8 @@ class AxisRuns(PlainTrials):
         By how much the force was moved in time, because it acts later than it was logged [s].
     dither : Dither
         Windows in which the joint turns back between two counts.
+    servo : Servo or None
+        Whose commands stand in the place of a force; None where a force was logged.
     """
 
     rig: SingleAxis
@@ -181,6 +193,7 @@ class AxisRuns(PlainTrials):
     machine: Machine | None = None
     late_s: float = 0.0
     dither: Dither = field(default_factory=Dither)
+    servo: Servo | None = None
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -236,6 +249,8 @@ class AxisRuns(PlainTrials):
             offered.add(NO_COULOMB)
         if not self._offset_sd:
             offered.add(NO_OFFSET)
+        if self.servo is not None:
+            offered -= NEVER
         return frozenset(offered | ({*self._further} - OFFERED))
 
     @property
@@ -329,12 +344,20 @@ class AxisRuns(PlainTrials):
         """The offset of the drive force, behind the difference of the clocks."""
         return {"offset": (1, self.unit)} if self._offset_sd else {}
 
+    @property
+    def untold(self) -> Mapping[str, str]:
+        """Inertia of a servo whose log has too few samples in a period of its motion."""
+        too_slow = self.servo is not None and not self.servo.tells_inertia
+        return {"mass": self.servo.no_inertia} if self.servo is not None and too_slow else {}
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared, and in the log itself.
 
-        See :mod:`.declared`, :mod:`.on_time` and :mod:`.dither`.
+        See :mod:`.declared`, :mod:`.servo`, :mod:`.on_time` and :mod:`.dither`.
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
+        if self.servo is not None:
+            lines += self.servo.said(rotary=self.constants.rotary)
         if self._carried is not None and "load-both-ways" not in self.offers:
             lines.append(ONE_WAY)
         if self.late_s:
@@ -360,6 +383,8 @@ class AxisRuns(PlainTrials):
         """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
         if self._beside is not None:
             return "a simulator has the place of the law"
+        if self.servo is not None:
+            return "the command is in the drive force itself, so that it is no instrument"
         rows, readings = self._rows(self._rough), self.readings
         speed = rows.mean(readings.speed)
         others = [rows.candidate_column(candidate) for candidate, _ in acting]
@@ -480,7 +505,7 @@ class AxisRuns(PlainTrials):
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "AxisRuns | None":
         """Return recorded paths, run otherwise; None beside a simulator, which says no force."""
-        if self._beside is not None or self.source is None:
+        if self._beside is not None or self.source is None or self.servo is not None:
             return None
         if self.readings.beside.shape[1] or self.readings.known_held.any():
             return None  # what a run would take depends on other joints, or on its payload
@@ -566,7 +591,7 @@ class AxisRuns(PlainTrials):
             law,
             self._state(law),
             self.measures.stroke,
-            margin_s(self.interval_s),
+            margin_s(self.interval_s) if self.servo is None else self.servo.late_sd_s,
             lacks=self._lacks,
             offset_n=self._offset_sd,
             loads=self.loads,
@@ -580,4 +605,4 @@ def _opened(
     opened = entering(axis, constants, simulator)
     if isinstance(opened, Unsupported):
         return None
-    return AxisRuns(rig, constants, **opened._asdict(), source=axis)
+    return AxisRuns(rig, **opened._asdict(), source=axis)

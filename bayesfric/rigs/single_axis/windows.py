@@ -65,18 +65,28 @@ def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
 
 def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
-    passes = []
-    for log in logs:
-        way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
-        edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
-        lasting = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
-        passes.append(lasting * log.interval_s)
-    lengths = np.concatenate(passes)
+    lengths = np.concatenate([_stretches(log, noise)[0] for log in logs])
     if not lengths.size:
         return 0.0
     # Of the time, not of the passes: at a reversal noise makes many short ones.
     order = np.sort(lengths)
     return float(order[np.searchsorted(np.cumsum(order), 0.5 * order.sum())])
+
+
+def sticking_share(logs: Sequence[EvenLog], noise: float) -> float:
+    """Return the share of rests after which the axis goes on the same way; 0 without rests."""
+    goes_on = [np.diff(_stretches(log, noise)[1]) == 0 for log in logs]
+    return float(np.mean(np.concatenate(goes_on))) if sum(map(len, goes_on)) else 0.0
+
+
+def _stretches(log: EvenLog, noise: float) -> tuple[Array, Array]:
+    """Return how long the axis runs one way [s] each time, and which way."""
+    way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
+    edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
+    if edges.size < 2:
+        return np.zeros(0), np.zeros(0)
+    ways = way[edges[:-1]]
+    return np.diff(edges)[ways != 0] * log.interval_s, ways[ways != 0]
 
 
 def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:

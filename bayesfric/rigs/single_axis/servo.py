@@ -1,0 +1,334 @@
+"""What a log of commands says of its servo before anything else: its delay and its stiffness.
+
+The drive force is K (q_ref(t − d) − q) − D q̇. A delay of the command looks much like viscous
+friction, so that both are told beside each other, the delay with a prior. The stiffness K shows
+where something is known in newtons: the force of a model of the machine, a payload that was
+weighed on an arm of known length, or an inertia that was written down. Without any of these all
+numbers are told over K.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from bayesfric.arrays import Array, Whole
+from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.single_axis.beside import rough_shares
+from bayesfric.rigs.single_axis.declared import OF_MASS, gain_sd
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.on_time import margin_s
+from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
+from bayesfric.rigs.single_axis.payloads import payload_masses
+from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S
+from bayesfric.rigs.single_axis.simulated import log_of
+from bayesfric.rigs.single_axis.weak_form import WeakForce
+
+ROUNDS = 3  # of the delay, each around the one before
+SURE = 5.0  # standard errors, from which on a known force tells the stiffness
+OPEN = 0.3  # relative, that a stiffness may be off by where the rows themselves tell it
+A_PERIOD = 30.0  # samples in a period of the motion, with fewer of which no inertia is told
+MASS, COULOMB, VISCOUS, DELAY, OFFSET = range(5)
+NEVER = frozenset({"spring", "commanded-force", "known-load"})
+"""Needs of effects that no log of commands shows: curvatures of a force that has the position's
+errors, lags beside the delay, and gains beside the stiffness."""
+LAW = 5  # columns of the law, its delay and its offset
+PHASES = 2  # columns of a payload's weight, whose rest nobody knows; the next is its inertia
+
+
+class Servo(NamedTuple):
+    """How a servo makes a force of its commands.
+
+    Parameters
+    ----------
+    constants : RigConstants
+        The machine, with ``command_gain`` and ``latency_s`` as they are taken; where no stiffness
+        is known, without what is in newtons.
+    known_by : str
+        What tells the stiffness, in words; empty where nothing does.
+    stiffness, stiffness_sd : float
+        [N/m, or N·m/rad]; 1 and 0 where nothing is known.
+    open_by : float
+        Relative, by which the rows leave the stiffness open.
+    late_sd_s : float
+        Of the delay [s].
+    samples_a_period : float
+        Of the motion.
+    """
+
+    constants: RigConstants
+    known_by: str = ""
+    stiffness: float = 1.0
+    stiffness_sd: float = 0.0
+    open_by: float = 0.0
+    late_sd_s: float = 0.0
+    samples_a_period: float = np.inf
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether all that is told is over the stiffness."""
+        return not self.known_by
+
+    @property
+    def tells_inertia(self) -> bool:
+        """Whether enough samples come in a period of the motion."""
+        return self.samples_a_period >= A_PERIOD
+
+    @property
+    def no_inertia(self) -> str:
+        """Why no inertia is told, where none is."""
+        return (
+            f"{self.samples_a_period:.0f} samples come in a period of the motion and it takes "
+            f"{A_PERIOD:.0f}: log faster, or move slower"
+        )
+
+    def said(self, *, rotary: bool) -> Iterator[str]:
+        """Yield what a reader must know of the servo, a sentence each.
+
+        Parameters
+        ----------
+        rotary : bool
+            Whether the joint turns.
+        """
+        angle, force = ("rad", "N·m") if rotary else ("m", "N")
+        if self.is_relative:
+            yield (
+                "The log has commands and no force, and nothing in it is known in newtons: all "
+                f"numbers are over the servo's stiffness K, and 1 {force} per K is 1 {angle} by "
+                "which the joint is off its command. rig.command_gain, a payload that was weighed "
+                "(a column in _kg, with rig.payload_arm_m), rig.moving_mass_kg or a model in "
+                "rig.robot tell K"
+            )
+        else:
+            yield (
+                "The log has commands and no force: the drive force is taken to be K times how far "
+                f"the joint is off its command, with K = {self.stiffness:.4g} ± "
+                f"{self.stiffness_sd:.2g} {force}/{angle}, told by {self.known_by}"
+            )
+        late_s = self.constants.latency_s or 0.0
+        yield (
+            "Viscous friction is that of the joint and the damping and back-EMF of its servo "
+            "together, which only another supply or other gains tell apart; a delay of the "
+            f"command beyond the {1e3 * late_s:.3g} ± {1e3 * self.late_sd_s:.2g} ms that are taken "
+            "(rig.latency_s) looks much like it"
+        )
+        if not self.tells_inertia:
+            yield f"Inertia is not told: {self.no_inertia}"
+
+
+class _Told(NamedTuple):
+    """A stiffness, what tells it, its standard error, and by how much the rows leave it open."""
+
+    known_by: str
+    stiffness: float
+    error: float
+    open_by: float | None = None  # as its error
+
+
+class _Pilot(NamedTuple):
+    """Least squares of a run's rows over the stiffness.
+
+    Parameters
+    ----------
+    rows : Readings
+        Of commands that act as late as is believed.
+    numbers : ndarray, shape (n,)
+        Of the law, and then of forces that are known.
+    errors : ndarray, shape (n,)
+        Their standard errors.
+    """
+
+    rows: Readings
+    numbers: Array
+    errors: Array
+
+
+def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
+    """Return what a log of commands says of its servo; None where a force was logged.
+
+    Parameters
+    ----------
+    axis : Axis
+        The tables.
+    constants : RigConstants
+        The machine.
+    """
+    if "force_n" in axis.samples:
+        return None
+    interval = _interval_s(axis)
+    believed_s, sd_s = constants.latency_s, 0.0
+    if believed_s is None:
+        believed_s, sd_s = DELAY_S, DELAY_SD_S
+    sd_s = float(np.hypot(sd_s, margin_s(interval)))
+    without = replace(constants, command_gain=None)
+    late_s, pilot = believed_s, None
+    for _ in range(ROUNDS):
+        at = replace(without, latency_s=late_s)
+        pilot = _pilot(axis, at, (believed_s - late_s, sd_s))
+        if pilot is None:
+            return Servo(_relative(constants, late_s), late_sd_s=sd_s)
+        late_s = max(late_s + float(pilot.numbers[DELAY]), 0.0)
+    assert pilot is not None
+    period = _samples_a_period(pilot.rows, interval)
+    settled = replace(constants, latency_s=late_s)
+    for told in _stiffnesses(axis, constants, pilot, period):
+        if told.stiffness > SURE * told.error:
+            share = told.error / told.stiffness if told.open_by is None else told.open_by
+            # How far the stiffness is open is in the rows, and not again in a mass.
+            settled = replace(settled, command_gain=told.stiffness, force_gain_sd=0.0)
+            return Servo(settled, *told[:3], share, sd_s, period)
+    return Servo(_relative(constants, late_s), late_sd_s=sd_s, samples_a_period=period)
+
+
+def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
+    """Return rows that leave the stiffness open, as one more force of unknown amount.
+
+    It is a share of what the law, and what is known, make of the force: of the force itself the
+    errors of rows would count as stiffness.
+
+    Parameters
+    ----------
+    readings : Readings
+        W rows, in newtons.
+    servo : Servo
+        Which says by how much it is open.
+    """
+    if not servo.open_by:
+        return readings
+    law = _law(readings)
+    every = np.ones(readings.count, dtype=np.bool_)
+    amounts = rough_shares(law, readings.beside, readings.force, every)
+    rest = readings.force - readings.beside @ amounts
+    numbers = np.linalg.lstsq(law, rest, rcond=1e-9)[0]
+    held = (readings.known_held + readings.known_moved) @ readings.weights
+    whole = law @ numbers + readings.beside @ amounts + readings.way * held
+    beside = np.column_stack([readings.beside, servo.open_by * whole])
+    shares = readings.mixing.shares
+    grown = np.zeros((shares.shape[0] + 1, shares.shape[1] + 1))
+    grown[:-1, :-1], grown[-1, -1] = shares, 1.0
+    return replace(readings, beside=beside, mixing=replace(readings.mixing, shares=grown))
+
+
+def _relative(constants: RigConstants, late_s: float) -> RigConstants:
+    """Return a machine without what is in newtons."""
+    return replace(
+        constants,
+        latency_s=late_s,
+        command_gain=None,
+        moving_mass_kg=None,
+        mass_sd_kg=None,
+        force_limit_n=None,
+        known_force_sd=None,
+        robot=None,
+    )
+
+
+def _interval_s(axis: Axis) -> float:
+    steps = axis.samples.groupby("run", sort=False)["time_s"].diff().dropna()
+    return float(steps.median()) if len(steps) else 1.0
+
+
+def _samples_a_period(rows: Readings, interval_s: float) -> float:
+    """Return samples in a period of the motion, by rms speed over rms acceleration."""
+    speed = float(np.sqrt(np.mean((rows.speed @ rows.weights) ** 2)))
+    rate = float(np.sqrt(np.mean(rows.acceleration**2))) / speed
+    return float(2 * np.pi / max(rate, 1e-12) / interval_s)
+
+
+def _law(rows: Readings) -> Array:
+    """Return the law's columns: acceleration, 1, speed, delay and offset, (W, 5)."""
+    speed = rows.speed @ rows.weights
+    ones = np.ones(rows.count)
+    return np.stack([rows.acceleration, ones, speed, rows.force_rate, rows.way], axis=1)
+
+
+def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _Pilot | None:
+    """Return least squares over the stiffness; None where no window runs one way."""
+    machine, masses = machine_of(axis, constants), payload_masses(axis.runs)
+    logs = []
+    for run, samples in axis.samples.groupby("run", sort=False):
+        log = log_of(samples.reset_index(drop=True), constants)
+        if log is not None and (log.position.max() > log.position.min()):
+            known = _known(log, str(run), machine, constants, masses.get(str(run), 0.0))
+            logs.append(replace(log, forces=tuple(known)))
+    starts: list[Whole] = [np.zeros(1, dtype=np.intp) for _ in logs]
+    rows = readings_of(logs, starts, constants.encoder_resolution) if logs else None
+    if rows is None:
+        return None
+    pulls = _pulls(rows, constants, machine)
+    return _fitted(rows, np.column_stack([_law(rows), rows.simulated, pulls]), delay)
+
+
+def _known(
+    log: EvenLog, run: str, machine: Machine, constants: RigConstants, mass: float
+) -> Iterator[WeakForce]:
+    """Yield what is known of the force of a run [N or N·m], a payload's in parts by its phase."""
+    around = machine.around(log, run)
+    if machine.bodies is not None and around is not None and around.known_force is not None:
+        yield around.known_force
+    elif (value := log.further.get("known_force")) is not None:
+        yield WeakForce(value)
+    elif constants.payload_arm_m is not None:
+        weight = mass * constants.gravity_m_s2 * constants.payload_arm_m
+        yield WeakForce(weight * np.sin(log.position))
+        yield WeakForce(weight * np.cos(log.position))
+        inertia = mass * constants.payload_arm_m**2
+        yield WeakForce(np.zeros(log.position.size), curvature=inertia * log.position)
+
+
+def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
+    """Return what pulls with the place where no model says it: gravity, (W, m)."""
+    models = rows.simulated.shape[1] == 1
+    if models or not constants.rotary:
+        return np.zeros((rows.count, 0))
+    place = rows.position
+    pulls = [np.sin(place) @ rows.weights, np.cos(place) @ rows.weights]
+    return np.stack(pulls, axis=1) * rows.way[:, None]
+
+
+def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> _Pilot:
+    """Return least squares with the delay's prior; errors hang together within stretches."""
+    force = rows.force
+    width = np.abs(columns).max(axis=0)
+    width[width == 0] = 1.0  # of a command that never changes
+    design = columns / width
+    prior = np.zeros((1, design.shape[1]))
+    numbers = np.linalg.lstsq(design, force, rcond=1e-9)[0]
+    for _ in range(ROUNDS):
+        error = max(float(np.std(force - design @ numbers)), 1e-12)
+        prior[0, DELAY] = error / (delay[1] * width[DELAY])
+        goal = np.append(force, error * delay[0] / delay[1])
+        numbers = np.linalg.lstsq(np.vstack([design, prior]), goal, rcond=1e-9)[0]
+    left = force - design @ numbers
+    sums = np.zeros((int(rows.piece.max()) + 1, design.shape[1]))
+    np.add.at(sums, rows.piece, design * left[:, None])
+    inverse = np.linalg.pinv(design.T @ design + prior.T @ prior, rcond=1e-12)
+    covariance = inverse @ (sums.T @ sums) @ inverse
+    return _Pilot(rows, numbers / width, np.sqrt(np.diag(covariance)) / width)
+
+
+def _stiffnesses(
+    axis: Axis, constants: RigConstants, pilot: _Pilot, period: float
+) -> Iterator[_Told]:
+    """Yield what tells the stiffness, the best first."""
+    gain = constants.command_gain
+    if gain is not None:
+        yield _Told("rig.command_gain", gain, gain_sd(constants) * gain)
+    known = slice(LAW, LAW + min(pilot.rows.simulated.shape[1], PHASES))
+    own, errors = pilot.numbers[known], pilot.errors[known]
+    size = float(np.linalg.norm(own))
+    if own.size and size > 0:
+        signed = float(own[0]) if own.size == 1 else size
+        error = float(np.linalg.norm(own * errors)) / size
+        model = "a model of the machine" if constants.robot else "known_force_n"
+        name, is_open = (model, OPEN) if own.size == 1 else ("a payload on rig.payload_arm_m", None)
+        if signed > 0:
+            yield _Told(name, 1 / signed, error / signed**2, is_open)
+    mass = constants.moving_mass_kg
+    inertia, error = float(pilot.numbers[MASS]), float(pilot.errors[MASS])
+    if mass is not None and inertia > 0 and period >= A_PERIOD:
+        own_sd = OF_MASS * mass if constants.mass_sd_kg is None else constants.mass_sd_kg
+        value, share = mass / inertia, float(np.hypot(error / inertia, own_sd / mass))
+        yield _Told("rig.moving_mass_kg", value, value * share, OPEN)

@@ -1,0 +1,49 @@
+"""A log of a servo's commands: how far the joint is from them, in the place of a force.
+
+A servo that is told where to be drives with K (q_ref(t − d) − q) − D q̇, whose gains and delay
+nobody logged. Of unknown stiffness K everything is told over K: the force is then the error of
+the position, and friction is how far the joint stays behind its command.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.single_axis.even_log import EvenLog
+
+DELAY_S, DELAY_SD_S = 0.02, 0.015
+"""From a command to what the servo makes of it, where nobody says: a bus and a loop."""
+
+
+def force_of_commands(samples: pd.DataFrame, constants: RigConstants) -> pd.DataFrame:
+    """Return samples with the command as their force, each from when it acts on.
+
+    Parameters
+    ----------
+    samples : DataFrame
+        Of a run, with ``command_m`` and without ``force_n``.
+    constants : RigConstants
+        Its ``latency_s`` is the servo's delay.
+    """
+    since = samples["command_time_s" if "command_time_s" in samples else "time_s"]
+    late_s = DELAY_S if constants.latency_s is None else constants.latency_s
+    return samples.assign(force_n=samples["command_m"], force_time_s=since + late_s)
+
+
+def commanded(log: EvenLog, constants: RigConstants) -> EvenLog:
+    """Return a run whose force is the command as one in which it is what the servo makes of it.
+
+    Parameters
+    ----------
+    log : EvenLog
+        Its force is the command [m, or rad].
+    constants : RigConstants
+        Its ``command_gain`` is the stiffness; 1 where nobody says.
+    """
+    stiffness = constants.command_gain or 1.0
+    # Before its first command a servo is told nothing.
+    known = log.is_known & np.isfinite(log.force)
+    sent = stiffness * log.force
+    return replace(log, force=sent - stiffness * log.position, sent=sent, is_known=known)
