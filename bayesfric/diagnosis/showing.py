@@ -84,8 +84,8 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
 
 def windows_told(residuals: Residuals) -> str:
     """Return how much was recorded, in words."""
-    trials = len(residuals.names)
-    return f"{residuals.independent} windows of {trials} trial{'' if trials == 1 else 's'}"
+    runs = len(residuals.names)
+    return f"{residuals.independent} windows of {runs} run{'' if runs == 1 else 's'}"
 
 
 def _numbers(residuals: Residuals) -> int:
