@@ -142,6 +142,18 @@ class DiagnosisThresholds:
     windows_a_number: int = rule(
         3, "windows", "with fewer for each number of the law a recording shows no gap", "inclusion"
     )
+    windows_a_number_of_joints: int = rule(
+        8, "windows", "the same of a joint, whose windows hang together along its path", "inclusion"
+    )
+    instrument_errors: float = rule(
+        3.0, "sd", "where an instrument alarms a cause is held that it tells from zero", "joints"
+    )
+    instrument_keeps: float = rule(
+        0.5, "1", "and of which it tells this part of what least squares tell", "joints"
+    )
+    runs_of_scatter: int = rule(
+        4, "runs", "fewer do not tell how far the law is off for runs to come", "joints"
+    )
     unknown_less_likely: float = rule(
         log(2),
         "nat",

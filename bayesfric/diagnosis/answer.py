@@ -16,7 +16,7 @@ from bayesfric.diagnosis.examined import examined_effects, no_effects
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument
 from bayesfric.diagnosis.judging import Judged
-from bayesfric.diagnosis.law import law_of_diagnosis
+from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -65,6 +65,8 @@ class Answer:
         The gap on data held out.
     conclusion : Conclusion
         The verdict.
+    law : dict of str to LawNumber
+        Before and after, by the instrument where there is one.
     where : tuple of Axis
         Axes of the gap, the largest share first.
     unexplained : Interval
@@ -78,6 +80,7 @@ class Answer:
     judged: Judged
     measured: Measured
     conclusion: Conclusion
+    law: dict[str, LawNumber]
     where: tuple[Axis, ...]
     unexplained: Interval
     all_unexplained_because: str
@@ -87,12 +90,28 @@ class Answer:
         """Hypotheses, once held-out data were asked."""
         return self.conclusion.overruled.search
 
-    @property
-    def law(self) -> dict[str, LawNumber]:
-        """The law before and after, by the instrument where there is one."""
-        compared, judged = self.compared, self.judged
-        law = law_of_diagnosis(compared.model, compared.psi, judged.posterior, judged.residuals)
-        return by_the_instrument(law, self.conclusion.instrument)
+
+def law_told(
+    compared: Compared,
+    judged: Judged,
+    measured: Measured,
+    conclusion: Conclusion,
+    rng: np.random.Generator,
+) -> dict[str, LawNumber]:
+    """Return the law before and after, by the instrument where there is one.
+
+    Parameters
+    ----------
+    compared, judged, measured, conclusion
+        As of :class:`Answer`.
+    rng : Generator
+        Source of randomness of scatter from run to run.
+    """
+    scatter = scatter_of_runs(compared.model, judged.plain, measured.held_out.inside[2])
+    law = law_of_diagnosis(
+        compared.model, compared.psi, judged.posterior, judged.residuals, scatter, rng
+    )
+    return by_the_instrument(law, conclusion.instrument)
 
 
 class CausesTold(NamedTuple):
@@ -179,7 +198,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         sentence=f"{words} {held_out_words(gap, told_of.causes or told_of.considered)}",
         **_hypotheses(answer),
         **told_of._asdict(),
-        overruled_by=conclusion.why,
+        overruled_by=conclusion.why or conclusion.bent,
         enter=to_enter,
         enter_why=not_entered,
         untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},
@@ -218,6 +237,7 @@ def _statement(
         conclusion.why,
         conclusion.unlike_scatter if is_open else None,
         windows_told(answer.judged.residuals),
+        conclusion.bent,
     )
 
 

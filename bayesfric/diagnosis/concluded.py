@@ -7,11 +7,12 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.diagnosis.causes import implausible
 from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import why_bent
+from bayesfric.diagnosis.instrumental import not_held, why_bent
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
@@ -102,6 +103,8 @@ class Conclusion:
         Effects of which one would be a cause.
     why : str or None
         By which rule held-out data contradict the causes; None where they do not.
+    bent : str or None
+        Why the loop may have made the causes; None where an instrument holds them.
     elsewhere : bool
         Whether other joints may pull so.
     together : tuple of tuple of str
@@ -125,6 +128,7 @@ class Conclusion:
     overruled: Overruled
     rivals: list[str]
     why: str | None
+    bent: str | None
     elsewhere: bool
     together: tuple[tuple[str, ...], ...]
     amounts: ModelAmounts | None
@@ -138,7 +142,7 @@ class Conclusion:
     @property
     def contradicted(self) -> bool:
         """Whether what would be a cause is only considered."""
-        return self.why is not None or self.elsewhere
+        return self.why is not None or self.bent is not None or self.elsewhere
 
 
 def conclude(
@@ -173,10 +177,11 @@ def conclude(
     amounts, why = amounts_of(model, best), None
     elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
     if remainder is not None:
-        why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
-    contradicted = why is not None or elsewhere
-    apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
+        why = _why_overruled(model, judged, gap, practical, remainder)
     instrument = rig.instrument(model.amplitudes(best.at, best.acting))
+    contradicted = why is not None or elsewhere
+    bent = None if contradicted else not_held(instrument, named)
+    apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
     not_shown = _why_not_shown(model, apart.search, judged, instrument)
     left_in_order = unlike_scatter(
         gap, residuals, measured.held_out.inside[1], posterior, practical, order
@@ -186,7 +191,7 @@ def conclude(
     causes = [effect for effect in apart.effects_known if effect.effect in named]
     verdict, probability = decide(
         chances,
-        [] if contradicted else causes,
+        [] if contradicted or bent is not None else causes,
         judged.above,
         together,
         none_before=question.analysis.diagnosis.hypotheses.none,
@@ -200,6 +205,7 @@ def conclude(
         apart,
         rivals,
         why,
+        bent,
         elsewhere,
         together,
         amounts,
@@ -209,6 +215,18 @@ def conclude(
         remainder,
         verdict,
         probability,
+    )
+
+
+def _why_overruled(
+    model: LinearModel, judged: Judged, gap: Gap, practical: float, remainder: Remainder
+) -> str | None:
+    """Return by which rule held-out data contradict the causes; None where by none."""
+    beyond: list[str] = []
+    if model.data.rigs[0].along_path:
+        beyond = implausible(judged.named, model, judged.search, judged.posterior)
+    return why_overruled(
+        gap, practical, told_as_remainder=remainder.significant, implausible=beyond
     )
 
 
@@ -228,7 +246,7 @@ def _why_not_shown(
 ) -> str | None:
     """Return why these data could not have shown a gap, the first reason of three."""
     return (
-        why_not_shown(search, judged.residuals)
+        why_not_shown(search, judged.residuals, along_path=model.data.rigs[0].along_path)
         or loosely_known(model, judged.residuals, judged.posterior)
         or why_bent(instrument)
     )

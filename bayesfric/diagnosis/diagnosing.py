@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis
 from bayesfric.attention import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.diagnosis.answer import Answer, causes_told, file_of
+from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
 from bayesfric.diagnosis.checking import looked_at
 from bayesfric.diagnosis.compared import compare_hypotheses
 from bayesfric.diagnosis.concluded import conclude, measure
@@ -141,8 +141,8 @@ def _diagnose(
     inputs = (baseline, fixed, question.shipped, recording.rig, recording.metadata, joint)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     compared = compare_hypotheses(question, keeping)
-    folds, bootstrap, axes, draws, checks, blocks, order = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
+    folds, bootstrap, axes, draws, checks, blocks, order, scatter = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(8)
     )
     judged = judge(compared.model, compared.search, question.law_shipped, question.practical, draws)
     measured = measure(question, compared, judged, keeping, folds, bootstrap, blocks)
@@ -155,7 +155,8 @@ def _diagnose(
         question.examined,
         axes,
     )
-    answer = Answer(question, compared, judged, measured, conclusion, *where)
+    law = law_told(compared, judged, measured, conclusion, scatter)
+    answer = Answer(question, compared, judged, measured, conclusion, law, *where)
     summary = file_of(answer, causes_told(answer, checks), attributes)
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}
     curves = curves_of(measured.held_out, amplitudes, judged.posterior.law)

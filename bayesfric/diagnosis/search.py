@@ -136,7 +136,8 @@ def _weigh_together(
         for base in fewer[: RULES.beam if number > 2 else 2]:
             if searched.worth(base) < top - 2 * RULES.weighed_within and number > 2:
                 continue
-            rough = _extended(model, base, effects, base.at.psi, shapes)
+            joining = _that_may_act(base, effects, searched.classes)
+            rough = _extended(model, base, joining, base.at.psi, shapes)
             for more, first_look in rough.items():
                 searched.rough.setdefault(more, first_look)
             for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
@@ -166,11 +167,13 @@ def _weigh_parts(
     """Weigh the leader without each of its effects, and so on with a part that leads then.
 
     The way to the leader may have passed them by: a curve along speed that stands for two
-    effects can come in before the second of them, which then makes no more of it.
+    effects can come in before the second of them, which then makes no more of it. In the place
+    of a rung of a ladder each other one is weighed too.
     """
     while True:
         best = searched.best()
         parts = [Hypothesis(best.hypothesis - {name}) for name in best.names]
+        parts += [Hypothesis(names) for names in searched.classes.other_rungs(best.names)]
         missing = [part for part in parts if part and part not in searched.weighed]
         if not missing:
             return
@@ -249,7 +252,8 @@ def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None
     if not best.names or len(best.names) >= RULES.most_effects:
         return
     effects = sorted(members[0] for members in result.classes.members)
-    rough = _extended(model, best, effects, best.at.psi, {}, forms=best.forms)
+    joining = _that_may_act(best, effects, result.classes)
+    rough = _extended(model, best, joining, best.at.psi, {}, forms=best.forms)
     for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
         if more in result.weighed or rough[more] < best.log_evidence + RULES.effect_gains:
             continue
@@ -314,6 +318,15 @@ def _finalists(first: Search) -> list[Hypothesis]:
         parts = map(Hypothesis, combinations(best.names, number))
         chosen += [part for part in parts if part in first.weighed]
     return list(dict.fromkeys(chosen))
+
+
+def _that_may_act(base: Weighed, effects: Sequence[str], classes: Classes) -> list[str]:
+    """Return the effects of a hypothesis, and those that may act beside them."""
+    return [
+        name
+        for name in effects
+        if name in base.names or classes.may_act_together((*base.names, name))
+    ]
 
 
 def _extended(

@@ -147,8 +147,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N
     left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"data held out leave {left:.3g} m{unit}, {more_or_less} than "
-        f"friction's scatter and the gap that is left would make ({expected:.3g} m{unit})"
+        f"data held out are off by {left:.2g} m{unit} rms, {more_or_less} than the "
+        f"{expected:.2g} m{unit} that scatter and the remaining gap would make"
     )
 
 

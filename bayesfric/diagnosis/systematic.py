@@ -174,6 +174,8 @@ def _force_and_law(
     force = _made(residuals, local)
     # A smooth force may hold a part of what the law says: the law is that of both.
     local[:, :, full.own : full.own + full.candidates] = 0.0
+    if model.data.rigs[0].along_path:
+        local[:, :, _of_acting(model, acting)] = 0.0
     return force, moves + residuals.taken_by_law(_made(residuals, local))
 
 
@@ -250,6 +252,25 @@ class _EffectDraws:
         """Keep draws of an effect's strength, and what a recalibrated law leaves of it."""
         self.strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength
         self.left.setdefault(law.effect, []).append(left)
+
+
+def _of_acting(model: LinearModel, acting: Acting) -> list[int]:
+    """Return local columns of traces and forms of what acts: they are its own, not the law's.
+
+    What a rung of a ladder has of the other ones is its own too.
+    """
+    effects = [model.candidates[law.places[0]].effect for law in acting.laws]
+    names = {effect.name for effect in effects} | {law.effect for law in acting.laws}
+    ladders = {effect.ladder for effect in effects if effect.ladder}
+    traces = [candidate.effect for candidate, _ in model.full.discrepancy.amounts]
+    traces += [form.candidate.effect for form in model.forms]
+    layout = model.full.layout
+    first = layout.own + layout.candidates + layout.shared - len(traces)
+    return [
+        first + place
+        for place, effect in enumerate(traces)
+        if effect.name in names or effect.ladder in ladders
+    ]
 
 
 def _made(residuals: Residuals, local: Array) -> Array:

@@ -192,6 +192,10 @@ class RigTrials(Protocol):
     def has_pulleys(self) -> bool:
         """Whether a cable runs over pulleys, which the paper and its claims are about."""
 
+    @property
+    def along_path(self) -> bool:
+        """Whether its windows are neighbours along the path of a machine, and hang together."""
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
 

@@ -41,9 +41,12 @@ class EvenLog:
         What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
     dithers : ndarray of bool, shape (N,), or None
         Where it turns back between two counts; None where nobody looked.
-    sent : ndarray, shape (N,), or None
-        Of a log of commands, the force that a servo's stiffness makes of them: `force` is that
-        less what it makes of the position. None where a force was logged.
+    sent : WeakForce or None
+        Of a log of commands, the force that a servo's stiffness makes of them: `force` is its
+        value less what the stiffness makes of the position. None where a force was logged.
+    moment : ndarray, shape (N,), or None
+        Of a force that acts as it is until the next: that of an interval about its middle, over
+        the interval; None of one that does not.
     """
 
     time_s: Array
@@ -57,12 +60,13 @@ class EvenLog:
     beside: tuple[WeakForce, ...] = ()
     known_inertia: float = 0.0
     dithers: Flags | None = None
-    sent: Array | None = None
+    sent: WeakForce | None = None
+    moment: Array | None = None
 
     @property
     def delayed(self) -> "EvenLog":
         """The run with what a delay acts on in the place of the force: of a servo, its command."""
-        return self if self.sent is None else replace(self, force=self.sent)
+        return self if self.sent is None else replace(self, force=self.sent.value)
 
 
 def even_grid(
@@ -106,20 +110,38 @@ def even_grid(
         on_grid = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
     else:
         grid, on_grid = time_s, dict(columns)
+    moment = None
     if steps:
-        force = _mean_of_steps(grid, interval, own, force)
+        force, moment = _steps_of(grid, interval, own, force)
     elif force_time_s is not None or grid is not time_s:
         force = np.interp(grid, own, force)
-    return EvenLog(grid, on_grid.pop("position"), force, is_logged, interval, on_grid)
+    position = on_grid.pop("position")
+    return EvenLog(grid, position, force, is_logged, interval, on_grid, moment=moment)
 
 
-def _mean_of_steps(grid: Array, interval: float, time_s: Array, sent: Array) -> Array:
-    """Return the mean, over an interval about each place of a grid, of what is held, (G,)."""
+def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple[Array, Array]:
+    """Return the mean of what is held over an interval about each place of a grid, and its moment.
+
+    The moment is that about the place, over the interval; both of shape (G,).
+    """
     edges = np.concatenate([[time_s[0] - interval], time_s, [time_s[-1] + interval]])
     lasts = np.concatenate([sent[:1], sent])
-    sums = np.concatenate([[0.0], np.cumsum(lasts * np.diff(edges))])
-    ends = (np.interp(grid + side * interval, edges, sums) for side in (0.5, -0.5))
-    return np.asarray((next(ends) - next(ends)) / interval)
+    lengths = np.diff(edges)
+    sums = np.concatenate([[0.0], np.cumsum(lasts * lengths)])
+    twice = np.concatenate([[0.0], np.cumsum((sums[:-1] + 0.5 * lasts * lengths) * lengths)])
+
+    def until(time: Array) -> tuple[Array, Array]:
+        """Return the integral until some times, and the integral of that."""
+        beyond = time.clip(edges[0], edges[-1])
+        at = (np.searchsorted(edges, beyond, side="right") - 1).clip(0, lasts.size - 1)
+        since = beyond - edges[at]
+        once = np.interp(time, edges, sums)
+        return once, twice[at] + (sums[at] + 0.5 * lasts[at] * since) * since
+
+    high, high_twice = until(grid + 0.5 * interval)
+    low, low_twice = until(grid - 0.5 * interval)
+    moment = 0.5 * interval * (high + low) - (high_twice - low_twice)
+    return (high - low) / interval, moment / interval
 
 
 def given(log: EvenLog, limit: float) -> EvenLog:

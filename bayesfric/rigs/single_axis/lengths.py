@@ -166,7 +166,8 @@ class _Rows(NamedTuple):
     ) -> _OwnShares:
         """Return the best load on a spring whose mass and friction are not tied."""
         heavy, near, damped = (values.ravel() for values in np.meshgrid(shares, lengths, dampings))
-        mass, friction = self.measures.mass, self.measures.friction
+        mass = self.measures.mass + self.readings.known_inertia
+        friction = self.measures.friction
         moved = self.readings.followed.side_by_side(
             "spring", friction / mass, heavy, near / heavy, damped
         )

@@ -134,6 +134,8 @@ def _forces(
 ) -> dict[str, Array]:
     """Return the force of each window, and what it does in time, in the way's sense."""
     force = test.over(log.force, test.value, centres)
+    if log.sent is not None:
+        force += replace(log.sent, value=np.zeros(log.force.size)).over(test, centres)
     if log.known_force is not None:
         force = force - log.known_force.over(test, centres)
     acting = given(log, limit)

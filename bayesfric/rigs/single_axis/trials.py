@@ -385,15 +385,18 @@ class AxisRuns(PlainTrials):
         if self.servo is not None:
             return "the command is in the drive force itself, so that it is no instrument"
         rows, readings = self._rows(self._rough), self.readings
-        speed = rows.mean(readings.speed)
-        others = [rows.candidate_column(candidate) for candidate, _ in acting]
+        others: dict[str, Array] = {}
+        for candidate, _ in acting:
+            column = rows.candidate_column(candidate)
+            if not isinstance(column, Unsupported):
+                others[candidate.effect.name] = column
         columns = np.column_stack(
             [
                 readings.acceleration,
-                speed,
+                rows.mean(readings.speed),
                 np.ones(readings.count),
                 *rows.nuisance_columns().T,
-                *(column for column in others if not isinstance(column, Unsupported)),
+                *others.values(),
             ]
         )
         inside = self.measures.limit.within(readings)
@@ -402,8 +405,12 @@ class AxisRuns(PlainTrials):
             columns[inside],
             readings.instruments[inside],
             readings.piece[inside],
+            tuple(others),
         )
-        return comparison if isinstance(comparison, str) else comparison.stored(self.measures.unit)
+        units = {candidate.effect.name: candidate.effect.amplitude.unit for candidate, _ in acting}
+        if isinstance(comparison, str):
+            return comparison
+        return comparison.stored(self.measures.unit, units)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -438,6 +445,11 @@ class AxisRuns(PlainTrials):
     def has_pulleys(self) -> bool:
         """False."""
         return False
+
+    @property
+    def along_path(self) -> bool:
+        """True."""
+        return True
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
