@@ -42,6 +42,7 @@ from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
 from bayesfric.diagnosis.showing import (
+    few_windows,
     loosely_known,
     share_of_friction,
     why_not_shown,
@@ -251,9 +252,9 @@ def _diagnose(
             gap, practical, told_as_remainder=remainder.significant, implausible=beyond
         )
     instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
-    bent = None if why is not None or elsewhere else not_held(instrument, named)
-    contradicted = why is not None or elsewhere or bent is not None
-    if contradicted and bent is None:
+    open_because = None if why is not None or elsewhere else not_held(instrument, named)
+    contradicted = why is not None or elsewhere or open_because is not None
+    if contradicted and open_because is None:
         apart = overruled(
             searched, effects_known, [named] if named else [[name] for name in rivals], above
         )
@@ -275,6 +276,11 @@ def _diagnose(
         none_before=analysis.diagnosis.hypotheses.none,
         shown=not_shown is None and unexplained_by_scatter is None,
     )
+    if verdict == "unknown" and not contradicted and data.rigs[0].along_path:
+        open_because = data.rigs[0].open_still or few_windows(residuals, along_path=True)
+        verdict, chance = (
+            ("undecided", max(above, 1 - above)) if open_because else (verdict, chance)
+        )
     where, unexplained, why_all = where_it_lies(
         plain, held_out.before, residuals, posterior, examined, where_rng
     )
@@ -326,7 +332,7 @@ def _diagnose(
         why,
         unexplained_by_scatter if above < RULES.likely else None,
         windows_told(residuals),
-        bent,
+        open_because,
     )
     errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
@@ -359,7 +365,7 @@ def _diagnose(
         present=beside,
         possible=causes_named(possible),
         considered=considered,
-        overruled_by=why or bent,
+        overruled_by=why or (open_because if contradicted else None),
         enter=to_enter,
         enter_why=not_entered,
         untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},

@@ -19,7 +19,7 @@ from bayesfric.rigs.single_axis.enough import (
     too_short,
     without_force,
 )
-from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.even_log import EvenLog, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -53,6 +53,7 @@ class Entering(NamedTuple):
     dither: Dither
     servo: Servo | None
     constants: RigConstants
+    spikes: float
 
 
 def entering(
@@ -121,6 +122,8 @@ def entering(
     readings, limit = limited
     if servo is not None:
         readings = with_open_stiffness(readings, servo)
+    sensed = constants.force_is in MEASURED
+    spiky = max((spikes(log.force) for log in recorded), default=0.0) if sensed else 0.0
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
     turns = _turns(readings, table["run"])
@@ -163,6 +166,7 @@ def entering(
         dither,
         servo,
         constants,
+        spiky,
     )
 
 

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import scipy
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
@@ -17,6 +18,9 @@ SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way
 FINE = 0.005  # of the top speed, to which a speed is told well
 QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
 LEAST_SAMPLES = 16
+AROUND = 3  # samples on either side of a reading that may be a spike
+SPIKE = (5.0, 4.0)  # times the spread about it, and times that of the run, by which it is off
+OFTEN = 0.01  # of a run's readings, from which on spikes are a habit of the sensor
 
 
 @dataclass(frozen=True)
@@ -123,6 +127,28 @@ def _mean_of_steps(grid: Array, interval: float, time_s: Array, sent: Array) -> 
     sums = np.concatenate([[0.0], np.cumsum(lasts * np.diff(edges))])
     ends = (np.interp(grid + side * interval, edges, sums) for side in (0.5, -0.5))
     return np.asarray((next(ends) - next(ends)) / interval)
+
+
+def spikes(force: Array) -> float:
+    """Return the share of a run's readings that are spikes; 0 where they are single ones.
+
+    A spike is far from the median of the few readings about it, by their own spread and by that
+    of the whole run: a step, and a force that goes to and fro, are none.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        As it was logged.
+    """
+    if force.size <= 2 * AROUND:
+        return 0.0
+    about = sliding_window_view(np.pad(force, AROUND, mode="edge"), 2 * AROUND + 1)
+    middle = np.median(about, axis=1)
+    spread = NORMAL * np.median(np.abs(about - middle[:, None]), axis=1)
+    off = np.abs(force - middle)
+    usual = NORMAL * float(np.median(off))
+    share = float(np.mean((off > SPIKE[0] * spread) & (off > SPIKE[1] * usual)))
+    return share if usual > 0 and share > OFTEN else 0.0
 
 
 def given(log: EvenLog, limit: float) -> EvenLog:
