@@ -196,6 +196,10 @@ class RigTrials(Protocol):
     def along_path(self) -> bool:
         """Whether its windows are neighbours along the path of a machine, and hang together."""
 
+    @property
+    def open_still(self) -> str | None:
+        """Why a force that no effect explains is no finding here; None where it may be one."""
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
 
