@@ -16,7 +16,7 @@ from bayesfric.attention import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
-from bayesfric.diagnosis.causes import causes_of, inclusion_of
+from bayesfric.diagnosis.causes import causes_of, implausible, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
@@ -28,10 +28,10 @@ from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
+from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent
 from bayesfric.diagnosis.joints import diagnosed_together
 from bayesfric.diagnosis.judging import judge
-from bayesfric.diagnosis.law import law_of_diagnosis
+from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
@@ -219,8 +219,8 @@ def _diagnose(
 
     first, first_found = without_strays(first, first_found, with_weights)
     model, searched = _finals(first, first_found, steps)
-    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(7)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng, block_rng, order_rng, law_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(8)
     )
     judged = judge(model, searched, law_shipped, practical, draw_rng)
     searched, best = judged.search, judged.search.best()
@@ -246,9 +246,14 @@ def _diagnose(
     elsewhere = looks_like_others(named, rivals, examined, others, gap, amounts)
     why = None
     if remainder is not None:
-        why = why_overruled(gap, practical, told_as_remainder=remainder.significant)
-    contradicted = why is not None or elsewhere
-    if contradicted:
+        beyond = implausible(named, model, searched, posterior) if data.rigs[0].along_path else ()
+        why = why_overruled(
+            gap, practical, told_as_remainder=remainder.significant, implausible=beyond
+        )
+    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
+    bent = None if why is not None or elsewhere else not_held(instrument, named)
+    contradicted = why is not None or elsewhere or bent is not None
+    if contradicted and bent is None:
         apart = overruled(
             searched, effects_known, [named] if named else [[name] for name in rivals], above
         )
@@ -256,8 +261,8 @@ def _diagnose(
         present, possible = apart.present, apart.possible
         chances = searched.probabilities()
     together = () if elsewhere else sets_of_one(chances, effects_known, named)
-    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
-    not_shown = why_not_shown(searched, residuals) or loosely_known(model, residuals, posterior)
+    not_shown = why_not_shown(searched, residuals, along_path=data.rigs[0].along_path)
+    not_shown = not_shown or loosely_known(model, residuals, posterior)
     not_shown = not_shown or why_bent(instrument)
     unexplained_by_scatter = unlike_scatter(
         gap, residuals, held_out.inside[1], posterior, practical, order_rng
@@ -293,7 +298,8 @@ def _diagnose(
         causes = ()
     unseparated = unseparated_of(searched.classes, together)
     proposals, no_proposal = next_experiment(model, searched, chances)
-    law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    scatter = scatter_of_runs(model, plain, held_out.inside[2])
+    law_found = law_of_diagnosis(model, psi, posterior, residuals, scatter, law_rng)
     law_found = by_the_instrument(law_found, instrument)
     to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap, residuals)
     asked_for = None
@@ -320,6 +326,7 @@ def _diagnose(
         why,
         unexplained_by_scatter if above < RULES.likely else None,
         windows_told(residuals),
+        bent,
     )
     errors = () if amounts is None else model_errors([amounts])
     summary = DiagnosisFile(
@@ -352,7 +359,7 @@ def _diagnose(
         present=beside,
         possible=causes_named(possible),
         considered=considered,
-        overruled_by=why,
+        overruled_by=why or bent,
         enter=to_enter,
         enter_why=not_entered,
         untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},

@@ -19,7 +19,7 @@ TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
 
 
-def why_not_shown(search: Search, residuals: Residuals) -> str | None:
+def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> str | None:
     """Return why the data could not have shown a gap; None where they could.
 
     Parameters
@@ -28,12 +28,15 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
         Hypotheses, an unknown force among them where something varied.
     residuals : Residuals
         Windows of the recording.
+    along_path : bool
+        Whether windows are neighbours along the path of a joint, and hang together.
     """
+    windows_a_number = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
     windows, numbers = residuals.independent, _numbers(residuals)
-    if windows < RULES.windows_a_number * numbers:
+    if windows < windows_a_number * numbers:
         return (
             f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
-            f"of the law, and {RULES.windows_a_number * numbers} are needed"
+            f"of the law, and {windows_a_number * numbers} are needed"
         )
     if search.unknown is None:
         return "nothing varied along which a force could show"

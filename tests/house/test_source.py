@@ -21,13 +21,6 @@ from house.source import (
 NOT_YET_NAMED: dict[str, int] = {}
 NOT_YET_SHORT = {
     "diagnosis/diagnosing.py _diagnose",
-    "diagnosis/model.py __init__",
-    "diagnosis/search.py compare",
-    "diagnosis/search.py search",
-    "diagnosis/stored.py gap_of",
-    "diagnosis/systematic.py posterior_of",
-    "diagnosis/unknown.py unknown_force",
-    "rigs/single_axis/entering.py entering",
 }
 NOT_YET_STRAIGHT: list[set[str]] = []
 # End of what is not yet held.

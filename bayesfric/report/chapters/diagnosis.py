@@ -120,7 +120,7 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
         ["Which effect causes it?", _caused(record)],
     ]
     if record.considered:
-        rows.append(["What fits, and misses what was held out?", listed(record.considered)])
+        rows.append(["What fits, and is contradicted?", listed(record.considered)])
     if record.possible:
         beside = " beside that" if record.causes else ""
         rows.append([f"What may act{beside}?", listed(record.possible)])
