@@ -226,6 +226,10 @@ class RigTrials(Protocol):
     def untold(self) -> Mapping[str, str]:
         """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
 
+    @property
+    def scale_share(self) -> float:
+        """Relative standard error of the scale of forces, that amplitudes of effects know not."""
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
 

@@ -29,7 +29,12 @@ from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
 from bayesfric.rigs.single_axis.rows import varied_columns
-from bayesfric.rigs.single_axis.servo import Servo, servo_of, with_open_stiffness
+from bayesfric.rigs.single_axis.servo import (
+    Servo,
+    servo_of,
+    with_open_delay,
+    with_open_stiffness,
+)
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
@@ -99,7 +104,7 @@ def entering(
         return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = limited
     if servo is not None:
-        readings = with_open_stiffness(readings, servo)
+        readings = with_open_stiffness(with_open_delay(readings), servo)
     table = pd.DataFrame(recorded.rows).assign(**NO_CABLE)
     measures = measures_of(readings, logs, constants, limit)
     turns = _turns(readings, table["run"])

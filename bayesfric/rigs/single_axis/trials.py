@@ -352,6 +352,11 @@ class AxisRuns(PlainTrials):
         too_slow = self.servo is not None and not self.servo.tells_inertia
         return {"mass": self.servo.no_inertia} if self.servo is not None and too_slow else {}
 
+    @property
+    def scale_share(self) -> float:
+        """That of a servo's stiffness."""
+        return 0.0 if self.servo is None else self.servo.stiffness_sd / self.servo.stiffness
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared, and in the log itself.
 
