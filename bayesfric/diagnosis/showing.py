@@ -12,8 +12,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
 
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
