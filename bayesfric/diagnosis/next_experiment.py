@@ -61,7 +61,7 @@ def next_experiment(
     laid = [rig.next_trials(model.laws) for rig in model.data.rigs]
     rigs = tuple(trials for trials in laid if trials is not None)
     if not rigs:
-        return (), "within what was recorded, no rig can run another trial that can be predicted"
+        return (), "no further trial of such a recording can be predicted"
     proposals = []
     for first, other in combinations(open_, 2):
         best = _most_telling(model, Data(rigs), first, other)

@@ -196,6 +196,10 @@ class RigTrials(Protocol):
     def along_path(self) -> bool:
         """Whether its windows are neighbours along the path of a machine, and hang together."""
 
+    @property
+    def open_still(self) -> str | None:
+        """Why a force that no effect explains is no finding here; None where it may be one."""
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
 
@@ -221,6 +225,10 @@ class RigTrials(Protocol):
     @property
     def untold(self) -> Mapping[str, str]:
         """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
+
+    @property
+    def scale_share(self) -> float:
+        """Relative standard error of the scale of forces, that amplitudes of effects know not."""
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
