@@ -52,7 +52,7 @@ from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.strays import far_rows, without_strays
-from bayesfric.diagnosis.structure import unlike_scatter
+from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.undeclared import undeclared
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
@@ -267,7 +267,7 @@ def _diagnose(
     not_shown = not_shown or why_bent(instrument)
     unexplained_by_scatter = unlike_scatter(
         gap, residuals, held_out.inside[1], posterior, practical, order_rng
-    )
+    ) or changes_slowly(model.noise.named(settled.psi), practical)
     verdict, chance = decide(
         chances,
         [] if contradicted else [effect for effect in effects_known if effect.effect in named],
