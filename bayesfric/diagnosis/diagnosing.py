@@ -251,8 +251,15 @@ def _diagnose(
         why = why_overruled(
             gap, practical, told_as_remainder=remainder.significant, implausible=beyond
         )
-    instrument = data.rigs[0].instrument(model.amplitudes(best.at, best.acting))
-    open_because = None if why is not None or elsewhere else not_held(instrument, named)
+    acting = model.amplitudes(best.at, best.acting)
+    instrument = data.rigs[0].instrument(acting)
+    whose = {
+        law.effect: candidate.effect.name
+        for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
+    }
+    open_because = None
+    if why is None and not elsewhere:
+        open_because = not_held(instrument, {name: whose.get(name, name) for name in named})
     contradicted = why is not None or elsewhere or open_because is not None
     if contradicted and open_because is None:
         apart = overruled(
