@@ -34,6 +34,7 @@ from bayesfric.report.content import (
     Block,
     BulletList,
     Code,
+    Column,
     Figure,
     Inline,
     Notice,
@@ -148,16 +149,12 @@ def expected(stored: StoredFit, *, coefficients: bool) -> Iterator[Block]:
     if not sizes:
         return
     none = ["", "", ""]
+    heads: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
     yield Table(
         "Use these coefficients; friction to expect of a run."
         if numbers
         else "What friction to expect of a run, at the recording's own conditions.",
-        [
-            *(["pulley", *coefficient_heads(fit)] if numbers else []),
-            "condition",
-            "friction",
-            "on a new assembly",
-        ],
+        [*heads, "condition", "friction", "on a new assembly"],
         [
             [*([size, *numbers.get(size, none)] if numbers else []), *runs.get(size, none)]
             for size in sizes
