@@ -1,6 +1,5 @@
-"""What the rows of every rig have in common as information on the numbers of a hypothesis."""
+"""Rows of a rig laid out: columns of the numbers of a hypothesis, and what scatters."""
 
-from collections.abc import Iterable, Mapping
 from copy import copy
 from typing import Protocol, Self
 
@@ -9,10 +8,9 @@ import pandas as pd
 
 from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate, on_friction
-from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import Run
+from bayesfric.observation.linear import LinearRig
 from bayesfric.observation.unsupported import Unsupported
 
 
@@ -43,65 +41,7 @@ class LaidRows(Protocol):
         """Return what a relative deviation of friction of 1 adds to each row, (E,)."""
 
 
-class LinearPart:
-    """The trials of a rig as information on the numbers of a hypothesis.
-
-    A rig brings :meth:`~bayesfric.observation.linear.LinearRig.evaluate` and what depends on
-    its noise.
-
-    Parameters
-    ----------
-    table : DataFrame
-        N trials.
-    model : ModelColumns
-        What is made of them.
-
-    Attributes
-    ----------
-    size, setup : ndarray of int, shape (N,)
-        Place of each trial's pulley size, and its assembly.
-    layout : Layout
-        Where numbers stand.
-    """
-
-    def __init__(self, table: pd.DataFrame, model: ModelColumns) -> None:
-        self.layout = model.layout
-        sizes = table["pulley_size"]
-        self.size = np.array([model.layout.sizes.index(size) for size in sizes], dtype=np.intp)
-        self.setup = pd.factorize(table["setup"])[0].astype(np.intp)
-
-    def joined(self, of_sizes: Iterable[tuple[int, Array, Array]], constant: float) -> Information:
-        """Return what trials of all sizes say of the numbers of all sizes.
-
-        Parameters
-        ----------
-        of_sizes : iterable of (int, ndarray, ndarray)
-            Place of a size, and precision (k, k) and slope (k,) of its local numbers.
-        constant : float
-            Of all sizes.
-        """
-        parts = list(of_sizes)
-        width = len(parts[0][2])
-        total = self.layout.total(width)
-        precision, slope = np.zeros((total, total)), np.zeros(total)
-        for size, own_precision, own_slope in parts:
-            place = self.layout.spread(width, size)
-            precision[np.ix_(place, place)] += own_precision
-            slope[place] += own_slope
-        return Information(precision, slope, constant)
-
-    def phase_strength(self, place: int) -> float:
-        """Return the squared signal over noise of phases at unit amplitude: here none shows."""
-        del place
-        return 0.0
-
-    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return the trials that run freely from their first events: none."""
-        del noise, numbers
-        return {}
-
-
-class ColumnsPart(LinearPart):
+class ColumnsPart(LinearRig):
     """The same with the columns of the local numbers, (E, q), kept as they are."""
 
     columns: Array

@@ -40,7 +40,7 @@ class PointPart(ColumnsPart):
 
     Parameters
     ----------
-    rows : PointRows
+    rows : LinearReadings
         The readings, linear around the reference law.
     model : ModelColumns
         What is made of them; trials are kept one by one, whether or not any is left out.
@@ -53,9 +53,11 @@ class PointPart(ColumnsPart):
         Of the local numbers, in the unit of the readings.
     """
 
-    def __init__(self, rows: PointRows, model: ModelColumns, place: int) -> None:
-        super().__init__(rows.table, model)
-        self.rows, setups = rows, int(self.setup.max()) + 1
+    rows: "LinearReadings"
+
+    def __init__(self, rows: "LinearReadings", model: ModelColumns, place: int) -> None:
+        super().__init__(rows, model)
+        setups = int(self.setup.max()) + 1
         loaded = rows.table.groupby(["setup", *rows.loads], sort=False).ngroup()
         self._load = loaded.to_numpy()
         first = [int(np.argmax(self._load == load)) for load in range(self._load.max() + 1)]

@@ -16,8 +16,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import Evaluated, Run
-from bayesfric.observation.part import LinearPart
+from bayesfric.observation.linear import Evaluated, LinearRig, Run
 from bayesfric.observation.windows import Windows
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
@@ -40,12 +39,12 @@ from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 _Sizes = tuple[OneSize, ...]
 
 
-class GravityPart(LinearPart):
+class GravityPart(LinearRig):
     """Events of the gravity board as information on the numbers of a hypothesis.
 
     Parameters
     ----------
-    rows : GravityRows
+    rows : LinearEvents
         Events, linear around the reference law.
     model : ModelColumns
         What is made of them.
@@ -60,9 +59,10 @@ class GravityPart(LinearPart):
         The phases of candidates that have some, among the columns that scatter.
     """
 
-    def __init__(self, rows: GravityRows, model: ModelColumns, place: int) -> None:
-        super().__init__(rows.table, model)
-        self.rows = rows
+    rows: "LinearEvents"
+
+    def __init__(self, rows: "LinearEvents", model: ModelColumns, place: int) -> None:
+        super().__init__(rows, model)
         self._travel = float(rows.covariates()["displacement"].max())
         self._model, self._place = model, place
         self._squeeze: Array | None = None

@@ -60,9 +60,11 @@ class AxisPart(ColumnsPart):
         Of the rig among all.
     """
 
+    rows: "LinearAxis"
+
     def __init__(self, rows: "LinearAxis", model: ModelColumns, place: int) -> None:
-        super().__init__(rows.table, model)
-        self.rows, self._which = rows, int(self.size[0])
+        super().__init__(rows, model)
+        self._which = int(self.size[0])
         force = model.friction_scale[rows.table["pulley_size"].iloc[0]]
         # Parts of one run share its scatter, as runs of one assembly do.
         alike = min(("setup", "run"), key=lambda name: rows.table[name].nunique())
