@@ -123,10 +123,10 @@ class DiagnosisThresholds:
         1.0, "1", "a remainder is significant above this log10 Bayes factor", "unknown-force"
     )
     other_joints_left: float = rule(
-        0.1, "friction", "other joints may pull where a gap of this size is left", "joints"
+        0.1, "friction", "other joints may pull where a gap of this size is left", "axis-windows"
     )
     other_joints_of_gap: float = rule(
-        0.05, "gap", "and where it is also at least this part of the gap", "joints"
+        0.05, "gap", "and where it is also at least this part of the gap", "axis-windows"
     )
     stray: float = rule(
         5.0, "sd", "a reading that is farther off counts little: one of a million is", "strays"
@@ -141,6 +141,18 @@ class DiagnosisThresholds:
     stray_told: float = rule(0.5, "1", "a stray of a smaller weight is listed by name", "strays")
     windows_a_number: int = rule(
         3, "windows", "with fewer for each number of the law a recording shows no gap", "inclusion"
+    )
+    windows_a_number_of_joints: int = rule(
+        8, "windows", "the same of a joint, whose windows hang together along its path", "inclusion"
+    )
+    instrument_errors: float = rule(
+        3.0, "sd", "where an instrument alarms a cause is held that it tells from zero", "joints"
+    )
+    instrument_keeps: float = rule(
+        0.5, "1", "and of which it tells this part of what least squares tell", "joints"
+    )
+    runs_of_scatter: int = rule(
+        4, "runs", "fewer do not tell how far the law is off for runs to come", "joints"
     )
     unknown_less_likely: float = rule(
         log(2),

@@ -1,10 +1,13 @@
 """Effects as they are reported: how large each is, how certain, and whether it is plausible."""
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.special import ndtri
 
 from bayesfric.arrays import Array
+from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.checked import Checked, factor_error
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
@@ -12,11 +15,13 @@ from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, measures
 from bayesfric.diagnosis.weighing import Weighed
-from bayesfric.effects import EffectParameter
+from bayesfric.effects import Effect, EffectParameter
 from bayesfric.inference.priors import describe
 from bayesfric.schemas import Cause, EffectNumber, Inclusion
 
 LN10 = float(np.log(10))
+FORCES = re.compile("^(N|kg)")
+"""Begins the unit of an amplitude that is in the scale of forces."""
 
 
 def known_of(
@@ -80,6 +85,48 @@ def inclusion_of(
     return tuple(rows)
 
 
+def implausible(
+    names: Sequence[str], model: LinearModel, search: Search, posterior: Posterior
+) -> list[str]:
+    """Return the effects whose amplitude lies outside of what is plausible.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects that some weighed hypothesis has.
+    model, search, posterior
+        As of :func:`known_of`.
+    """
+    drawn = [name for name in names if name in posterior.amplitudes]
+    return [
+        name
+        for name in drawn
+        if not _is_plausible(_effect_of(name, model, search), posterior.amplitudes[name])
+    ]
+
+
+def _best_with(name: str, search: Search) -> Weighed | None:
+    within = [weighed for weighed in search.weighed.values() if name in weighed.names]
+    return max(within, key=search.worth) if within else None
+
+
+def _law_of(name: str, best: Weighed) -> Law:
+    return next(law for law in (*best.acting.laws, *best.acting.phases) if law.effect == name)
+
+
+def _effect_of(name: str, model: LinearModel, search: Search) -> Effect:
+    """Return an effect by the law that it has in the best hypothesis with it: maybe a twin's."""
+    best = _best_with(name, search)
+    if best is None:
+        return model.analysed(name)
+    return model.candidates[_law_of(name, best).places[0]].effect
+
+
+def _is_plausible(effect: Effect, amplitude: Array) -> bool:
+    low, high = effect.amplitude.plausible
+    return bool(low <= float(np.median(amplitude)) <= high)
+
+
 def causes_of(
     names: Sequence[str],
     model: LinearModel,
@@ -105,15 +152,15 @@ def causes_of(
     chances = inclusion(search)
     causes = []
     for name in names:
-        within = [weighed for weighed in search.weighed.values() if name in weighed.names]
-        if not within or name not in posterior.amplitudes:
+        best = _best_with(name, search)
+        if best is None or name not in posterior.amplitudes:
             continue
-        best = max(within, key=search.worth)
-        law = next(law for law in (*best.acting.laws, *best.acting.phases) if law.effect == name)
+        law = _law_of(name, best)
         effect = model.candidates[law.places[0]].effect
         amplitude, shape = posterior.amplitudes[name], posterior.shapes.get(name, np.empty(0))
-        middle = float(np.median(amplitude))
-        low, high = effect.amplitude.plausible
+        if FORCES.search(effect.amplitude.unit):
+            share = max(rig.scale_share for rig in model.data.rigs)
+            amplitude = amplitude * (1 + share * _standard(amplitude.size))
         # The law may be a twin's, which this rig does not tell apart: so are its parameters.
         whose = "" if effect.name == name else f"{effect.name}."
         parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
@@ -138,8 +185,8 @@ def causes_of(
                 log10_bayes_factor_se_why=error_why,
                 law=law.law,
                 parameters=parameters,
-                plausible=low <= middle <= high,
-                plausible_range=(low, high),
+                plausible=_is_plausible(effect, amplitude),
+                plausible_range=effect.amplitude.plausible,
                 plausible_reference=effect.amplitude.reference,
                 strength=strength,
                 makes_a_gap=posterior.left.get(name, 0.0) >= practical,
@@ -147,6 +194,14 @@ def causes_of(
             )
         )
     return tuple(causes)
+
+
+def _standard(count: int) -> Array:
+    """Return numbers that are spread as a standard normal is, in no order, (count,)."""
+    if count == 0:
+        return np.zeros(0)
+    spread = ndtri((np.arange(count) + 0.5) / count)
+    return np.asarray(np.random.default_rng(0).permutation(spread))
 
 
 def _number(parameter: EffectParameter, draws: Array) -> EffectNumber:

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import comb
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -12,8 +12,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import COEFFICIENTS
 
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
@@ -56,21 +56,51 @@ class Classes:
         Other effects, with the reason.
     odds : mapping of str to float
         Prior odds of classes, by their first effect, that are likelier than others.
+    ladders : mapping of str to str
+        Ladders of classes, by their first effect, of those that are a rung of one: no two rungs of
+        a ladder act together.
     """
 
     members: tuple[tuple[str, ...], ...]
     absorbed: tuple[AbsorbedEffect, ...]
     left_out: dict[str, str]
     odds: Mapping[str, float] = field(default_factory=dict)
+    ladders: Mapping[str, str] = field(default_factory=dict)
 
     def log_prior_among(self, names: Collection[str]) -> float:
-        """Return the log prior that these act, of all sets of as many classes."""
-        if not self.odds:
-            return -float(np.log(comb(len(self.members), len(names))))
-        every = [self.odds.get(members[0], 1.0) for members in self.members]
-        # Of the polynomial whose roots are −odds a coefficient is the sum of all products.
-        products = np.poly(-np.array(every))[len(names)]
-        return float(np.log(np.prod([self.odds.get(name, 1.0) for name in names]) / products))
+        """Return the log prior that these act, of all sets of as many classes that may."""
+        own = [self.odds.get(name, 1.0) for name in names]
+        return float(np.log(np.prod(own)) - np.log(self._products[len(names)]))
+
+    @cached_property
+    def _products(self) -> Array:
+        """Sums of the products of odds over all sets of n classes that may act together, by n.
+
+        They are coefficients of a product of polynomials: 1 + odds x of a class, and of a ladder,
+        of which one rung acts at most, 1 + (sum of odds) x.
+        """
+        odds: dict[str, float] = {}
+        for own in self.members:
+            factor = self.ladders.get(own[0], own[0])
+            odds[factor] = odds.get(factor, 0.0) + self.odds.get(own[0], 1.0)
+        products = np.ones(1)
+        for factor_odds in odds.values():
+            products = np.convolve(products, [1.0, factor_odds])
+        return products
+
+    def may_act_together(self, names: Sequence[str]) -> bool:
+        """Return whether no two effects are rungs of one ladder."""
+        ladders = [self.ladders[name] for name in names if name in self.ladders]
+        return len(set(ladders)) == len(ladders)
+
+    def other_rungs(self, names: Sequence[str]) -> list[tuple[str, ...]]:
+        """Return effects that act with another rung in the place of one of theirs, each sorted."""
+        return [
+            tuple(sorted(other if name == rung else name for name in names))
+            for rung in names
+            for other, ladder in self.ladders.items()
+            if other != rung and ladder == self.ladders.get(rung)
+        ]
 
 
 def classes_of(model: LinearModel, psi: Array) -> Classes:
@@ -133,7 +163,9 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     chosen = tuple(tuple(alike) for alike in members)
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
     likelier = odds if any(value != 1 for value in odds.values()) else {}
-    return Classes(chosen, tuple(absorbed), left_out, likelier)
+    ladders = {own[0]: model.candidates[names[own[0]][0]].effect.ladder for own in chosen}
+    rungs = {name: ladder for name, ladder in ladders.items() if ladder}
+    return Classes(chosen, tuple(absorbed), left_out, likelier, rungs)
 
 
 def _odds(model: LinearModel, places: Sequence[int]) -> float:

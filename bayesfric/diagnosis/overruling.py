@@ -109,7 +109,9 @@ def contradicts(gap: Gap) -> bool:
     return gap.shrink.q95 + RULES.shrink_missed < gap.shrink_of_model.q05
 
 
-def why_overruled(gap: Gap, practical: float, *, told_as_remainder: bool) -> str | None:
+def why_overruled(
+    gap: Gap, practical: float, *, told_as_remainder: bool, implausible: Collection[str] = ()
+) -> str | None:
     """Return by which rule held-out data contradict causes, with its figures; None if by none.
 
     Parameters
@@ -120,6 +122,8 @@ def why_overruled(gap: Gap, practical: float, *, told_as_remainder: bool) -> str
         Practical share of friction.
     told_as_remainder : bool
         Whether a remainder tells what the causes leave.
+    implausible : collection of str
+        Causes that are larger or smaller than in any machine.
     """
     if contradicts(gap):
         assert gap.shrink is not None
@@ -136,6 +140,11 @@ def why_overruled(gap: Gap, practical: float, *, told_as_remainder: bool) -> str
         return (
             f"beyond friction's scatter {gap.held_out_excess:.3g} {gap.unit} rms are left of it "
             "that no remainder tells"
+        )
+    if implausible and told_as_remainder:
+        return (
+            f"{' and '.join(implausible)} would be larger or smaller than is plausible, and a "
+            "force that no effect explains is left"
         )
     return None
 

@@ -9,6 +9,7 @@ from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
 
 ALL_BUT = 0.999
+WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 
 
 PULLS = {
@@ -58,6 +59,8 @@ class Statement:
         What is left that scatter does not explain; None where it explains all.
     recorded : str
         How many windows of how many trials say so.
+    open_because : str or None
+        Why what was considered stays open, or what makes the gap; None where it does not.
     """
 
     verdict: Verdict
@@ -74,6 +77,7 @@ class Statement:
     overruled_by: str | None = None
     unlike_scatter: str | None = None
     recorded: str = ""
+    open_because: str | None = None
 
     @property
     def size(self) -> str:
@@ -179,12 +183,21 @@ def _no_gap(statement: Statement) -> str:
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
         off += f"since {statement.gap.no_share}"
-    by = f", by {statement.recorded}" if statement.recorded else ""
-    return f"Once recalibrated, the simulation is systematically off by {off}{by}.{absorbed}"
+    by = f" This rests on {statement.recorded}." if statement.recorded else ""
+    return f"Once recalibrated, the simulation is systematically off by {off}.{by}{absorbed}"
 
 
 def _undecided(statement: Statement) -> str:
     gap, share = statement.gap, statement.share
+    if statement.open_because is not None and not statement.considered:
+        there = f"A gap of {statement.size} is there {statement.chance}"
+        return f"{there}; what causes it stays open: {statement.open_because}.{statement.place}"
+    if statement.open_because is not None:
+        names = " and ".join(effect.effect for effect in statement.considered)
+        fits = "fits what was recorded, and stays" if len(statement.considered) == 1 else ""
+        return (
+            f"{names} {fits or 'fit what was recorded, and stay'} open: {statement.open_because}."
+        )
     if statement.not_shown is not None and gap.no_share is not None:
         return f"These data could not have shown a gap: {statement.not_shown}; {gap.no_share}."
     if statement.not_shown is not None:
@@ -279,4 +292,6 @@ def _share(shrink: Interval) -> str:
     """Return a share with its interval, which is never printed as all of it."""
     if shrink.q05 >= ALL_BUT:
         return f"more than {ALL_BUT:.1%}"
-    return f"{shrink.q50:.1%} [{shrink.q05:.1%}, {shrink.q95:.1%}]"
+    digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
+    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"

@@ -12,14 +12,14 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
 
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
 
 
-def why_not_shown(search: Search, residuals: Residuals) -> str | None:
+def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> str | None:
     """Return why the data could not have shown a gap; None where they could.
 
     Parameters
@@ -28,13 +28,11 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
         Hypotheses, an unknown force among them where something varied.
     residuals : Residuals
         Windows of the recording.
+    along_path : bool
+        Whether windows are neighbours along the path of a joint, and hang together.
     """
-    windows, numbers = residuals.independent, _numbers(residuals)
-    if windows < RULES.windows_a_number * numbers:
-        return (
-            f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
-            f"of the law, and {RULES.windows_a_number * numbers} are needed"
-        )
+    if few := few_windows(residuals, along_path=along_path):
+        return few
     if search.unknown is None:
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
@@ -44,6 +42,18 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
             f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"
         )
     return None
+
+
+def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
+    """Return that there are too few windows for the law's numbers; None where there are enough."""
+    least = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
+    windows, numbers = residuals.independent, _numbers(residuals)
+    if windows >= least * numbers:
+        return None
+    return (
+        f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
+        f"of the law, and {least * numbers} are needed"
+    )
 
 
 def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior) -> str | None:
@@ -81,8 +91,8 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
 
 def windows_told(residuals: Residuals) -> str:
     """Return how much was recorded, in words."""
-    trials = len(residuals.names)
-    return f"{residuals.independent} windows of {trials} trial{'' if trials == 1 else 's'}"
+    runs = len(residuals.names)
+    return f"{residuals.independent} windows of {runs} run{'' if runs == 1 else 's'}"
 
 
 def _numbers(residuals: Residuals) -> int:

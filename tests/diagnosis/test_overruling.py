@@ -9,7 +9,7 @@ from rigs.friction_points import joint, recorded
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis import diagnosing
+from bayesfric.diagnosis import concluded
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
@@ -80,6 +80,14 @@ def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share
     assert not expected or f"{gap.held_out_excess:.3g} N rms" in why(gap, told=told)
 
 
+@pytest.mark.parametrize(("told", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])])
+def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told, implausible):
+    gap = gap_of(held_out_log_density=None, shrink=None)
+    said = why_overruled(gap, PRACTICAL, told_as_remainder=told, implausible=implausible)
+    assert (said is not None) == bool(implausible)
+    assert said is None or "hysteresis would be larger or smaller" in said
+
+
 def test_what_is_left_beyond_chance_is_a_root_of_squares():
     """Chance makes 4 ± 0.4 N² beside a gap of none: 13 N² leave 3 N, and 5 N² are chance."""
     by_chance = 4 + 0.4 * np.random.default_rng(2).standard_normal(4000)
@@ -144,7 +152,7 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     """Blocks that the cause makes more likely by one nat each, ± 3 or ± a third of one."""
     each = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
     found = BlockDensities(np.zeros(9), each)
-    monkeypatch.setattr(diagnosing, "block_densities", lambda *_: found)
+    monkeypatch.setattr(concluded, "block_densities", lambda *_: found)
     summary = bf.diagnose(recorded(tmp_path / "bench", joint(2.0))).summary
     density = summary.gap.held_out_log_density
     assert (density.difference, density.blocks) == (pytest.approx(9.0), 9)

@@ -144,7 +144,7 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
 
 def test_no_gap_says_how_much_was_recorded():
     said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows of 6 trials")
-    assert said.endswith("% of friction, by 60 windows of 6 trials.")
+    assert said.endswith("% of friction. This rests on 60 windows of 6 trials.")
 
 
 def test_a_gap_of_sensors_alone_is_told_as_none():

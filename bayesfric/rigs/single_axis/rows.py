@@ -11,11 +11,11 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.observation.linear import rank, rms_of
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.linear import rank, rms_of
 from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
@@ -275,7 +275,7 @@ def state_of(
         position_m=rows.position,
         direction=np.broadcast_to(rows.way[:, None], rows.speed.shape),
         drive_force_n=rows.drive,
-        mass_kg=law.mass,
+        mass_kg=law.mass + rows.known_inertia,
         force_rate_n_s=rows.force_rate[:, None],
         lagging_rate_n_s=rows.lagging_rate[:, None],
         force_curvature_n_s2=rows.force_curvature[:, None],

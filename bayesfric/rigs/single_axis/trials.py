@@ -26,6 +26,7 @@ from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
@@ -61,6 +62,7 @@ WORDS = Words(
     "and position may be off by a little (latency), which no friction is blamed for.",
     "setup",
     "setups",
+    AXIS_RULES,
 )
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
@@ -71,9 +73,6 @@ TURNS = {
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
 NO_COULOMB = "law-without-coulomb"
-WELL_KNOWN = 0.05  # of a known force, that its error may be where a gear's gain is to show
-HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
-LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
     "angle",
     "test",
@@ -174,6 +173,8 @@ class AxisRuns(PlainTrials):
         By how much the force was moved in time, because it acts later than it was logged [s].
     dither : Dither
         Windows in which the joint turns back between two counts.
+    spikes : float
+        Share of a run's readings of the force that are spikes; 0 where they are no habit.
     servo : Servo or None
         Whose commands stand in the place of a force; None where a force was logged.
     """
@@ -193,6 +194,7 @@ class AxisRuns(PlainTrials):
     machine: Machine | None = None
     late_s: float = 0.0
     dither: Dither = field(default_factory=Dither)
+    spikes: float = 0.0
     servo: Servo | None = None
 
     @property
@@ -241,7 +243,7 @@ class AxisRuns(PlainTrials):
         weighed = declared and not doubtful and not self.measures.pull
         if weighed or self._load_is_known:
             offered.add("known-load")
-        if np.ptp(self.readings.dwell_s) > LONG_S:
+        if np.ptp(self.readings.dwell_s) > AXIS_RULES.rests_differ:
             offered.add("dwell")
         if np.ptp(np.asarray(self._state(self._rough).warmth)) > 0:
             offered.add("warmth")
@@ -258,7 +260,7 @@ class AxisRuns(PlainTrials):
         """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
         size = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
         stated = self.constants.known_force_sd
-        return stated is not None and stated < WELL_KNOWN * float(size)
+        return stated is not None and stated < AXIS_RULES.load_known * float(size)
 
     @property
     def _carried(self) -> Carried | None:
@@ -268,7 +270,7 @@ class AxisRuns(PlainTrials):
             return None
         held, moved = carried.at(self.readings, self.table)
         size = float(np.sqrt(np.mean((held + moved) ** 2)))
-        return carried if size > HEAVY * self.measures.friction else None
+        return carried if size > AXIS_RULES.heavy_load * self.measures.friction else None
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
@@ -350,6 +352,11 @@ class AxisRuns(PlainTrials):
         too_slow = self.servo is not None and not self.servo.tells_inertia
         return {"mass": self.servo.no_inertia} if self.servo is not None and too_slow else {}
 
+    @property
+    def scale_share(self) -> float:
+        """That of a servo's stiffness."""
+        return 0.0 if self.servo is None else self.servo.stiffness_sd / self.servo.stiffness
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared, and in the log itself.
 
@@ -365,6 +372,12 @@ class AxisRuns(PlainTrials):
             lines.append(
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+            )
+        if self.spikes:
+            lines.append(
+                f"In some run {self.spikes:.1%} of the readings of force_n are spikes of a sample: "
+                "numbers of the law are as good as these are. Filter them where they are read, or "
+                "log the command beside"
             )
         if self.dither.windows:
             done = (
@@ -386,15 +399,18 @@ class AxisRuns(PlainTrials):
         if self.servo is not None:
             return "the command is in the drive force itself, so that it is no instrument"
         rows, readings = self._rows(self._rough), self.readings
-        speed = rows.mean(readings.speed)
-        others = [rows.candidate_column(candidate) for candidate, _ in acting]
+        others: dict[str, Array] = {}
+        for candidate, _ in acting:
+            column = rows.candidate_column(candidate)
+            if not isinstance(column, Unsupported):
+                others[candidate.effect.name] = column
         columns = np.column_stack(
             [
                 readings.acceleration,
-                speed,
+                rows.mean(readings.speed),
                 np.ones(readings.count),
                 *rows.nuisance_columns().T,
-                *(column for column in others if not isinstance(column, Unsupported)),
+                *others.values(),
             ]
         )
         inside = self.measures.limit.within(readings)
@@ -403,8 +419,12 @@ class AxisRuns(PlainTrials):
             columns[inside],
             readings.instruments[inside],
             readings.piece[inside],
+            tuple(others),
         )
-        return comparison if isinstance(comparison, str) else comparison.stored(self.measures.unit)
+        units = {candidate.effect.name: candidate.effect.amplitude.unit for candidate, _ in acting}
+        if isinstance(comparison, str):
+            return comparison
+        return comparison.stored(self.measures.unit, units)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -439,6 +459,27 @@ class AxisRuns(PlainTrials):
     def has_pulleys(self) -> bool:
         """False."""
         return False
+
+    @property
+    def along_path(self) -> bool:
+        """True."""
+        return True
+
+    @property
+    def open_still(self) -> str | None:
+        """That it hardly turns, so that effects of the place were not examined, or spikes."""
+        needed = min(TURNS)
+        if self.turns < needed and self._beside is None:
+            return (
+                f"the joint turns {self.turns} time{'' if self.turns == 1 else 's'}, and from "
+                f"{needed} on it is examined what goes with its place and its direction"
+            )
+        if self.spikes:
+            return (
+                f"{self.spikes:.0%} of the readings of the force are spikes of a sample, and "
+                "whether they acted nobody can say"
+            )
+        return None
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
