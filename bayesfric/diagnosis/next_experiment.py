@@ -18,10 +18,10 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.symmetric import eigen_of
+from bayesfric.observation.layout import COEFFICIENTS
+from bayesfric.observation.linear import LinearRig
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS
-from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
 Places = Whole

@@ -41,6 +41,11 @@ class PulleyTrials:
         """False."""
         return False
 
+    @property
+    def open_still(self) -> str | None:
+        """None."""
+        return None
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
         if law.name in OF_AXES:
@@ -61,6 +66,11 @@ class PulleyTrials:
     def untold(self) -> Mapping[str, str]:
         """None."""
         return {}
+
+    @property
+    def scale_share(self) -> float:
+        """0: forces are of weights."""
+        return 0.0
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return none."""

@@ -7,12 +7,19 @@ import pytest
 
 from bayesfric import checkpoint
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis import diagnose, diagnosing
+from bayesfric.diagnosis import compared, concluded, diagnose, diagnosing
 from bayesfric.results import json_bytes
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-LONG = ("climb", "weigh", "unknown_force", "measure_gap", "block_densities", "where_it_lies")
+LONG = {
+    "climb": compared,
+    "weigh": compared,
+    "unknown_force": compared,
+    "measure_gap": concluded,
+    "block_densities": concluded,
+    "where_it_lies": diagnosing,
+}
 """What takes long, and what comes after it."""
 
 
@@ -28,8 +35,8 @@ class Counted:
 
     def __init__(self, monkeypatch):
         self.done, self.stop = Counter(), (None, 0)
-        for name in LONG:
-            monkeypatch.setattr(diagnosing, name, self.counting(name, getattr(diagnosing, name)))
+        for name, module in LONG.items():
+            monkeypatch.setattr(module, name, self.counting(name, getattr(module, name)))
 
     def counting(self, name, function):
         def counted(*arguments, **options):

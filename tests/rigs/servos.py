@@ -56,15 +56,16 @@ class Servo:
         told = commands[np.clip(np.floor((fine - self.late_s) * self.rate_hz), 0, None).astype(int)]
         place, speed = float(commands[0]), 0.0
         rub, read = step * self.coulomb / inertia, np.empty(times.size)
-        teeth, from_tooth = float(rng.uniform(15.0, 40.0)), float(rng.uniform(0.0, 6.0))
+        waves = rng.uniform((6, 0.2, 0), (50, 1, 2 * np.pi), (5, 3)).tolist()
+        high = self.uneven * math.sqrt(2 / sum(size**2 for _, size, _ in waves))
         kept = 1 / (1 + step * self.damping / inertia)
         told = told.reshape(times.size, steps).tolist()
         for sample, of_sample in enumerate(told):
             read[sample] = place
             for goal in of_sample:
                 force = self.stiffness * (goal - place) - weight * math.sin(place - self.hangs)
-                wave = math.sin(teeth * place + from_tooth)
-                rubbed = rub * (1 + math.sqrt(2) * self.uneven * wave)
+                uneven = sum(size * math.sin(rate * place + start) for rate, size, start in waves)
+                rubbed = rub * (1 + high * uneven)
                 pushed = speed + step * force / inertia
                 if abs(pushed) <= rubbed:
                     speed = 0.0

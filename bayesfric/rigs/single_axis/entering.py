@@ -21,7 +21,7 @@ from bayesfric.rigs.single_axis.enough import (
     too_short,
     without_force,
 )
-from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.even_log import EvenLog, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -29,7 +29,12 @@ from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
 from bayesfric.rigs.single_axis.rows import varied_columns
-from bayesfric.rigs.single_axis.servo import Servo, servo_of, with_open_stiffness
+from bayesfric.rigs.single_axis.servo import (
+    Servo,
+    servo_of,
+    with_open_delay,
+    with_open_stiffness,
+)
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
@@ -52,6 +57,7 @@ class Entering(NamedTuple):
     dither: Dither
     servo: Servo | None
     constants: RigConstants
+    spikes: float
 
 
 class _Logs(NamedTuple):
@@ -98,7 +104,7 @@ def entering(
         return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = limited
     if servo is not None:
-        readings = with_open_stiffness(readings, servo)
+        readings = with_open_stiffness(with_open_delay(readings), servo)
     table = pd.DataFrame(recorded.rows).assign(**NO_CABLE)
     measures = measures_of(readings, logs, constants, limit)
     turns = _turns(readings, table["run"])
@@ -110,6 +116,7 @@ def entering(
     inside = measures.limit.within(readings)
     carried = carried_by(readings, inside, table, varied_columns(axis.runs))
     measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
+    sensed = constants.force_is in MEASURED
     moving = np.unique(readings.trial)
     still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
     chosen = moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")]
@@ -126,6 +133,7 @@ def entering(
         dither,
         servo,
         constants,
+        max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
     )
 
 

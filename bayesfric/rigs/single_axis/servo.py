@@ -28,6 +28,7 @@ from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 ROUNDS = 3  # of the delay, each around the one before
 SURE = 5.0  # standard errors, from which on a known force tells the stiffness
+OPEN_S = 0.001  # of a delay, by which it is open whatever the rows say
 OPEN = 0.3  # relative, that a stiffness may be off by where the rows themselves tell it
 A_PERIOD = 30.0  # samples in a period of the motion, with fewer of which no inertia is told
 MASS, COULOMB, VISCOUS, DELAY, OFFSET = range(5)
@@ -182,11 +183,39 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
     return Servo(_relative(constants, late_s), late_sd_s=sd_s, samples_a_period=period)
 
 
+def with_open_delay(readings: Readings) -> Readings:
+    """Return rows that leave the delay open by a little, and with it damping and inertia.
+
+    Rows tell a delay from damping by a small part of them, in which friction that differs along
+    the path, and that the loop answers, is no error that they know of.
+
+    Parameters
+    ----------
+    readings : Readings
+        W rows.
+    """
+    law = _law(readings)
+    damping = np.linalg.lstsq(law, readings.force, rcond=1e-9)[0][VISCOUS]
+    stiffness = float(np.linalg.norm(law[:, DELAY]) / (np.linalg.norm(law[:, VISCOUS]) or 1.0))
+    later = law[:, VISCOUS] + damping / (stiffness or 1.0) * law[:, MASS]
+    return _with_beside(readings, OPEN_S * (stiffness * later - law[:, DELAY])[:, None])
+
+
+def _with_beside(readings: Readings, columns: Array) -> Readings:
+    """Return rows with more forces of unknown amounts."""
+    shares, count = readings.mixing.shares, columns.shape[1]
+    grown = np.zeros((shares.shape[0] + count, shares.shape[1] + count))
+    grown[: shares.shape[0], : shares.shape[1]] = shares
+    grown[shares.shape[0] :, shares.shape[1] :] = np.eye(count)
+    beside = np.column_stack([readings.beside, columns])
+    return replace(readings, beside=beside, mixing=replace(readings.mixing, shares=grown))
+
+
 def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
     """Return rows that leave the stiffness open, as one more force of unknown amount.
 
     It is a share of what the law, and what is known, make of the force: of the force itself the
-    errors of rows would count as stiffness.
+    errors of rows would count as stiffness. Effects are not in it; see `scale_share` of a rig.
 
     Parameters
     ----------
@@ -201,14 +230,12 @@ def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
     every = np.ones(readings.count, dtype=np.bool_)
     amounts = rough_shares(law, readings.beside, readings.force, every)
     rest = readings.force - readings.beside @ amounts
+    width = np.abs(law).max(axis=0)
+    law = law / np.where(width > 0, width, 1.0)
     numbers = np.linalg.lstsq(law, rest, rcond=1e-9)[0]
     held = (readings.known_held + readings.known_moved) @ readings.weights
     whole = law @ numbers + readings.beside @ amounts + readings.way * held
-    beside = np.column_stack([readings.beside, servo.open_by * whole])
-    shares = readings.mixing.shares
-    grown = np.zeros((shares.shape[0] + 1, shares.shape[1] + 1))
-    grown[:-1, :-1], grown[-1, -1] = shares, 1.0
-    return replace(readings, beside=beside, mixing=replace(readings.mixing, shares=grown))
+    return _with_beside(readings, servo.open_by * whole[:, None])
 
 
 def _relative(constants: RigConstants, late_s: float) -> RigConstants:
