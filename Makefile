@@ -1,5 +1,9 @@
 # Every target sets up what it needs; recipes quote everything, so that a path may hold spaces.
 
+# Whatever the environment says, Python keeps what it compiles: tests start many processes, and
+# each would compile all libraries anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 

@@ -5,20 +5,24 @@ nowhere else, so that no reader meets 1.0000000000000002.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
+from typing import TypeVar
+
+Event = TypeVar("Event", bound=Hashable)
 
 ROUNDING = 1e-9  # by which a sum of probabilities may miss what it should be
 
 LEAST_STATED = 0.001  # below it, and as close to 1, a probability is stated as a bound
 
 
-def normalised(weights: Mapping[str, float]) -> dict[str, float]:
+def normalised(weights: Mapping[Event, float]) -> dict[Event, float]:
     """Return probabilities that are proportional to weights and add up to 1.
 
     Parameters
     ----------
-    weights : mapping of str to float
-        At least one above 0; one that rounding took below 0 counts as 0.
+    weights : mapping to float
+        Of events that exclude one another, at least one above 0; one that rounding took below
+        0 counts as 0.
 
     Raises
     ------

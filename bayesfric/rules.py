@@ -1,4 +1,4 @@
-"""Thresholds of an engine in one frozen dataclass, each with its unit and a sentence."""
+"""Thresholds of an engine in one frozen dataclass: a unit, a sentence and a page each."""
 
 from dataclasses import field, fields
 from typing import Any, NamedTuple
@@ -17,17 +17,20 @@ class Rule(NamedTuple):
         ``1`` for a pure number.
     sentence : str
         What it decides.
+    page : str
+        Of docs/decisions, where that is argued.
     """
 
     name: str
     value: float
     unit: str
     sentence: str
+    page: str
 
 
-def rule(value: float, unit: str, sentence: str) -> Any:
+def rule(value: float, unit: str, sentence: str, page: str) -> Any:
     """Return the field of a threshold, for the body of a frozen dataclass."""
-    return field(default=value, metadata={"unit": unit, "sentence": sentence})
+    return field(default=value, metadata={"unit": unit, "sentence": sentence, "page": page})
 
 
 def rules_of(rules: Any) -> tuple[Rule, ...]:

@@ -12,6 +12,7 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, decide
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.hypothesis import NONE, Hypothesis, printed
 from bayesfric.probabilities import normalised, stated, total
 
 # Four parts of one that floating-point addition makes larger than one.
@@ -43,7 +44,9 @@ def test_normalised_weights_are_probabilities():
 
 
 def test_a_verdict_of_several_hypotheses_that_add_up_to_more_than_one_is_stated():
-    chances = {f"viscous+{name}": part for name, part in zip("abcd", ABOVE_ONE, strict=True)}
+    chances = {
+        Hypothesis(("viscous", name)): part for name, part in zip("abcd", ABOVE_ONE, strict=True)
+    }
     verdict, probability = decide(chances, [KnownEffect("viscous", 1.0, 1.0, 0.1)], 1.0, ())
     assert (verdict, probability) == ("named", 1.0)
 
@@ -55,13 +58,11 @@ def test_hypotheses_add_up_to_one_where_much_of_them_counts_as_unknown(seed):
     at = At(nothing, 0.0, None, None, nothing, np.zeros((0, 0)), at_mode=True)
     names = ["none", "a", "b", "a+b", "a+c", "b+c", "a+b+c"]
     weighed = {
-        name: Weighed(
-            () if name == "none" else tuple(name.split("+")), rng.normal(0, 3), None, Acting(), at
-        )
-        for name in names
+        hypothesis: Weighed(hypothesis.names, rng.normal(0, 3), None, Acting(), at)
+        for hypothesis in map(Hypothesis.parse, names)
     }
     classes = Classes((("a",), ("b",), ("c",)), (), {})
-    foreign = {frozenset("a"): 1.0, frozenset("b"): rng.uniform()}
+    foreign = {Hypothesis("a"): 1.0, Hypothesis("b"): rng.uniform()}
     search = Search(
         weighed, {}, None, classes, Analysis().diagnosis.hypotheses, np.eye(1), 0.0, foreign
     )
@@ -75,7 +76,7 @@ def test_an_unknown_force_of_which_data_say_nothing_keeps_its_prior():
     """One in six, beside none: 0.1 against 0.5."""
     nothing = np.zeros(0)
     at = At(nothing, 0.0, None, None, nothing, np.zeros((0, 0)), at_mode=True)
-    weighed = {"none": Weighed((), -3.0, None, Acting(), at)}
+    weighed = {NONE: Weighed((), -3.0, None, Acting(), at)}
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, Classes((), (), {}), priors, np.eye(1), 0.0, unheard=True)
-    assert search.probabilities() == pytest.approx({"none": 5 / 6, "unknown": 1 / 6})
+    assert printed(search.probabilities()) == pytest.approx({"none": 5 / 6, "unknown": 1 / 6})

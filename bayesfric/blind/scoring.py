@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import permutations
 from typing import Any
 
+from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, parsed
 from bayesfric.probabilities import total
 from bayesfric.schemas import DiagnosisFile, ScoredCase
 
@@ -211,19 +212,19 @@ def _truth_probability(
     names: Sequence[str], kind: str, as_none: bool, diagnosis: DiagnosisFile
 ) -> float:
     """Return the posterior probability of the hypothesis that is true."""
+    chances = parsed(diagnosis.probabilities)
     if as_none:
-        return diagnosis.probabilities.get("none", 0.0)
+        return chances.get(NONE, 0.0)
     if kind == "outsider":
-        return diagnosis.probabilities.get("unknown", 0.0)
+        return chances.get(UNKNOWN, 0.0)
     twins = _twins(diagnosis)
 
-    def is_true(hypothesis: str) -> bool:
-        parts = hypothesis.split("+")
-        return len(parts) == len(names) and all(
-            any(_stands_for(name, part, twins) for part in parts) for name in names
+    def is_true(hypothesis: Hypothesis) -> bool:
+        return len(hypothesis) == len(names) and all(
+            any(_stands_for(name, effect, twins) for effect in hypothesis) for name in names
         )
 
-    return total(chance for name, chance in diagnosis.probabilities.items() if is_true(name))
+    return total(chance for acting, chance in chances.items() if is_true(acting))
 
 
 def _covered(withheld: Sequence[Mapping[str, Any]], diagnosis: DiagnosisFile) -> dict[str, bool]:

@@ -10,11 +10,10 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.recalibrating import Refit, recalibrated, refit_of
 from bayesfric.diagnosis.residuals import Residuals, numbers_of_laws, spread_numbers, used_of
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
-
-ALIKE = 0.05  # of the square of what a cause does, that clocks leave of it
 
 
 @dataclass(frozen=True)
@@ -110,7 +109,7 @@ class Arms:
         done = root * windows.without_law(self.of_causes(windows))
         clocks = root * windows.without_law(windows.columns[:, self._clocks])
         left = done - clocks @ np.linalg.lstsq(clocks, done, rcond=None)[0]
-        return bool(np.all((left**2).sum(axis=0) < ALIKE * (done**2).sum(axis=0)))
+        return bool(np.all((left**2).sum(axis=0) < RULES.alike_clocks * (done**2).sum(axis=0)))
 
     def _with_clocks_of(self, before: Fitted, after: Fitted, residuals: Residuals) -> Fitted:
         """Return the law before, recalibrated with clocks as they are known beside the causes.

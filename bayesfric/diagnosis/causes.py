@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from bayesfric.arrays import Array
+from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.checked import Checked, factor_error
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
@@ -14,7 +15,7 @@ from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, measures
 from bayesfric.diagnosis.weighing import Weighed
-from bayesfric.effects import EffectParameter
+from bayesfric.effects import Effect, EffectParameter
 from bayesfric.inference.priors import describe
 from bayesfric.schemas import Cause, EffectNumber, Inclusion
 
@@ -84,6 +85,48 @@ def inclusion_of(
     return tuple(rows)
 
 
+def implausible(
+    names: Sequence[str], model: LinearModel, search: Search, posterior: Posterior
+) -> list[str]:
+    """Return the effects whose amplitude lies outside of what is plausible.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects that some weighed hypothesis has.
+    model, search, posterior
+        As of :func:`known_of`.
+    """
+    drawn = [name for name in names if name in posterior.amplitudes]
+    return [
+        name
+        for name in drawn
+        if not _is_plausible(_effect_of(name, model, search), posterior.amplitudes[name])
+    ]
+
+
+def _best_with(name: str, search: Search) -> Weighed | None:
+    within = [weighed for weighed in search.weighed.values() if name in weighed.names]
+    return max(within, key=search.worth) if within else None
+
+
+def _law_of(name: str, best: Weighed) -> Law:
+    return next(law for law in (*best.acting.laws, *best.acting.phases) if law.effect == name)
+
+
+def _effect_of(name: str, model: LinearModel, search: Search) -> Effect:
+    """Return an effect by the law that it has in the best hypothesis with it: maybe a twin's."""
+    best = _best_with(name, search)
+    if best is None:
+        return model.analysed(name)
+    return model.candidates[_law_of(name, best).places[0]].effect
+
+
+def _is_plausible(effect: Effect, amplitude: Array) -> bool:
+    low, high = effect.amplitude.plausible
+    return bool(low <= float(np.median(amplitude)) <= high)
+
+
 def causes_of(
     names: Sequence[str],
     model: LinearModel,
@@ -109,18 +152,15 @@ def causes_of(
     chances = inclusion(search)
     causes = []
     for name in names:
-        within = [weighed for weighed in search.weighed.values() if name in weighed.names]
-        if not within or name not in posterior.amplitudes:
+        best = _best_with(name, search)
+        if best is None or name not in posterior.amplitudes:
             continue
-        best = max(within, key=search.worth)
-        law = next(law for law in (*best.acting.laws, *best.acting.phases) if law.effect == name)
+        law = _law_of(name, best)
         effect = model.candidates[law.places[0]].effect
         amplitude, shape = posterior.amplitudes[name], posterior.shapes.get(name, np.empty(0))
         if FORCES.search(effect.amplitude.unit):
             share = max(rig.scale_share for rig in model.data.rigs)
             amplitude = amplitude * (1 + share * _standard(amplitude.size))
-        middle = float(np.median(amplitude))
-        low, high = effect.amplitude.plausible
         # The law may be a twin's, which this rig does not tell apart: so are its parameters.
         whose = "" if effect.name == name else f"{effect.name}."
         parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
@@ -145,8 +185,8 @@ def causes_of(
                 log10_bayes_factor_se_why=error_why,
                 law=law.law,
                 parameters=parameters,
-                plausible=low <= middle <= high,
-                plausible_range=(low, high),
+                plausible=_is_plausible(effect, amplitude),
+                plausible_range=effect.amplitude.plausible,
                 plausible_reference=effect.amplitude.reference,
                 strength=strength,
                 makes_a_gap=posterior.left.get(name, 0.0) >= practical,

@@ -1,25 +1,22 @@
 """Which effects can be told apart at all: by rank, before any evidence."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import comb
+from functools import cached_property
 
 import numpy as np
 import scipy
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS
 
-ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
-LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
-FELT = 1e-2  # squared signal over noise at one prior sd: less, and nobody could notice
-MISSED = 10.0  # the same: more, and what is left of it shows, however little that is of it
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
 
@@ -59,21 +56,51 @@ class Classes:
         Other effects, with the reason.
     odds : mapping of str to float
         Prior odds of classes, by their first effect, that are likelier than others.
+    ladders : mapping of str to str
+        Ladders of classes, by their first effect, of those that are a rung of one: no two rungs of
+        a ladder act together.
     """
 
     members: tuple[tuple[str, ...], ...]
     absorbed: tuple[AbsorbedEffect, ...]
     left_out: dict[str, str]
     odds: Mapping[str, float] = field(default_factory=dict)
+    ladders: Mapping[str, str] = field(default_factory=dict)
 
-    def log_prior_among(self, names: Sequence[str]) -> float:
-        """Return the log prior that these act, of all sets of as many classes."""
-        if not self.odds:
-            return -float(np.log(comb(len(self.members), len(names))))
-        every = [self.odds.get(members[0], 1.0) for members in self.members]
-        # Of the polynomial whose roots are −odds a coefficient is the sum of all products.
-        products = np.poly(-np.array(every))[len(names)]
-        return float(np.log(np.prod([self.odds.get(name, 1.0) for name in names]) / products))
+    def log_prior_among(self, names: Collection[str]) -> float:
+        """Return the log prior that these act, of all sets of as many classes that may."""
+        own = [self.odds.get(name, 1.0) for name in names]
+        return float(np.log(np.prod(own)) - np.log(self._products[len(names)]))
+
+    @cached_property
+    def _products(self) -> Array:
+        """Sums of the products of odds over all sets of n classes that may act together, by n.
+
+        They are coefficients of a product of polynomials: 1 + odds x of a class, and of a ladder,
+        of which one rung acts at most, 1 + (sum of odds) x.
+        """
+        odds: dict[str, float] = {}
+        for own in self.members:
+            factor = self.ladders.get(own[0], own[0])
+            odds[factor] = odds.get(factor, 0.0) + self.odds.get(own[0], 1.0)
+        products = np.ones(1)
+        for factor_odds in odds.values():
+            products = np.convolve(products, [1.0, factor_odds])
+        return products
+
+    def may_act_together(self, names: Sequence[str]) -> bool:
+        """Return whether no two effects are rungs of one ladder."""
+        ladders = [self.ladders[name] for name in names if name in self.ladders]
+        return len(set(ladders)) == len(ladders)
+
+    def other_rungs(self, names: Sequence[str]) -> list[tuple[str, ...]]:
+        """Return effects that act with another rung in the place of one of theirs, each sorted."""
+        return [
+            tuple(sorted(other if name == rung else name for name in names))
+            for rung in names
+            for other, ladder in self.ladders.items()
+            if other != rung and ladder == self.ladders.get(rung)
+        ]
 
 
 def classes_of(model: LinearModel, psi: Array) -> Classes:
@@ -110,15 +137,17 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
                 entering.append(name)
             continue
         inside = [columns.index(place) for place in own]
-        if raw[inside].max() < FELT:
+        if raw[inside].max() < RULES.effect_felt:
             left_out[name] = _absent(model, own[0])
-        elif (felt[inside] < LEFT * raw[inside]).all() and felt[inside].max() < MISSED:
+        elif (felt[inside] < RULES.effect_absorbed * raw[inside]).all() and felt[
+            inside
+        ].max() < RULES.effect_shows:
             taken = _absorbed(model, information, sd, places[inside[0]], name)
             if taken is None:
                 left_out[name] = BY_THE_RIG
             else:
                 absorbed.append(taken)
-        elif felt[inside].max() < FELT:
+        elif felt[inside].max() < RULES.effect_felt:
             left_out[name] = "no influence on the prediction"
         else:
             entering.append(name)
@@ -134,7 +163,9 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     chosen = tuple(tuple(alike) for alike in members)
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
     likelier = odds if any(value != 1 for value in odds.values()) else {}
-    return Classes(chosen, tuple(absorbed), left_out, likelier)
+    ladders = {own[0]: model.candidates[names[own[0]][0]].effect.ladder for own in chosen}
+    rungs = {name: ladder for name, ladder in ladders.items() if ladder}
+    return Classes(chosen, tuple(absorbed), left_out, likelier, rungs)
 
 
 def _odds(model: LinearModel, places: Sequence[int]) -> float:
@@ -157,7 +188,9 @@ def _is_coefficient(model: LinearModel) -> Flags:
 
 def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
     width = prior_moments(model.candidates[own[0]].effect.amplitude.prior)[1]
-    return any(width**2 * rig.phase_strength(p) > FELT for rig in model.rigs for p in own)
+    return any(
+        width**2 * rig.phase_strength(p) > RULES.effect_felt for rig in model.rigs for p in own
+    )
 
 
 def _absorbed(
@@ -220,11 +253,11 @@ def _doubled(
     """Return whether each middling shape of one law has its double among the other's."""
     inner, other = np.array(mine)[np.abs(nodes) <= INNER], np.array(theirs)
     if other.size == 1:
-        return bool((np.abs(direction[inner, other[0]]) > ALIKE).all())
+        return bool((np.abs(direction[inner, other[0]]) > RULES.effects_alike).all())
     # Between the nodes the response is that of a spline through them.
     weights = scipy.interpolate.make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
     across = direction[np.ix_(inner, other)] @ weights.T
     length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
     # Some shape may do nothing here, or less than that by rounding.
     cosine = np.abs(across) / np.sqrt(np.where(length > 0, length, np.inf)).clip(1e-150)
-    return bool((cosine.max(axis=1) > ALIKE).all())
+    return bool((cosine.max(axis=1) > RULES.effects_alike).all())

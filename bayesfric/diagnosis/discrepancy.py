@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro
 from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span, smooth_along
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
-PART, LEAST = 0.25, 0.0025  # of the practical share; at least, as a share of friction
 SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape
 
 
@@ -101,7 +101,7 @@ class Discrepancy:
 
 def discrepancy_share(practical_share: float) -> float:
     """Return the rms of the discrepancy of every hypothesis, as a share of rms friction."""
-    return max(PART * practical_share, LEAST)
+    return max(RULES.discrepancy_share * practical_share, RULES.discrepancy_least)
 
 
 def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth]]:

@@ -10,6 +10,7 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.effects import Effect, all_effects
 from bayesfric.effects.in_the_model import IN_THE_MODEL
 from bayesfric.errors import Fault, InputError
+from bayesfric.hypothesis import Hypothesis
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import ExaminedEffect
 
@@ -86,7 +87,7 @@ def examined_effects(
         elif name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:
-            own = first.weighed[stands[name]]
+            own = first.weighed[Hypothesis((stands[name],))]
             value = (own.log_evidence - first.none.log_evidence) / LN10
             bound = own.bound
         listed.append(

@@ -17,14 +17,12 @@ from bayesfric.diagnosis.arms import Arms, Fitted
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import interval
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.rigs.linear import Run
 from bayesfric.schemas import GapRow, Interval
 
 FOLDS = 5
 DRAWS = 400
-SURE = 0.95  # probability that the gap before is above the floor
-MOST_SHRINK = 1.2  # above it held-out figures contradict themselves
-NEAR = 0.8  # of the range of tension, from which on a trial is extrapolated to
 EXAMPLES = 3
 
 
@@ -173,7 +171,7 @@ def extrapolated(residuals: Residuals) -> dict[str, Flags]:
     if running.any():
         # Trials of one pair of masses differ in tension by what they accelerate.
         low, high = tension[running].min(), tension[running].max()
-        conditions["top tension"] = running & (tension > low + NEAR * (high - low))
+        conditions["top tension"] = running & (tension > low + RULES.extrapolated * (high - low))
         # Means over a window: as equal as rounding lets them be.
         conditions["largest number of pulleys"] = np.isclose(pulleys, pulleys.max())
         conditions["extreme wrap angle"] = np.isclose(wrap, wrap.max())
@@ -290,14 +288,14 @@ def gap_row(
     before2, after2 = draws(squares.before), draws(squares.after)
     gap2 = before2 - floor2
     shrink, why = None, no_shrink
-    if why is None and np.mean(gap2 > 0) < SURE:
+    if why is None and np.mean(gap2 > 0) < RULES.above_floor:
         why = f"the gap is above the floor with a probability of {np.mean(gap2 > 0):.2f} only"
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
-        if np.median(ratio) > MOST_SHRINK:
+        if np.median(ratio) > RULES.most_shrink:
             why = "what the causes leave is further below the floor than chance would have it"
         else:
-            shrink = interval(np.minimum(ratio, MOST_SHRINK))
+            shrink = interval(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None
     if squares.as_shipped is not None:
         shipped = interval(_root(draws(squares.as_shipped)))

@@ -17,9 +17,9 @@ from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 
 MOST_BLOCKS = 20
-FEWEST_BLOCKS = 4  # below, the differences of blocks tell no error of their sum
 
 
 @dataclass(frozen=True)
@@ -87,17 +87,19 @@ def block_densities(
     Returns
     -------
     BlockDensities or None
-        None where no hypothesis has the causes, or where there are fewer than
-        :data:`FEWEST_BLOCKS` blocks.
+        None where no hypothesis has the causes, or where there are fewer blocks than the
+        rules ask for.
     """
-    within = [weighed for weighed in search.weighed.values() if set(causes) <= set(weighed.names)]
+    within = [
+        weighed for weighed in search.weighed.values() if weighed.hypothesis.issuperset(causes)
+    ]
     if not causes or not within:
         return None
     best = max(within, key=search.worth)
     alone, beside = _one_by_one(model, best)
     without = _without(beside, causes)
     block = blocks_of(alone, rng)
-    if max(int(numbers.max()) for numbers in block) + 1 < FEWEST_BLOCKS:
+    if max(int(numbers.max()) for numbers in block) + 1 < RULES.least_blocks:
         return None
     noise = best.at.psi[: len(model.noise)]
     start = np.concatenate([noise, best.at.psi[len(model.noise) :]])

@@ -10,12 +10,13 @@ A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach
 robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
-from bayesfric.schemas import Instrument, Interval, LawNumber
+from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
 SIGNED = frozenset({"viscous"})  # numbers that may be below zero
@@ -34,6 +35,46 @@ def why_bent(instrument: Instrument | str) -> str | None:
     return (
         "errors of the encoder, or what disturbs the joint inside its loop, move the law by more "
         f"than that (Durbin, Wu and Hausman: p = {instrument.p_value:.1g})"
+    )
+
+
+def not_held(instrument: Instrument | str, named: Collection[str]) -> str | None:
+    """Return which causes an instrument that alarms does not tell; None where it tells all.
+
+    Parameters
+    ----------
+    instrument : Instrument or str
+        Beside least squares, or why there is none.
+    named : collection of str
+        The causes by least squares.
+    """
+    if isinstance(instrument, str) or not instrument.alarms:
+        return None
+    parts = []
+    for name in named:
+        value = instrument.effects.get(name)
+        if value is None:
+            parts.append(f"{name} is not told by it")
+        elif not _is_told(value):
+            unit = "" if value.unit == "1" else f" {value.unit}"
+            parts.append(
+                f"{name} is {value.instrumental:.2g} ± {value.instrumental_se:.1g}{unit} by it, "
+                f"and {value.ordinary:.2g}{unit} by least squares"
+            )
+    if not parts:
+        return None
+    return (
+        "an instrument against errors of the encoder and the loop is apart from least squares "
+        f"(Durbin, Wu and Hausman: p = {instrument.p_value:.1g}): {'; '.join(parts)}"
+    )
+
+
+def _is_told(value: InstrumentNumber) -> bool:
+    """Return whether an effect acts by the instrument, about as much as by least squares."""
+    ordinary, instrumental = value.ordinary, value.instrumental * np.sign(value.ordinary)
+    return bool(
+        instrumental > RULES.instrument_errors * value.instrumental_se
+        and instrumental > RULES.instrument_keeps * abs(ordinary)
     )
 
 

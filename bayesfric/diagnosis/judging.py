@@ -15,7 +15,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.causes import known_of
-from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of
 from bayesfric.diagnosis.systematic import (
@@ -27,15 +27,14 @@ from bayesfric.diagnosis.systematic import (
     shrink_of,
 )
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.verdict import HALF, KnownEffect, sort_effects
+from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES
+from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-FOREIGN = 0.15  # of the squared gap, beyond which it is not made by the effects that are named
-SMALL = 0.1  # of the squared gap, that effects leave which make most of it
-RARE = 0.003  # probability of that, below which it is left out
 PASSES = 2  # over shapes of several causes, one at a time
 
 
@@ -110,19 +109,19 @@ def judge(
 
     def leaves(compared: Judged) -> float:
         return _leaves_too_much(
-            compared, practical, lambda label: _own_force(model, search, compared, label)
+            compared, practical, lambda acting: _own_force(model, search, compared, acting)
         )
 
     share, again = leaves(judged), judged
-    if share >= RARE:
+    if share >= RULES.rare:
         # A shape that was found beside a share by which its law is wrong may be a poor one alone.
         reshaped = _reshaped(model, judged)
         other = share if reshaped is None else leaves(reshaped)
         if reshaped is not None and other < share:
             share, again = other, reshaped
-    if share < RARE:
+    if share < RULES.rare:
         return again
-    foreign = {frozenset(judged.named): share}
+    foreign = {Hypothesis(judged.named): share}
     moved = replace(
         search, foreign=foreign, unknown=_with_causes(model, search.unknown, search.best())
     )
@@ -194,7 +193,7 @@ def _judged(
     rng: np.random.Generator,
 ) -> Judged:
     best, force = search.best(), search.unknown
-    mostly = search.probabilities()[UNKNOWN] >= HALF
+    mostly = search.probabilities()[UNKNOWN] >= RULES.likely
     settled = force.at if mostly and force is not None else best.at
     residuals = residuals_of(model.full, settled.psi)
     posterior = posterior_of(model, search, residuals, rng)
@@ -219,7 +218,9 @@ def _judged(
 
 
 def _leaves_too_much(
-    judged: Judged, practical: float, own_force: Callable[[str], Array | None] = lambda _: None
+    judged: Judged,
+    practical: float,
+    own_force: Callable[[Hypothesis], Array | None] = lambda _: None,
 ) -> float:
     """Return how probably the causes, if they act, leave too much of the gap.
 
@@ -238,25 +239,25 @@ def _leaves_too_much(
         return 0.0
     of_causes = residuals.without_law(judged.arms.of_causes(judged.plain))
     there = posterior.gap > SMALLEST * residuals.friction_rms
-    labels = posterior.hypothesis[there]
+    drawn = posterior.hypothesis[there]
     gap = posterior.gap[there] / residuals.friction_rms
     too_much: list[Flags] = []
-    for label in dict.fromkeys(labels.tolist()):
-        if not set(judged.named) <= set(label.split("+")):
+    for acting in dict.fromkeys(drawn.tolist()):
+        if not acting.issuperset(judged.named):
             continue
-        own = own_force(label)
+        own = own_force(acting)
         shrink = shrink_of(residuals, posterior, of_causes if own is None else own)
         if shrink is None:
             continue
         left = np.clip(1 - shrink, 0.0, 1.0)
-        is_beyond = (left > FOREIGN) & (np.sqrt(left) * gap >= practical)
-        too_much.append(is_beyond[labels == label])
+        is_beyond = (left > RULES.foreign) & (np.sqrt(left) * gap >= practical)
+        too_much.append(is_beyond[drawn == acting])
     return float(np.concatenate(too_much).mean()) if too_much else 0.0
 
 
 def _largest_alone(
     model: LinearModel, search: Search, judged: Judged, practical: float
-) -> tuple[frozenset[str], float] | None:
+) -> tuple[Hypothesis, float] | None:
     """Return the effects that make most of the gap, where others only imitate what is left.
 
     Beside gravity of many times friction all else is a small part of the gap. So the others are
@@ -265,12 +266,12 @@ def _largest_alone(
 
     Returns
     -------
-    tuple of (frozenset of str, float), or None
+    tuple of (Hypothesis, float), or None
         The largest effects, and how probably the others imitate; None where there are no others.
     """
     best, residuals, posterior = search.best(), judged.residuals, judged.posterior
     names = [law.effect for law in best.acting.laws]
-    drawn = posterior.hypothesis == best.label
+    drawn = posterior.hypothesis == best.hypothesis
     if len(names) < 2 or not drawn.any() or best.acting.phases:
         return None
     arms = _around_causes(model, best.acting.laws, best.acting.shapes, (), judged.arms)
@@ -283,23 +284,27 @@ def _largest_alone(
     whole = float((posterior.gap**2 + posterior.unresolved2)[drawn].mean())
     large: list[int] = []
     others = list(range(len(names)))
-    while others and (not large or left(large).mean() > SMALL * whole):
+    while others and (not large or left(large).mean() > RULES.made_by_most * whole):
         nearest = min(others, key=lambda place: float(left([*large, place]).mean()))
         large.append(nearest)
         others.remove(nearest)
-    alone = frozenset(names[place] for place in large)
-    if not others or "+".join(sorted(alone)) not in search.weighed:
+    alone = Hypothesis(names[place] for place in large)
+    if not others or alone not in search.weighed:
         return None
     stays, before = left([*large, *others]), left(large)
-    imitated = (stays > FOREIGN * before) & (np.sqrt(stays) >= practical * residuals.friction_rms)
+    imitated = (stays > RULES.foreign * before) & (
+        np.sqrt(stays) >= practical * residuals.friction_rms
+    )
     share = float(imitated.mean())
-    return (alone, share) if share >= RARE else None
+    return (alone, share) if share >= RULES.rare else None
 
 
-def _own_force(model: LinearModel, search: Search, judged: Judged, label: str) -> Array | None:
+def _own_force(
+    model: LinearModel, search: Search, judged: Judged, acting: Hypothesis
+) -> Array | None:
     """Return the force of each effect of a hypothesis beyond the causes, the law recalibrated."""
-    weighed = search.weighed.get(label)
-    if weighed is None or set(weighed.names) == set(judged.named):
+    weighed = search.weighed.get(acting)
+    if weighed is None or acting == Hypothesis(judged.named):
         return None
     causes = judged.arms.causes
     named = zip(causes.laws, causes.shapes, strict=True)
@@ -320,8 +325,7 @@ def _arms(
     psi: Array,
     shipped: Mapping[str, Coefficients],
 ) -> Arms:
-    within = [weighed for weighed in search.weighed.values() if set(weighed.names) == set(named)]
-    chosen = within[0] if within else best
+    chosen = search.weighed.get(Hypothesis(named), best)
     own = [
         (law, shape)
         for law, shape in zip(chosen.acting.laws, chosen.acting.shapes, strict=True)

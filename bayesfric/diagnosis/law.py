@@ -1,5 +1,7 @@
 """The numbers of the law, with and without what acts beside it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from bayesfric.arrays import Array
@@ -8,6 +10,7 @@ from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Interval, LawNumber
 
@@ -15,10 +18,68 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
+FRICTION = frozenset({"coulomb", "viscous"})
+
+
+@dataclass(frozen=True)
+class RunScatter:
+    """By how much friction differs from run to run.
+
+    Parameters
+    ----------
+    share : float
+        Standard deviation over runs, of friction.
+    runs : int
+        How many there are.
+    """
+
+    share: float
+    runs: int
+
+    def deviations(self, count: int, rng: np.random.Generator) -> Array:
+        """Draw how far the mean of the machine is from that of these runs, of friction, (S,)."""
+        drawn = rng.standard_t(self.runs - 1, count)
+        return np.asarray(self.share / np.sqrt(self.runs) * drawn)
+
+
+def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> RunScatter | None:
+    """Return by how much friction differs from run to run; None of pulleys, and of few runs.
+
+    The law of a joint is to hold for runs to come, and not only for those that were recorded.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which the hypotheses were compared.
+    residuals : Residuals
+        Windows.
+    left : ndarray, shape (R,)
+        Force that the law leaves in them, with the causes [N].
+    """
+    table = model.rigs[0].rows.table
+    if not model.data.rigs[0].along_path:
+        return None
+    runs, run_of_trial = np.unique(table["run"].to_numpy(dtype=np.str_), return_inverse=True)
+    if runs.size < RULES.runs_of_scatter:
+        return None
+    run = run_of_trial[residuals.trial]
+    friction, weight = residuals.friction_n, residuals.weight
+    along = np.bincount(run, weight * friction * left, runs.size)
+    size = np.bincount(run, weight * friction**2, runs.size)
+    there = size > 0
+    deviation = along[there] / size[there]
+    if deviation.size < RULES.runs_of_scatter:
+        return None
+    return RunScatter(float(np.std(deviation, ddof=1)), int(deviation.size))
 
 
 def law_of_diagnosis(
-    model: LinearModel, psi: Array, posterior: Posterior, residuals: Residuals
+    model: LinearModel,
+    psi: Array,
+    posterior: Posterior,
+    residuals: Residuals,
+    scatter: RunScatter | None,
+    rng: np.random.Generator,
 ) -> dict[str, LawNumber]:
     """Return each number of the law that is not held and does anything here, by name.
 
@@ -32,6 +93,10 @@ def law_of_diagnosis(
         Draws over all hypotheses.
     residuals : Residuals
         Windows, in which a number shows.
+    scatter : RunScatter or None
+        Of friction from run to run, an error of the law's friction.
+    rng : Generator
+        Source of randomness.
     """
     # Friction that scatters as that of some effect would take its place.
     has_model = ARMATURE in model.data.rigs[0].in_simulator
@@ -40,6 +105,8 @@ def law_of_diagnosis(
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
     numbers = {}
+    draws = posterior.law.coefficients
+    deviation = np.zeros(len(draws)) if scatter is None else scatter.deviations(len(draws), rng)
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
             shown = residuals.columns[residuals.size == place, column].any()
@@ -53,7 +120,7 @@ def law_of_diagnosis(
             numbers[called.get(name, name)] = LawNumber(
                 unit=unit,
                 before=_normal(mean, sd) if mean - sd * HIGH > least else _above(mean, sd, least),
-                after=interval(posterior.law.coefficients[:, place, column]),
+                after=interval(draws[:, place, column] * (1 + deviation * (name in FRICTION))),
             )
     return numbers | _beside_the_law(alone, at, posterior)
 

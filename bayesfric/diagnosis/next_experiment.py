@@ -12,9 +12,11 @@ from itertools import combinations
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
-from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
@@ -23,15 +25,13 @@ from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
 Places = Whole
-RIVAL = 0.05  # probability of a hypothesis that is still in question
 RIVALS = 3
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-TWO = float(np.log10(2))  # expected log10 Bayes factor below which a trial is not worth it
 LN10 = float(np.log(10))
 
 
 def next_experiment(
-    model: LinearModel, search: Search, chances: Mapping[str, float]
+    model: LinearModel, search: Search, chances: Mapping[Hypothesis, float]
 ) -> tuple[tuple[NextExperiment, ...], str | None]:
     """Propose a trial for each two hypotheses that are still in question.
 
@@ -41,7 +41,7 @@ def next_experiment(
         In which hypotheses were compared.
     search : Search
         The hypotheses.
-    chances : mapping of str to float
+    chances : mapping of Hypothesis to float
         Posterior probabilities, the largest first.
 
     Returns
@@ -52,9 +52,9 @@ def next_experiment(
         Why there is none.
     """
     open_ = [
-        search.weighed[name]
-        for name, p in chances.items()
-        if p >= RIVAL and name != UNKNOWN and name in search.weighed
+        search.weighed[hypothesis]
+        for hypothesis, p in chances.items()
+        if p >= RULES.rival and hypothesis in search.weighed
     ][:RIVALS]
     if len(open_) < 2:
         return (), "no two hypotheses are left to separate"
@@ -65,7 +65,7 @@ def next_experiment(
     proposals = []
     for first, other in combinations(open_, 2):
         best = _most_telling(model, Data(rigs), first, other)
-        if best is not None and best.log10_bayes_factor > TWO:
+        if best is not None and best.log10_bayes_factor > np.log10(RULES.next_trial_factor):
             proposals.append(best)
     if not proposals:
         return (
@@ -118,7 +118,7 @@ def _most_telling(
         if best is None or expected[top] > best.log10_bayes_factor:
             best = NextExperiment(
                 condition={"rig": rig.rows.name, **condition_of(trials, rig, top)},
-                separates=(first.label, other.label),
+                separates=(str(first.hypothesis), str(other.hypothesis)),
                 log10_bayes_factor=float(expected[top]),
             )
     return best

@@ -6,14 +6,13 @@ import numpy as np
 
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, ModelError
 
 PLACED = frozenset({"angle", "load-both-ways", "period", "play", "position", "spring"})
 """Needs of effects of a position, of reversals behind a play or a spring, and of a gear's load."""
-LEFT = 0.1  # of friction, that nothing explains: so much is left where other joints pull
-OF_GAP = 0.05  # of the gap, at the least: a weight of ten times friction may leave as much of that
 LISTED = 3  # numbers of a model that a sentence has
 
 
@@ -48,7 +47,9 @@ def looks_like_others(
     """
     # Where no cause is named nothing was added whose rest could be seen.
     rest = max(gap.floor.q50, gap.after.q50) if named else gap.floor.q50
-    left = rest >= max(LEFT * gap.friction_rms, OF_GAP * gap.before.q50)
+    left = rest >= max(
+        RULES.other_joints_left * gap.friction_rms, RULES.other_joints_of_gap * gap.before.q50
+    )
     open_still = others in ("unknown", "logged") and amounts is None
     moved = others == "moving" or (open_still and left)
     acting = [examined[name] for name in (*named, *rivals) if name in examined]

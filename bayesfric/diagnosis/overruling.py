@@ -3,18 +3,18 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from bayesfric.diagnosis.held_out_density import FEWEST_BLOCKS, BlockDensities
+from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.hypothesis import Hypothesis
 from bayesfric.schemas import Gap, HeldOutDensity, Interval
 
-MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
-ERRORS = 2.0  # of a difference of log densities, by which causes have to predict better
 NO_CAUSE = "no cause is named, so nothing is compared"
 LIKE_CLOCKS = "clocks that differ do what the causes do, whatever is held out"
 FEW_BLOCKS = (
-    f"there are fewer than {FEWEST_BLOCKS} assemblies, or runs, to hold out one after another"
+    f"there are fewer than {RULES.least_blocks} assemblies, or runs, to hold out one after another"
 )
 
 
@@ -58,7 +58,7 @@ def overruled(
         Probability that the gap is practical or more.
     """
     for effects in together:
-        search = search.overruled(frozenset(effects))
+        search = search.overruled(Hypothesis(effects))
     acting = inclusion(search)
     effects_known = [
         replace(effect, probability=acting.get(effect.effect, 0.0)) for effect in effects_known
@@ -106,10 +106,12 @@ def contradicts(gap: Gap) -> bool:
     """
     if gap.shrink is None or gap.shrink_of_model is None:
         return False
-    return gap.shrink.q95 + MISSED < gap.shrink_of_model.q05
+    return gap.shrink.q95 + RULES.shrink_missed < gap.shrink_of_model.q05
 
 
-def why_overruled(gap: Gap, practical: float, *, told_as_remainder: bool) -> str | None:
+def why_overruled(
+    gap: Gap, practical: float, *, told_as_remainder: bool, implausible: Collection[str] = ()
+) -> str | None:
     """Return by which rule held-out data contradict causes, with its figures; None if by none.
 
     Parameters
@@ -120,21 +122,29 @@ def why_overruled(gap: Gap, practical: float, *, told_as_remainder: bool) -> str
         Practical share of friction.
     told_as_remainder : bool
         Whether a remainder tells what the causes leave.
+    implausible : collection of str
+        Causes that are larger or smaller than in any machine.
     """
     if contradicts(gap):
         assert gap.shrink is not None
         assert gap.shrink_of_model is not None
         return f"{_share(gap.shrink)} of the squared gap against {_share(gap.shrink_of_model)}"
     density = gap.held_out_log_density
-    if density is not None and density.difference < ERRORS * density.error:
+    if density is not None and density.difference < RULES.predicts_better * density.error:
         return (
             "with them it is predicted no better than by the law alone (log density "
-            f"{density.difference:+.2g} ± {density.error:.2g} nat, {ERRORS:.0f} errors are needed)"
+            f"{density.difference:+.2g} ± {density.error:.2g} nat, "
+            f"{RULES.predicts_better:.0f} errors are needed)"
         )
     if leaves_too_much(gap, practical) and not told_as_remainder:
         return (
             f"beyond friction's scatter {gap.held_out_excess:.3g} {gap.unit} rms are left of it "
             "that no remainder tells"
+        )
+    if implausible and told_as_remainder:
+        return (
+            f"{' and '.join(implausible)} would be larger or smaller than is plausible, and a "
+            "force that no effect explains is left"
         )
     return None
 

@@ -11,11 +11,10 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.schemas import Interval, Remainder
 
 LN10 = float(np.log(10))
-LEFT = 0.025  # of the squared gap, that the causes leave with probability 0.95
-SIGNIFICANT = 1.0  # log10 Bayes factor
 DRAWS = 1000
 ALL_LEFT = "no cause is named, so that all of the gap is left"
 
@@ -57,7 +56,7 @@ def remainder_of(
         model.evaluate(weighed.at.psi, weighed.acting, None, weighed.forms).value + search.volume
     )
     gain = (further.log_evidence - before) / LN10
-    found_by = [(*_beside(further, gap_share), gain)] if gain > SIGNIFICANT else []
+    found_by = [(*_beside(further, gap_share), gain)] if gain > RULES.remainder_log10 else []
     practical = model.analysis.diagnosis.practical_share
     if left is not None and left_matters(left, gap_share, practical):
         # The causes' laws are wrong by so much that something else must act: along which axis
@@ -98,7 +97,7 @@ def all_left(search: Search, force: Unknown) -> Remainder:
     best_known = max(force.log_evidence, search.best().log_evidence if search.foreign else -np.inf)
     gain = (best_known - search.none.log_evidence) / LN10
     return Remainder(
-        significant=gain > SIGNIFICANT,
+        significant=gain > RULES.remainder_log10,
         log10_bayes_factor=float(gain),
         share_of_gap=None,
         share_of_gap_why=ALL_LEFT,
@@ -127,7 +126,7 @@ def left_matters(left: Array, gap_share: float, practical: float) -> bool:
         Rms of the gap, and what of it matters, over rms friction.
     """
     least = float(np.quantile(left, 0.05))
-    return least > LEFT or np.sqrt(max(least, 0.0)) * gap_share > practical
+    return least > RULES.remainder_left or np.sqrt(max(least, 0.0)) * gap_share > practical
 
 
 def _widest(further: Unknown) -> str:

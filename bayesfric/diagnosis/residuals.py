@@ -75,6 +75,9 @@ class Residuals:
         How much each counts, 1 but for strays and for windows that overlap; None where all are 1.
     shared : tuple of int
         Columns of the law's numbers that all sizes share, such as an offset.
+    beside : tuple of int
+        Columns of forces beside the law in unknown amounts, each with a prior N(0, 1), such as
+        the pull of other joints.
     """
 
     residual_n: Array
@@ -97,6 +100,7 @@ class Residuals:
     time_s: Array | None = None
     counts: Array | None = None
     shared: tuple[int, ...] = ()
+    beside: tuple[int, ...] = ()
 
     def unit(self, axis: str) -> str:
         """Of a covariate; nothing of a rig's own, whose name has it."""
@@ -165,7 +169,8 @@ class Residuals:
     def without_law(self, values: Array) -> Array:
         """Return forces, (R, …), less what a recalibrated law takes of them.
 
-        The law is fitted by least squares with the weights.
+        The law is fitted by least squares with the weights, and with it the forces beside it,
+        whose amounts their prior holds.
         """
         left, _, _ = self._law
         basis = left / np.sqrt(self.weight)[:, None]
@@ -176,7 +181,7 @@ class Residuals:
         """Return what a recalibrated law takes of forces, (R, S), in its numbers, (S, sizes, 3)."""
         left, singular, right = self._law
         numbers = (right.T / singular) @ (left.T @ (np.sqrt(self.weight)[:, None] * values))
-        own = numbers[: len(numbers) - len(self.shared)]
+        own = numbers[: len(numbers) - len(self.shared) - len(self.beside)]
         return np.asarray(own.T.reshape(values.shape[1], -1, COEFFICIENTS))
 
     @cached_property
@@ -185,11 +190,15 @@ class Residuals:
         root = np.sqrt(self.weight)
         design = np.zeros((root.size, int(self.size.max()) + 1, COEFFICIENTS))
         design[np.arange(root.size), self.size] = self.columns[:, :COEFFICIENTS]
-        shared = self.columns[:, list(self.shared)]
-        weighted = root[:, None] * np.column_stack([design.reshape(root.size, -1), shared])
-        left, singular, right = np.linalg.svd(weighted, full_matrices=False)
+        further = self.columns[:, [*self.shared, *self.beside]]
+        weighted = root[:, None] * np.column_stack([design.reshape(root.size, -1), further])
+        # A prior is a row more, in the measure of what measurement and scatter leave of a law.
+        chance = np.sqrt(self.weight @ self.chance2 / self.independent)
+        priors = np.zeros((len(self.beside), weighted.shape[1]))
+        priors[:, weighted.shape[1] - len(self.beside) :] = chance * np.eye(len(self.beside))
+        left, singular, right = np.linalg.svd(np.vstack([weighted, priors]), full_matrices=False)
         seen = singular > 1e-9 * singular[0]
-        return left[:, seen], singular[seen], right[seen]
+        return left[: root.size, seen], singular[seen], right[seen]
 
 
 def residuals_of(model: LinearModel, psi: Array) -> Residuals:
@@ -244,6 +253,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         joined("time_s"),
         joined("counts"),
         shared_columns(model),
+        columns_beside(model),
     )
 
 
@@ -254,6 +264,16 @@ def shared_columns(model: LinearModel) -> tuple[int, ...]:
     for rig, count in zip(model.data.rigs, model.layout.nuisances, strict=True):
         columns += [start + place for place, _ in rig.shared_numbers.values()]
         start += count
+    return tuple(columns)
+
+
+def columns_beside(model: LinearModel) -> tuple[int, ...]:
+    """Return the local columns of forces beside the law: no clock's, and none of the law's own."""
+    columns: list[int] = []
+    for place, (rig, linear) in enumerate(zip(model.data.rigs, model.rigs, strict=True)):
+        own = {*linear.rows.clock_nuisances, *(at for at, _ in rig.shared_numbers.values())}
+        mine = model.layout.nuisance(place)
+        columns += [at for at in range(mine.start, mine.stop) if at - mine.start not in own]
     return tuple(columns)
 
 

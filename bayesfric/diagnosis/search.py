@@ -18,22 +18,15 @@ from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.climbing import curvature_at
 from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.diagnosis.forms import AS_IT_IS, FormShare
-from bayesfric.diagnosis.hypotheses import NONE, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, log_volume
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.hypothesis import NONE, Hypothesis
 
-MOST = 4  # effects at a time
-BEAM = 3  # hypotheses of each number that are gone on from
-TRIED = 5  # of those with an effect more, by a first look
-WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
 NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
-FAR = 20.0  # nat from the best, prior included, of what is not compared again
-GAIN = 0.5  # nat that a further effect has to gain to be gone on from
-FINALISTS = 8
-NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
-NEARLY = 12.0  # nat from the best, of an unknown force whose own noise is
 
 
 class Steps(NamedTuple):
@@ -71,65 +64,101 @@ def search(
     priors = model.analysis.diagnosis.hypotheses
     searched = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
     effects = sorted(members[0] for members in classes.members)
-    quiet = model.noise.quiet(none.at.psi)
-    starts = [none.at.psi]
-    shapes: dict[str, float] = {}
-    rough = _extended(model, none, effects, none.at.psi, shapes)
-    leader = none
-    for name in sorted(rough, key=lambda name: -rough[name]):
-        first = [*starts, quiet] if rough[name] > none.log_evidence + GAIN else starts
-        if leader is not none:
-            first = [*first, leader.at.psi]
-        weighed = steps.weigh(model, (name,), first, inverse, volume, shapes=shapes)
-        searched.weighed[weighed.label] = weighed
-        if weighed.log_evidence > leader.log_evidence:
-            leader = weighed
-        shapes |= _shapes_of(weighed)
-    # Where scatter had taken up what an effect does, the others look different without it.
-    if leader.log_evidence > none.log_evidence + WITHIN:
-        for name, weighed in list(searched.weighed.items()):
-            if name in (NONE, leader.label):
-                continue
-            there = np.append(leader.at.psi[: len(model.noise)], weighed.at.psi[len(model.noise) :])
-            if model.evaluate(there, weighed.acting).value < weighed.at.value - NEAR:
-                continue
-            again = steps.weigh(
-                model, weighed.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(weighed)
-            )
-            if again.log_evidence > weighed.log_evidence:
-                searched.weighed[name] = again
-    for number in range(2, MOST + 1):
-        last = [
-            weighed for weighed in searched.weighed.values() if len(weighed.names) == number - 1
-        ]
-        last = sorted(last, key=lambda weighed: -searched.worth(weighed))[
-            : BEAM if number > 2 else 2
-        ]
-        top = max(searched.worth(weighed) for weighed in searched.weighed.values())
-        grown = False
-        for base in last:
-            if searched.worth(base) < top - 2 * WITHIN and number > 2:
-                continue
-            rough = _extended(model, base, effects, base.at.psi, shapes)
-            searched.rough.update(
-                {name: v for name, v in rough.items() if name not in searched.rough}
-            )
-            for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
-                prior = searched.log_prior(name)
-                if name in searched.weighed or rough[name] + prior < top - WITHIN:
-                    continue
-                if rough[name] < base.log_evidence + GAIN:
-                    continue
-                names = tuple(name.split("+"))
-                weighed = steps.weigh(model, names, [base.at.psi], inverse, volume, shapes=shapes)
-                searched.weighed[name] = weighed
-                grown |= searched.worth(weighed) > top
-                top = max(top, searched.worth(weighed))
-        if not grown and number > 2:
-            break
+    shapes = _weigh_alone(model, searched, effects, steps)
+    _weigh_together(model, searched, effects, shapes, steps)
     _weigh_parts(model, searched, steps)
     unknown = steps.unknown_force(model, searched.none, Acting(), inverse, volume)
     return replace(searched, unknown=unknown, unheard=unknown is None)
+
+
+def _weigh_alone(
+    model: LinearModel, searched: Search, effects: Sequence[str], steps: Steps
+) -> dict[str, float]:
+    """Weigh each effect alone, and return the best shapes of its laws."""
+    none = leader = searched.none
+    inverse, volume = searched.inverse, searched.volume
+    quiet = model.noise.quiet(none.at.psi)
+    shapes: dict[str, float] = {}
+    rough = _extended(model, none, effects, none.at.psi, shapes)
+    for alone in sorted(rough, key=lambda alone: -rough[alone]):
+        starts = [none.at.psi]
+        if rough[alone] > none.log_evidence + RULES.effect_gains:
+            starts.append(quiet)
+        starts.append(leader.at.psi)
+        weighed = steps.weigh(model, alone.names, starts, inverse, volume, shapes=shapes)
+        searched.weighed[alone] = weighed
+        if weighed.log_evidence > leader.log_evidence:
+            leader = weighed
+        shapes |= _shapes_of(weighed)
+    if leader.log_evidence > none.log_evidence + RULES.weighed_within:
+        _weigh_at_noise_of(model, searched, leader, steps)
+    return shapes
+
+
+def _weigh_at_noise_of(model: LinearModel, searched: Search, leader: Weighed, steps: Steps) -> None:
+    """Weigh the others again from the leader's noise, where that is nearly as good for them.
+
+    Where scatter had taken up what an effect does, they look different without it.
+    """
+    for alone, weighed in list(searched.weighed.items()):
+        if alone in (NONE, leader.hypothesis):
+            continue
+        there = np.append(leader.at.psi[: len(model.noise)], weighed.at.psi[len(model.noise) :])
+        if model.evaluate(there, weighed.acting).value < weighed.at.value - NEAR:
+            continue
+        again = steps.weigh(
+            model,
+            weighed.names,
+            [leader.at.psi],
+            searched.inverse,
+            searched.volume,
+            shapes=_shapes_of(weighed),
+        )
+        if again.log_evidence > weighed.log_evidence:
+            searched.weighed[alone] = again
+
+
+def _weigh_together(
+    model: LinearModel,
+    searched: Search,
+    effects: Sequence[str],
+    shapes: dict[str, float],
+    steps: Steps,
+) -> None:
+    """Weigh two effects and more together, from the best with an effect less."""
+    for number in range(2, RULES.most_effects + 1):
+        fewer = [
+            weighed for weighed in searched.weighed.values() if len(weighed.names) == number - 1
+        ]
+        fewer = sorted(fewer, key=lambda weighed: -searched.worth(weighed))
+        top = max(searched.worth(weighed) for weighed in searched.weighed.values())
+        grown = False
+        for base in fewer[: RULES.beam if number > 2 else 2]:
+            if searched.worth(base) < top - 2 * RULES.weighed_within and number > 2:
+                continue
+            joining = _that_may_act(base, effects, searched.classes)
+            rough = _extended(model, base, joining, base.at.psi, shapes)
+            for more, first_look in rough.items():
+                searched.rough.setdefault(more, first_look)
+            for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
+                worth = rough[more] + searched.log_prior(more)
+                if more in searched.weighed or worth < top - RULES.weighed_within:
+                    continue
+                if rough[more] < base.log_evidence + RULES.effect_gains:
+                    continue
+                weighed = steps.weigh(
+                    model,
+                    more.names,
+                    [base.at.psi],
+                    searched.inverse,
+                    searched.volume,
+                    shapes=shapes,
+                )
+                searched.weighed[more] = weighed
+                grown |= searched.worth(weighed) > top
+                top = max(top, searched.worth(weighed))
+        if not grown and number > 2:
+            return
 
 
 def _weigh_parts(
@@ -138,18 +167,20 @@ def _weigh_parts(
     """Weigh the leader without each of its effects, and so on with a part that leads then.
 
     The way to the leader may have passed them by: a curve along speed that stands for two
-    effects can come in before the second of them, which then makes no more of it.
+    effects can come in before the second of them, which then makes no more of it. In the place
+    of a rung of a ladder each other one is weighed too.
     """
     while True:
         best = searched.best()
-        parts = [tuple(name for name in best.names if name != left_out) for left_out in best.names]
-        missing = [names for names in parts if names and label(names) not in searched.weighed]
+        parts = [Hypothesis(best.hypothesis - {name}) for name in best.names]
+        parts += [Hypothesis(names) for names in searched.classes.other_rungs(best.names)]
+        missing = [part for part in parts if part and part not in searched.weighed]
         if not missing:
             return
-        for names in missing:
-            searched.weighed[label(names)] = steps.weigh(
+        for part in missing:
+            searched.weighed[part] = steps.weigh(
                 model,
-                names,
+                part.names,
                 [best.at.psi, searched.none.at.psi],
                 searched.inverse,
                 searched.volume,
@@ -170,8 +201,22 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     steps : Steps
         By which hypotheses are weighed.
     """
-    finalists = [first.weighed[name] for name in _finalists(first)]
     leader = first.best()
+    result = _weigh_finalists(model, first, leader, steps)
+    _weigh_beside_best(model, result, steps)
+    # What was screened keeps its distance from what led then, as that is weighed now.
+    level = result.weighed[leader.hypothesis].log_evidence - leader.log_evidence
+    screened = first.rough | {acting: rival.log_evidence for acting, rival in first.weighed.items()}
+    rough = {
+        acting: value + min(level, 0.0)
+        for acting, value in screened.items()
+        if acting not in result.weighed
+    }
+    return _with_unknown_force(model, replace(result, rough=rough), leader, steps)
+
+
+def _weigh_finalists(model: LinearModel, first: Search, leader: Weighed, steps: Steps) -> Search:
+    """Return the finalists as they are weighed in a model, with all forms of their laws."""
     none = steps.weigh(
         model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
     )
@@ -179,62 +224,62 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     volume = log_volume(curvature)
     none = replace(none, log_evidence=none.log_evidence + volume, curvature=curvature)
-    compared: dict[str, Weighed] = {NONE: none}
-    noise = leader.at.psi[: len(model.noise)]
-    for finalist in finalists:
+    compared: dict[Hypothesis, Weighed] = {NONE: none}
+    for finalist in (first.weighed[hypothesis] for hypothesis in _finalists(first)):
         if not finalist.names:
             continue
         again = steps.weigh(
             model,
             finalist.names,
-            [finalist.at.psi, noise],
+            [finalist.at.psi, leader.at.psi[: len(model.noise)]],
             inverse,
             volume,
             shapes=_shapes_of(finalist),
             forms=FORM_SHARES,
             own_volume=found_near(first, finalist),
         )
-        compared[finalist.label] = again
-        if finalist.label == leader.label and again.volume is not None:
+        compared[finalist.hypothesis] = again
+        if finalist.hypothesis == leader.hypothesis and again.volume is not None:
             # Where the leader's effects act, scatter is as little known as with them; the
             # noise without them is inflated, and better known.
             volume = again.volume
-    result = Search(compared, {}, None, first.classes, first.priors, inverse, volume)
-    # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
+    return Search(compared, {}, None, first.classes, first.priors, inverse, volume)
+
+
+def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None:
+    """Weigh effects beside the best: a form of one may have passed for another, or hidden it."""
     best = result.best()
-    effects = sorted(members[0] for members in first.classes.members)
-    if best.names and len(best.names) < MOST:
-        rough = _extended(model, best, effects, best.at.psi, {}, forms=best.forms)
-        for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
-            if name in compared or rough[name] < best.log_evidence + GAIN:
-                continue
-            compared[name] = steps.weigh(
-                model,
-                tuple(name.split("+")),
-                [best.at.psi],
-                inverse,
-                volume,
-                shapes=_shapes_of(best),
-                forms=FORM_SHARES,
-            )
-        _weigh_parts(model, result, steps, FORM_SHARES)
-        best = result.best()
-    # What was screened keeps its distance from what led then, as that is weighed now.
-    level = result.weighed[leader.label].log_evidence - leader.log_evidence
-    rough = {
-        name: value + min(level, 0.0)
-        for name, value in (
-            first.rough | {n: weighed.log_evidence for n, weighed in first.weighed.items()}
-        ).items()
-        if name not in compared
-    }
-    result = replace(result, rough=rough)
-    near = best.log_evidence - NEARLY
-    unknown = steps.unknown_force(model, none, Acting(), inverse, volume, [noise], near)
+    if not best.names or len(best.names) >= RULES.most_effects:
+        return
+    effects = sorted(members[0] for members in result.classes.members)
+    joining = _that_may_act(best, effects, result.classes)
+    rough = _extended(model, best, joining, best.at.psi, {}, forms=best.forms)
+    for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
+        if more in result.weighed or rough[more] < best.log_evidence + RULES.effect_gains:
+            continue
+        result.weighed[more] = steps.weigh(
+            model,
+            more.names,
+            [best.at.psi],
+            result.inverse,
+            result.volume,
+            shapes=_shapes_of(best),
+            forms=FORM_SHARES,
+        )
+    _weigh_parts(model, result, steps, FORM_SHARES)
+
+
+def _with_unknown_force(
+    model: LinearModel, result: Search, leader: Weighed, steps: Steps
+) -> Search:
+    """Return hypotheses with an unknown force, alone or beside the effects of the best."""
+    best, inverse, volume = result.best(), result.inverse, result.volume
+    noise, near = leader.at.psi[: len(model.noise)], best.log_evidence - RULES.followed_within
+    unknown = steps.unknown_force(model, result.none, Acting(), inverse, volume, [noise], near)
     if best.names and unknown is not None:
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
-            return result.with_unknown(unknown, beside, best.label)
+            return result.with_unknown(unknown, beside, best.hypothesis)
     return replace(result, unknown=unknown, unheard=unknown is None)
 
 
@@ -255,21 +300,33 @@ def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
 
 def found_near(first: Search, weighed: Weighed) -> bool:
     """Return whether a hypothesis is near enough to the best for its own noise volume."""
-    return first.worth(weighed) > first.worth(first.best()) - NEAREST
+    return first.worth(weighed) > first.worth(first.best()) - RULES.own_noise_within
 
 
-def _finalists(first: Search) -> list[str]:
+def _finalists(first: Search) -> list[Hypothesis]:
     """Return the hypotheses that are compared alike, the best first."""
     ranked = sorted(first.weighed.values(), key=lambda weighed: -first.worth(weighed))
     best = ranked[0]
     top = first.worth(best)
-    chosen = [weighed.label for weighed in ranked[:FINALISTS] if first.worth(weighed) > top - FAR]
+    chosen = [
+        rival.hypothesis
+        for rival in ranked[: RULES.finalists]
+        if first.worth(rival) > top - RULES.compared_within
+    ]
     # Each part of the leader: a cause counts against the best without it.
     for number in range(1, len(best.names)):
-        for names in combinations(best.names, number):
-            if label(names) in first.weighed:
-                chosen.append(label(names))
+        parts = map(Hypothesis, combinations(best.names, number))
+        chosen += [part for part in parts if part in first.weighed]
     return list(dict.fromkeys(chosen))
+
+
+def _that_may_act(base: Weighed, effects: Sequence[str], classes: Classes) -> list[str]:
+    """Return the effects of a hypothesis, and those that may act beside them."""
+    return [
+        name
+        for name in effects
+        if name in base.names or classes.may_act_together((*base.names, name))
+    ]
 
 
 def _extended(
@@ -279,7 +336,7 @@ def _extended(
     psi: Array,
     shapes: dict[str, float],
     forms: Mapping[str, FormShare] | None = None,
-) -> dict[str, float]:
+) -> dict[Hypothesis, float]:
     """Return a first look at hypotheses with an effect more, at the noise of the base.
 
     Shapes that are best so are noted in `shapes` where none is known.
@@ -297,7 +354,7 @@ def _extended(
     if base.acting.laws:
         shapes_held = [np.array([s]) for s in base.acting.shapes]
         held = float(quadratic.values(base.acting.laws, shapes_held)[0])
-    extended: dict[str, float] = {}
+    extended: dict[Hypothesis, float] = {}
     for name in with_columns:
         if name in base.names:
             continue
@@ -313,7 +370,7 @@ def _extended(
             else:
                 gain = float(quadratic.values(laws, [np.array([s]) for s in at])[0])
             values.append(gain - held + law.log_weight)
-        extended[label((*base.names, name))] = base.log_evidence + float(logsumexp(values))
+        extended[base.hypothesis.with_effects(name)] = base.log_evidence + float(logsumexp(values))
     for name in set(effects) - set(with_columns) - set(base.names):
         law = model.lawbook[name][0]
         both = Acting(base.acting.laws, base.acting.shapes, (*base.acting.phases, law))
@@ -322,7 +379,9 @@ def _extended(
             model.evaluate(np.append(psi, np.log(share * scale)), both, None, forms).value
             for share in (0.03, 0.1, 0.3, 1.0)
         ]
-        extended[label((*base.names, name))] = base.log_evidence + max(tried) - base.at.value
+        extended[base.hypothesis.with_effects(name)] = (
+            base.log_evidence + max(tried) - base.at.value
+        )
     return extended
 
 

@@ -4,12 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bayesfric.diagnosis.verdict import Verdict
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
 
 ALL_BUT = 0.999
-LEAST = 0.001  # of friction, below which a gap has no figure
-RARELY = 0.05  # probability that the gap is not above the floor, up to which data can tell
+WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 
 
 PULLS = {
@@ -59,6 +59,8 @@ class Statement:
         What is left that scatter does not explain; None where it explains all.
     recorded : str
         How many windows of how many trials say so.
+    bent : str or None
+        Why an instrument contradicts what was considered; None where it does not.
     """
 
     verdict: Verdict
@@ -75,6 +77,7 @@ class Statement:
     overruled_by: str | None = None
     unlike_scatter: str | None = None
     recorded: str = ""
+    bent: str | None = None
 
     @property
     def size(self) -> str:
@@ -82,8 +85,8 @@ class Statement:
         gap, middle = self.gap, self.gap.systematic.q50
         if gap.no_share is not None:
             return f"{middle:.3g} {gap.unit} rms"
-        if middle < LEAST * gap.friction_rms:
-            return f"less than {LEAST:.1%} of friction"
+        if middle < RULES.has_figure * gap.friction_rms:
+            return f"less than {RULES.has_figure:.1%} of friction"
         return f"{middle:.3g} {gap.unit} rms, {middle / gap.friction_rms:.1%} of friction"
 
     @property
@@ -147,7 +150,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
         open_still = f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}"
         return f"{open_still}; {better}." if better else f"{open_still}."
     sizes = f"({row.before.q50:.3g} {gap.unit} rms beside {row.floor.q50:.3g} {gap.unit})"
-    if row.below_floor <= RARELY:
+    if row.below_floor <= 1 - RULES.above_floor:
         return f"The law misses data held out by more than scatter explains {sizes}."
     return f"The law misses data held out by no more than scatter explains {sizes}."
 
@@ -180,12 +183,16 @@ def _no_gap(statement: Statement) -> str:
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
         off += f"since {statement.gap.no_share}"
-    by = f", by {statement.recorded}" if statement.recorded else ""
-    return f"Once recalibrated, the simulation is systematically off by {off}{by}.{absorbed}"
+    by = f" This rests on {statement.recorded}." if statement.recorded else ""
+    return f"Once recalibrated, the simulation is systematically off by {off}.{by}{absorbed}"
 
 
 def _undecided(statement: Statement) -> str:
     gap, share = statement.gap, statement.share
+    if statement.bent is not None:
+        names = " and ".join(effect.effect for effect in statement.considered)
+        fits = "fits what was recorded, and stays" if len(statement.considered) == 1 else ""
+        return f"{names} {fits or 'fit what was recorded, and stay'} open: {statement.bent}."
     if statement.not_shown is not None and gap.no_share is not None:
         return f"These data could not have shown a gap: {statement.not_shown}; {gap.no_share}."
     if statement.not_shown is not None:
@@ -280,4 +287,6 @@ def _share(shrink: Interval) -> str:
     """Return a share with its interval, which is never printed as all of it."""
     if shrink.q05 >= ALL_BUT:
         return f"more than {ALL_BUT:.1%}"
-    return f"{shrink.q50:.1%} [{shrink.q05:.1%}, {shrink.q95:.1%}]"
+    digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
+    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"

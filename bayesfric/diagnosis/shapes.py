@@ -16,13 +16,13 @@ from scipy.special import log_ndtr, logsumexp
 from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive, prior_moments
 from bayesfric.inference.information import Reduced
 
 WIDEST = 2.4  # normal quantile of a shape
 COARSE, FINE, ZOOMS = 49, 13, 3
 SWEEPS = 2  # over the shapes of effects that act together
-NEAR = 12.0  # nat from the best law, of one that is followed
 LOG_2 = float(np.log(2))
 Places: TypeAlias = tuple[int, ...]
 """Candidates of a law."""
@@ -218,7 +218,7 @@ def choose(
         combinations = [
             laws
             for laws, value in zip(combinations, rough, strict=True)
-            if value > rough.max() - NEAR
+            if value > rough.max() - RULES.followed_within
         ]
     choices = [quadratic.choice(laws, start(laws)) for laws in combinations]
     return sorted(choices, key=lambda choice: -choice.log_evidence)

@@ -11,18 +11,15 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
-WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
-HELD = 0.05  # of the draws of a number, that are at its least where it may be nothing
-WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
-LEAST_ODDS = float(np.log(2))  # by which an unknown force is less likely than none, at least
 
 
-def why_not_shown(search: Search, residuals: Residuals) -> str | None:
+def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> str | None:
     """Return why the data could not have shown a gap; None where they could.
 
     Parameters
@@ -31,17 +28,20 @@ def why_not_shown(search: Search, residuals: Residuals) -> str | None:
         Hypotheses, an unknown force among them where something varied.
     residuals : Residuals
         Windows of the recording.
+    along_path : bool
+        Whether windows are neighbours along the path of a joint, and hang together.
     """
+    windows_a_number = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
     windows, numbers = residuals.independent, _numbers(residuals)
-    if windows < WINDOWS_A_NUMBER * numbers:
+    if windows < windows_a_number * numbers:
         return (
             f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
-            f"of the law, and {WINDOWS_A_NUMBER * numbers} are needed"
+            f"of the law, and {windows_a_number * numbers} are needed"
         )
     if search.unknown is None:
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
-    if better > -LEAST_ODDS:
+    if better > -RULES.unknown_less_likely:
         return (
             f"{windows_told(residuals)} do not tell an unknown force from none "
             f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"
@@ -74,7 +74,7 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
             sd = float(moved[:, place, column].std())
             made = residuals.columns[mine, column] * sd / scales[column]
             error = float(np.sqrt(residuals.weight[mine] @ made**2))
-            if error > WITHIN * residuals.friction_rms:
+            if error > RULES.friction_loose * residuals.friction_rms:
                 return (
                     f"{name} is known to ± {sd:.2g} {unit} only, which makes "
                     f"{error:.2g} {model.data.unit} of force"
@@ -84,8 +84,8 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
 
 def windows_told(residuals: Residuals) -> str:
     """Return how much was recorded, in words."""
-    trials = len(residuals.names)
-    return f"{residuals.independent} windows of {trials} trial{'' if trials == 1 else 's'}"
+    runs = len(residuals.names)
+    return f"{residuals.independent} windows of {runs} run{'' if runs == 1 else 's'}"
 
 
 def _numbers(residuals: Residuals) -> int:
@@ -116,7 +116,7 @@ def share_of_friction(
         return {"no_share": None}  # a board whose pulleys rub not at all would not be recorded
     drawn, held = _friction_draws(model, residuals, posterior)
     middle, error = float(drawn.mean()), float(drawn.std()) + held
-    if error < WITHIN * middle:
+    if error < RULES.friction_loose * middle:
         return {"no_share": None}
     unit = model.data.unit
     return {
@@ -142,7 +142,7 @@ def _friction_draws(
         law = laws[size]
         for column, name in enumerate(Coefficients._fields):
             values, middle = moved[:, place, column], float(np.asarray(law[column]))
-            at_least = float(np.mean(values == values.min())) > HELD
+            at_least = float(np.mean(values == values.min())) > RULES.friction_nothing
             step = float(values.std()) or abs(middle)
             shown = residuals.columns[residuals.size == place, column].any()
             free = bool(model.free[place, column])

@@ -12,20 +12,16 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import At
-from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
-from bayesfric.diagnosis.verdict import HALF
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.hypothesis import UNKNOWN
 
-FREEDOM = 4.0  # of the Student-t distribution
-FAR = 5.0  # robust standard deviations, from which on a row is a stray: one of a million is not
-FEW = 0.05  # of the rows, of which more are no strays but a force
-FEWEST_ROWS = 8
 TO_SD = 1.4826  # of the median of absolute values of normal numbers
 ROUNDS = 8
 SETTLED = 0.3  # of the logarithm of a weight
 MOST_LEVERAGE = 1 - 1e-6
-LITTLE = 0.5  # weight below which a row is told
 
 
 def few_strays(
@@ -56,17 +52,17 @@ def few_strays(
     """
     weight = np.ones(off.size)
     spread = TO_SD * float(np.median(np.abs(off))) if off.size else 0.0
-    if off.size < FEWEST_ROWS or spread == 0:
+    if off.size < RULES.stray_least_rows or spread == 0:
         return weight
     z = np.abs(off) / spread
-    stray = z > FAR
+    stray = z > RULES.stray
     if before is not None and stray.any():
         far = np.abs(off if surely is None else surely)
         farthest = np.arange(off.size) == np.argmax(np.where(stray & (before == 1), far, -1.0))
         stray &= farthest | (before < 1)
-    if stray.sum() > max(1.0, FEW * off.size):
+    if stray.sum() > max(1.0, RULES.most_strays * off.size):
         return None
-    weight[stray] = (FREEDOM + 1) / (FREEDOM + z[stray] ** 2)
+    weight[stray] = (RULES.stray_freedom + 1) / (RULES.stray_freedom + z[stray] ** 2)
     return weight
 
 
@@ -102,7 +98,7 @@ def far_rows(model: LinearModel) -> tuple[str, ...]:
     said = []
     for rig in model.rigs:
         weight = model.full.row_weights.get(rig.rows.name)
-        little = np.flatnonzero(weight < LITTLE) if weight is not None else np.array([])
+        little = np.flatnonzero(weight < RULES.stray_told) if weight is not None else np.array([])
         if weight is None or not little.size:
             continue
         if weight.size == len(rig.rows.table):
@@ -125,7 +121,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
         return {}
     best, own, force = search.best(), model, search.unknown
     at, acting = best.at, best.acting
-    if force is not None and search.probabilities()[UNKNOWN] >= HALF:
+    if force is not None and search.probabilities()[UNKNOWN] >= RULES.likely:
         own, at, acting = model.full, force.at, force.acting
     plain = own.full
     if plain.row_weights:  # rows are looked at as they are before any has another weight

@@ -15,6 +15,7 @@ from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.overruling import leaves_too_much
 from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.diagnosis.systematic import Posterior
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.schemas import Gap
 
 TIME = "time"
@@ -23,9 +24,6 @@ DRAWS = 400
 WIDTHS = (2, 3, 5, 8, 13, 21, 34, 55)  # neighbours over which means are taken
 MOST_WAVES = 120  # in time, over all of a recording
 FEWEST = 4  # such means, side by side, in all windows
-RARE = 0.01  # probability of residuals that go together as much by chance
-MATTERS = 0.5  # of the practical share, that goes together at the least
-HARDLY_MORE = 0.5  # of friction, that is left of it at the most, for a share of it to matter
 TINY = 1e-300
 
 
@@ -94,7 +92,7 @@ def goes_together(
     as_far = np.count_nonzero(excess[:, 1:].max(axis=0) >= excess[place, 0])
     p_value = float((1 + as_far) / (1 + DRAWS))
     share = float(np.sqrt(max(squares[place, 0] - null[place].mean(), 0.0)))
-    if p_value > RARE or share < MATTERS * practical:
+    if p_value > RULES.like_scatter or share < RULES.order_matters * practical:
         return None
     return Together(rows[place][0], share, p_value)
 
@@ -127,7 +125,7 @@ def unlike_scatter(
     rng : Generator
         Source of randomness.
     """
-    if gap.before.q50 > HARDLY_MORE * gap.friction_rms:
+    if gap.before.q50 > RULES.order_of_friction * gap.friction_rms:
         return None
     if leaves_too_much(gap, practical):
         return f"{gap.held_out_excess:.3g} {gap.unit} rms of data held out, beyond scatter"

@@ -15,6 +15,7 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.drawn_effect import DrawnEffect, drawn_effect
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.base import Effect
 from bayesfric.errors import Fault, InputError
 from bayesfric.observation.coefficients import coefficient_name
@@ -30,7 +31,6 @@ RECORDED = {
     "velocity_m_s": "velocity",
 }
 """Covariates of rows by the column of a condition; others have their own names."""
-DOUBT = 0.1  # probability of an unknown force that is worth a line
 SLACK = 1e-9  # relative, of the ends of what was recorded
 
 
@@ -207,7 +207,7 @@ def target_lines(target: FrictionAsked) -> list[str]:
             f"with the causes {row.written(with_.q50)}{outside}"
         )
     lines += [f"  {name} stays behind: {why}" for name, why in target.stays_behind.items()]
-    if target.unknown_probability >= DOUBT:
+    if target.unknown_probability >= RULES.possible:
         lines.append(
             f"  an unknown force (probability {target.unknown_probability:.2f}) is carried to no "
             "other condition"

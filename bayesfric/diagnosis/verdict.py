@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
+from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.probabilities import total
 from bayesfric.schemas import Unseparated
 
 Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
-HALF, SURE, POSSIBLE = 0.5, 0.9, 0.1
-FELT = 0.003  # of friction: an error of readings or of a current below it is not named
 
 
 @dataclass(frozen=True)
@@ -59,30 +59,30 @@ def sort_effects(
     present: list[str] = []
     possible: list[str] = []
     for effect in effects_known:
-        matters = effect.above_practical >= HALF
+        matters = effect.above_practical >= RULES.likely
         if effect.measuring:
-            matters = effect.strength >= FELT and 1 - above < SURE
-        if effect.probability >= SURE:
+            matters = effect.strength >= RULES.felt and 1 - above < RULES.sure
+        if effect.probability >= RULES.sure:
             (causes if matters else present).append(effect.effect)
-        elif effect.probability >= POSSIBLE:
+        elif effect.probability >= RULES.possible:
             possible.append(effect.effect)
     return causes, present, possible
 
 
 def decide(
-    chances: Mapping[str, float],
+    chances: Mapping[Hypothesis, float],
     causes: Sequence[KnownEffect],
     above: float,
     together: Sequence[Sequence[str]],
     *,
-    none_before: float = HALF,
+    none_before: float = RULES.likely,
     shown: bool = True,
 ) -> tuple[Verdict, float]:
     """Return the verdict and its probability.
 
     Parameters
     ----------
-    chances : mapping of str to float
+    chances : mapping of Hypothesis to float
         Posterior probabilities of hypotheses.
     causes : sequence of KnownEffect
         Effects that are causes.
@@ -95,26 +95,24 @@ def decide(
     shown : bool
         Whether the data could have shown a gap.
     """
-    if 1 - above >= SURE:
+    if 1 - above >= RULES.sure:
         if shown:
             return "no-gap", 1 - above
         return "undecided", max(none_before, 1 - none_before)
-    unknown = chances.get("unknown", 0.0)
-    if unknown >= HALF:
+    unknown = chances.get(UNKNOWN, 0.0)
+    if unknown >= RULES.likely:
         return "unknown", unknown
-    if above >= SURE and causes:
+    if above >= RULES.sure and causes:
         names = {cause.effect for cause in causes}
-        return "named", total(p for name, p in chances.items() if names <= set(name.split("+")))
-    if above >= SURE and together:
-        acting = {name for rivals in together for name in rivals}
-        return "unseparated", total(
-            p for name, p in chances.items() if acting & set(name.split("+"))
-        )
+        return "named", total(p for acting, p in chances.items() if names <= acting)
+    if above >= RULES.sure and together:
+        rivals = {name for exclusive in together for name in exclusive}
+        return "unseparated", total(p for acting, p in chances.items() if rivals & acting)
     return "undecided", max(above, 1 - above)
 
 
 def sets_of_one(
-    chances: Mapping[str, float], effects_known: Sequence[KnownEffect], causes: Sequence[str]
+    chances: Mapping[Hypothesis, float], effects_known: Sequence[KnownEffect], causes: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     """Return sets of effects of which one acts with probability 0.9, and none does alone.
 
@@ -123,13 +121,13 @@ def sets_of_one(
     rivals = [
         effect.effect
         for effect in effects_known
-        if effect.effect not in causes and effect.probability < SURE
+        if effect.effect not in causes and effect.probability < RULES.sure
     ]
     chosen: list[str] = []
     for name in rivals[:6]:
         chosen.append(name)
-        either = total(p for h, p in chances.items() if set(h.split("+")) & set(chosen))
-        if len(chosen) > 1 and either >= SURE:
+        either = total(p for acting, p in chances.items() if acting & set(chosen))
+        if len(chosen) > 1 and either >= RULES.sure:
             return (tuple(chosen),)
     return ()
 

@@ -14,8 +14,8 @@ from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import AS_IT_IS, SHARES, FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
+from bayesfric.hypothesis import Hypothesis
 
-NONE = "none"
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
 SETTLED = 0.05  # of a shape, in normal quantiles
 # Along speed alone too, as an unknown force may be: that has no price of other axes.
@@ -62,9 +62,9 @@ class Weighed:
     bound: bool = False
 
     @property
-    def label(self) -> str:
-        """Name of the hypothesis."""
-        return label(self.names)
+    def hypothesis(self) -> Hypothesis:
+        """That these effects act."""
+        return Hypothesis(self.names)
 
     @property
     def volume(self) -> float | None:
@@ -87,11 +87,6 @@ class _Chosen(NamedTuple):
     total: float
     choices: list[Choice]
     at: Callable[[], At]
-
-
-def label(names: Sequence[str]) -> str:
-    """Return the name of a joint hypothesis."""
-    return "+".join(sorted(names)) if names else NONE
 
 
 def weigh(

@@ -16,13 +16,13 @@ from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.shares import AxisFunctions, Shares, functions_along, shares_of
 from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Axis, Interval, Shape
 
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction
-ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded
 BAND = 0.95
 TINY = 1e-300  # a statistic that never moves is not divided by zero
 VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
@@ -228,7 +228,7 @@ def _confounded(
             continue
         mine, theirs = (_orthonormal(axis.columns[both], precision[both]) for axis in pair)
         cosines = np.linalg.svd(mine.T @ theirs, compute_uv=False)
-        if cosines.size and cosines[0] > ALIKE:
+        if cosines.size and cosines[0] > RULES.axes_alike:
             alike.append(other)
     return tuple(alike)
 

@@ -23,6 +23,8 @@ LADDER = (
     "2024 (M3 to M6), and the parameters published with it"
 )
 """Source of what friction by the load of a gear may be."""
+BY_LOAD = "friction by the load"
+"""The ladder of effects of which each is friction that grows with the load of a gear."""
 REFERENCE_TENSION_N = 15.0
 WRAP_SPAN_DEG = 50.0
 """Turn of the wrap angle from the paper's 85° that strength 1 of an effect of it refers to."""
@@ -322,6 +324,9 @@ class Effect:
     odds : float
         How much likelier it is than any other effect, where a rig offers what it needs, before
         the data.
+    ladder : str
+        Name of a ladder of models, or empty. Effects of one ladder are rungs of it: each is a
+        limit or a part of a richer one, so that no two of them act together.
     """
 
     name: str
@@ -339,6 +344,7 @@ class Effect:
     two_ends: str | None = None
     axes: frozenset[str] = frozenset()
     odds: float = 1.0
+    ladder: str = ""
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, State
 
 
 def _with_inertia(p: Mapping[str, Array], state: State) -> Array:
@@ -45,4 +45,5 @@ EFFECT = Effect(
     along_path=True,
     needs=frozenset({"direction", "load-both-ways"}),
     axes=frozenset({"load", "displacement", "acceleration"}),
+    ladder=BY_LOAD,
 )

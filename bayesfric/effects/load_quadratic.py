@@ -1,7 +1,7 @@
 """Friction that grows with the square of the gear's load: k ℓ².
 
 The last step of M6 of Duclusaud et al., whose square dies out with speed as well. Over a small
-range of loads it is ``load-friction``.
+range of loads it is ``load-friction``, which is no effect beside it.
 """
 
 from collections.abc import Mapping
@@ -10,11 +10,15 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, State
 
 
 def _square(p: Mapping[str, Array], state: State) -> Array:
     return np.asarray(p["rate"] * np.asarray(state.carried_n) ** 2)
+
+
+def _square_at_rest(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["rate"] * np.asarray(state.held_n) ** 2)
 
 
 EFFECT = Effect(
@@ -30,8 +34,9 @@ EFFECT = Effect(
         reference=f"{LADDER}: 0.002 to 0.01 for each N·m, of joints whose friction is 0.02 to "
         "6 N·m: up to 0.06 in units of friction",
     ),
-    laws={"square": _square},
+    laws={"square": _square, "of-what-is-held": _square_at_rest},
     along_path=True,
     needs=frozenset({"direction", "load-both-ways"}),
     axes=frozenset({"load", "displacement", "acceleration"}),
+    ladder=BY_LOAD,
 )

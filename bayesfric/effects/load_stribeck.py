@@ -1,7 +1,8 @@
 """Friction by the gear's load that dies out as speed grows: k |ℓ| exp(−v / v_s).
 
-M4 of Duclusaud et al. It is confounded with ``load-friction`` where all is slow, and with
-``stribeck`` where the load is always the same.
+M4 of Duclusaud et al. At high speed friction by the load may stay, half of it or less: that is
+``load-friction``, which therefore is no effect beside this one but a part of it. The two are not
+told apart where all is slow; where the load is always the same this is ``stribeck``.
 """
 
 from collections.abc import Mapping
@@ -10,12 +11,24 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
+from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, State
 
 
 def _exponential(p: Mapping[str, Array], state: State) -> Array:
-    dying = np.exp(-np.asarray(state.speed_m_s) / p["speed"])
-    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * dying)
+    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * _dying(p, state))
+
+
+def _at_rest(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["share"] * np.abs(np.asarray(state.held_n)) * _dying(p, state))
+
+
+def _half_stays(p: Mapping[str, Array], state: State) -> Array:
+    left = 0.5 * (1 + _dying(p, state))
+    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * left)
+
+
+def _dying(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(np.exp(-np.asarray(state.speed_m_s) / p["speed"]))
 
 
 EFFECT = Effect(
@@ -39,8 +52,9 @@ EFFECT = Effect(
         reference=f"{LADDER}: 0.35 to 4.2 rad/s, of joints that reach some rad/s",
         typical=0.25,
     ),
-    laws={"exponential": _exponential},
+    laws={"exponential": _exponential, "of-what-is-held": _at_rest, "half-stays": _half_stays},
     along_path=True,
     needs=frozenset({"direction", "load-both-ways"}),
     axes=frozenset({"load", "velocity", "displacement"}),
+    ladder=BY_LOAD,
 )

@@ -4,13 +4,11 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.hypothesis import UNKNOWN, parsed
 from bayesfric.invariants.common import Rule
 
 SUM, SHARES = 1e-9, 1e-6
-SURE, HALF, POSSIBLE = 0.9, 0.5, 0.1
-ABOVE_FLOOR = 0.95  # probability that a gap is above the floor, from which on it can shrink
-MOST_SHRINK = 1.2
-UNRESOLVED = 0.002  # of friction, a gap that windows and linearisation leave without any noise
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 
@@ -51,7 +49,7 @@ def _shares(record: Mapping[str, Any]) -> list[str]:
 def _gap_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     systematic, before, floor = gap["systematic"], gap["before"], gap["floor"]
-    if systematic["q50"] < UNRESOLVED * (gap.get("friction_rms") or 0.0):
+    if systematic["q50"] < RULES.unresolved * (gap.get("friction_rms") or 0.0):
         return []
     # By chance as much may be taken off the squares before as scatter makes.
     most, middle = (max(before[key], floor[key]) for key in ("q95", "q50"))
@@ -76,10 +74,10 @@ def _shrinks(record: Mapping[str, Any]) -> list[str]:
         shrink = row["shrink"]
         if shrink is None:
             continue
-        if 1 - row["below_floor"] < ABOVE_FLOOR - SUM:
+        if 1 - row["below_floor"] < RULES.above_floor - SUM:
             above = 1 - row["below_floor"]
             wrong.append(f"{name} shrinks, and is above its floor with {above:.2f} only")
-        if shrink["q50"] > MOST_SHRINK + SUM:
+        if shrink["q50"] > RULES.most_shrink + SUM:
             wrong.append(f"{name} shrinks by {shrink['q50']:.3g} of itself")
     return wrong
 
@@ -93,20 +91,20 @@ def _remainder(record: Mapping[str, Any]) -> list[str]:
 
 def _verdict(record: Mapping[str, Any]) -> list[str]:
     kind, chance = record["verdict"], record["verdict_probability"]
-    chances, above = record["probabilities"], record["gap"]["probability_above_practical"]
-    unknown, wrong = chances.get("unknown", 0.0), []
+    chances, above = parsed(record["probabilities"]), record["gap"]["probability_above_practical"]
+    unknown, wrong = chances.get(UNKNOWN, 0.0), []
     causes = {cause["effect"] for cause in record["causes"]}
     rivals = [pair for pair in record["unseparated"] if pair["reason"] == "these-data"]
-    no_gap = above <= 1 - SURE + SUM
+    no_gap = above <= 1 - RULES.sure + SUM
     if no_gap and kind not in ("no-gap", "undecided"):
         wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
     if kind == "no-gap" and not no_gap:
         wrong.append(f"it is no-gap where a gap is there with {above:.3g}")
-    if kind == "unknown" and unknown < HALF:
+    if kind == "unknown" and unknown < RULES.likely:
         wrong.append(f"it is unknown where an unknown force acts with {unknown:.3g} only")
-    if unknown >= HALF and not no_gap and kind not in ("unknown", "undecided"):
+    if unknown >= RULES.likely and not no_gap and kind not in ("unknown", "undecided"):
         wrong.append(f"it is {kind} where an unknown force acts with {unknown:.3g}")
-    if kind in ("named", "unseparated") and above < SURE:
+    if kind in ("named", "unseparated") and above < RULES.sure:
         wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
     if kind == "named" and not causes:
         wrong.append("it is named and names no cause")
@@ -115,19 +113,19 @@ def _verdict(record: Mapping[str, Any]) -> list[str]:
     stated = {
         "no-gap": 1 - above,
         "unknown": unknown,
-        "named": math.fsum(_chances(chances, lambda acting: causes <= acting)),
+        "named": math.fsum(p for acting, p in chances.items() if causes <= acting),
     }.get(kind)
     if stated is not None and abs(stated - chance) > UNLISTED:
         wrong.append(f"it states {chance:.4g} where the probabilities say {stated:.4g}")
     return wrong
 
 
-def _chances(chances: Mapping[str, float], holds: Any) -> Iterator[float]:
-    return (chance for name, chance in chances.items() if holds(set(name.split("+"))))
-
-
 def _causes_act(record: Mapping[str, Any]) -> list[str]:
-    bounds = {"causes": (SURE, 1.0), "present": (SURE, 1.0), "possible": (POSSIBLE, SURE)}
+    bounds = {
+        "causes": (RULES.sure, 1.0),
+        "present": (RULES.sure, 1.0),
+        "possible": (RULES.possible, RULES.sure),
+    }
     wrong = []
     for kind, (least, most) in bounds.items():
         for effect in record[kind]:
@@ -138,10 +136,10 @@ def _causes_act(record: Mapping[str, Any]) -> list[str]:
 
 
 def _acting(record: Mapping[str, Any]) -> list[str]:
-    wrong = []
+    wrong, hypotheses = [], parsed(record["probabilities"])
     for effect in record["inclusion"]:
         name, chance = effect["effect"], effect["probability"]
-        whole = math.fsum(_chances(record["probabilities"], lambda names, name=name: name in names))
+        whole = math.fsum(p for acting, p in hypotheses.items() if name in acting)
         if abs(whole - chance) > UNLISTED:
             wrong.append(f"{name} acts with {chance:.4g}, and its hypotheses have {whole:.4g}")
     return wrong

@@ -53,10 +53,7 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
         There is no such joint, or it is not said which.
     """
     if not mapping.is_of_any_joint:
-        if joint == ALL:
-            expected = f"columns with {JOINT} in their names, where --joint is all"
-            raise InputError([Fault("the mapping", expected, column="position.column")])
-        return (joint,)
+        return (joint,) if joint != ALL else _joints_with_columns(mapping)
     names = _joints(log, mapping)
     listed = ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
     if joint == ALL:
@@ -71,6 +68,19 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
         expected = f"all, or one of its joints ({listed or 'there is none'}){near(joint, names)}"
         raise InputError([Fault(log.name, expected, column="--joint", value=joint)])
     return (joint,)
+
+
+def _joints_with_columns(mapping: Mapping) -> tuple[str, ...]:
+    """Return the joints that the mapping names, each with a position column of its own."""
+    names = [joint for joint, own in mapping.joints.items() if "column" in own.get("position", {})]
+    columns = {mapping.of_joint(joint)["position"].column for joint in names}
+    if not names or len(columns) < len(mapping.joints):
+        expected = (
+            f"columns with {JOINT} in their names, or [joints.NAME.position] with a column for "
+            "each joint, where --joint is all"
+        )
+        raise InputError([Fault("the mapping", expected, column="position.column")])
+    return tuple(names)
 
 
 def _joints(log: Log, mapping: Mapping) -> list[str]:

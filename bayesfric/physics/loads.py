@@ -95,15 +95,17 @@ def through_play(
     ahead, rubs = (np.zeros((*path.shape, gap.size)) for _ in range(2))
     step, moves = np.asarray(interval_s)[..., None], _moves(path)
     loss = np.maximum(slows * step, np.finfo(float).tiny)
+    share = _share(slows) / loss
     speed = np.zeros(ahead.shape[1:])
+    half = 0.5 * gap
     for k in range(1, len(path)):
-        coasting = np.sign(speed) * np.maximum(np.abs(speed) - loss, 0.0)
+        lost = np.minimum(np.maximum(speed, -loss), loss)
+        coasting = speed - lost
         freely = ahead[k - 1] + coasting * step - moves[k]
-        ahead[k] = np.clip(freely, -0.5 * gap, 0.5 * gap)
+        np.minimum(np.maximum(freely, -half), half, out=ahead[k])
         pushed = ahead[k] != freely
-        before = speed
         speed = np.where(pushed, (ahead[k] - ahead[k - 1] + moves[k]) / step, coasting)
-        rubs[k] = np.where(pushed, np.sign(speed), (before - coasting) / loss)
+        rubs[k] = np.where(pushed, np.sign(speed), lost * share)
     return ahead, rubs
 
 
@@ -121,22 +123,35 @@ def on_spring(
     damping : float or ndarray, shape (K,)
         Over what is critical.
     """
-    ahead, rubs = (np.zeros((*path.shape, pull.size)) for _ in range(2))
     step, moves = np.asarray(interval_s)[..., None], _moves(path)
     damped = np.asarray(damping) * np.sqrt(pull) * step
     halved = 0.25 * pull * step**2
-    loss = np.maximum(slows * step / (1 + damped + halved), np.finfo(float).tiny)
-    speed = np.zeros(ahead.shape[1:])
+    whole = 1 + damped + halved
+    loss = np.maximum(slows * step / whole, np.finfo(float).tiny)
+    kept = (1 - damped - halved) / whole
     # Means over a step of what pulls and damps: no energy is lost by the steps themselves.
-    by_place, by_speed = step * pull, 2 * damped / step
+    by_place, by_speed = step * pull / whole, 2 * damped / step / whole
+    driven = (0.5 * by_place + by_speed) * moves
+    ahead, rubs = np.zeros(driven.shape), np.zeros(driven.shape)
+    least, half_step = -loss, 0.5 * step
+    speed = np.zeros(ahead.shape[1:])
     for k in range(1, len(path)):
-        pulled = by_place * (0.5 * moves[k] - ahead[k - 1]) + by_speed * moves[k]
-        freely = (speed * (1 - damped - halved) + pulled) / (1 + damped + halved)
-        after = np.sign(freely) * np.maximum(np.abs(freely) - loss, 0.0)
-        rubs[k] = (freely - after) / loss
-        ahead[k] = ahead[k - 1] + 0.5 * step * (speed + after) - moves[k]
-        speed = after
+        freely = speed * kept + driven[k]
+        freely -= by_place * ahead[k - 1]
+        lost = np.minimum(np.maximum(freely, least, out=rubs[k]), loss, out=rubs[k])
+        freely -= lost
+        speed += freely
+        speed *= half_step
+        speed += ahead[k - 1]
+        np.subtract(speed, moves[k], out=ahead[k])
+        speed = freely
+    rubs *= _share(slows) / loss
     return ahead, rubs
+
+
+def _share(slows: Array) -> Array:
+    """Return 1 of loads with friction, 0 of those without, (K,)."""
+    return (slows > 0).astype(float)
 
 
 def _moves(path: Array) -> Array:

@@ -15,7 +15,7 @@ from bayesfric.report.chapters.diagnosis_details import appendix as diagnosis_ta
 from bayesfric.report.chapters.diagnostics import diagnostics, further_diagnostics
 from bayesfric.report.chapters.left_out import further_left_out
 from bayesfric.report.chapters.margins import margins
-from bayesfric.report.chapters.methods import methods
+from bayesfric.report.chapters.methods import methods, thresholds
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.chapters.posteriors import further_posteriors, posteriors
@@ -42,7 +42,7 @@ def build_document(stored: StoredResults) -> Document:
     stored : StoredResults
         Results of the verbs, of one at least.
     """
-    subtitle = "The diagnosis on data whose effect is withheld"
+    subtitle = "Blind test of the diagnosis: what acts is withheld from it"
     created = None if stored.scorecard is None else stored.scorecard.created
     if stored.scorecard is None and stored.calibration is not None:
         subtitle, created = "Simulation-based calibration", stored.calibration.created
@@ -132,6 +132,7 @@ def _details(stored: StoredResults) -> Iterator[Block]:
         chapters += further_posteriors(stored.fitted)
         chapters += further_diagnostics(stored.fitted)
         chapters += further_left_out(stored.fitted)
+    chapters += thresholds(stored)
     if chapters:
         yield Heading(1, "Details")
         yield from chapters

@@ -56,6 +56,9 @@ class Words:
         What its law and its likelihood are, in sentences; nothing where they are the paper's.
     group, groups : str
         What trials of one value of ``setup`` are together, and several of these.
+    thresholds : dataclass or None
+        By which its log is read, where there are some: fields made by
+        :func:`bayesfric.rules.rule`.
     """
 
     rig: str
@@ -64,6 +67,7 @@ class Words:
     law: str = ""
     group: str = "assembly"
     groups: str = "assemblies"
+    thresholds: Any = None
 
 
 class Rig(Protocol):
@@ -187,6 +191,10 @@ class RigTrials(Protocol):
     @property
     def has_pulleys(self) -> bool:
         """Whether a cable runs over pulleys, which the paper and its claims are about."""
+
+    @property
+    def along_path(self) -> bool:
+        """Whether its windows are neighbours along the path of a machine, and hang together."""
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""

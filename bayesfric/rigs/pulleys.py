@@ -36,6 +36,11 @@ class PulleyTrials:
         """True."""
         return True
 
+    @property
+    def along_path(self) -> bool:
+        """False."""
+        return False
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
         if law.name in OF_AXES:

@@ -429,11 +429,15 @@ class DiagnosisFile(Provenance):
         (), description="Effects that act with a probability from 0.1 on and are no cause."
     )
     considered: tuple[Cause, ...] = Field(
-        (), description="Effects that fit what was recorded, and that held-out data contradict."
+        (),
+        description="Effects that fit what was recorded, and that held-out data, or an "
+        "instrument, contradict.",
     )
     considered_why: Annotated[Why, Because("held-out data contradict no cause")] = None
     overruled_by: str | None = Field(
-        None, description="By which rule held-out data contradict them, with its figures."
+        None,
+        description="By which rule held-out data contradict them, with its figures; or "
+        "what an instrument tells of them.",
     )
     overruled_by_why: Annotated[Why, Because("held-out data contradict no cause")] = None
     enter: tuple[Enter, ...] = Field(

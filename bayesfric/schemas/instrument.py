@@ -34,3 +34,8 @@ class Instrument(Record):
         description="Whether the two differ by more than chance, and by what matters."
     )
     numbers: dict[str, InstrumentNumber] = Field(description="Of the law, by name.")
+    effects: dict[str, InstrumentNumber] = Field(
+        default_factory=dict,
+        description="Amplitudes of the effects of the likeliest hypothesis, by name; none that the "
+        "law and the effects before it make.",
+    )

@@ -10,14 +10,17 @@ RIGHT = {
     "delay-17": "perfect",
     "none-11": "real",
     "torque-saturation-19": "real",
+    "load-stribeck-4": "perfect",
+    "load-quadratic-6": "perfect",
 }
-"""Cases that are right, by the signals that they have."""
+"""Cases that are right, by the signals that they have; no rung of a ladder beside another one."""
 NOT_FALSE = {"wave-in-time-5": "perfect", "cogging-14": "real"}
 """Cases in which something was named that does not act: a coarse encoder, a wave in time."""
 
 
 def diagnosed(name, design):
-    return joint_world.case(joint_world.cases(40, design)[name])
+    cases = {**joint_world.cases(40, design, sealed=True), **joint_world.cases(40, design)}
+    return joint_world.case(cases[name])
 
 
 @pytest.mark.nightly

@@ -4,8 +4,9 @@ import pytest
 from rigs.looped_joint import LoopedJoint
 
 import bayesfric as bf
-from bayesfric.diagnosis.instrumental import by_the_instrument, why_bent
+from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent
 from bayesfric.diagnosis.verdict import decide
+from bayesfric.hypothesis import NONE
 from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
 
 
@@ -54,10 +55,43 @@ def test_without_an_alarm_nothing_changes(silent):
     assert why_bent(silent) is None
 
 
+def of_backlash(ordinary, instrumental, se):
+    value = InstrumentNumber(
+        unit="1",
+        ordinary=ordinary,
+        ordinary_se=0.01,
+        instrumental=instrumental,
+        instrumental_se=se,
+    )
+    return instrument(alarms=True).model_copy(update={"effects": {"backlash": value}})
+
+
+@pytest.mark.parametrize(
+    ("told", "alarmed", "why"),
+    [
+        ((0.5, 0.4, 0.05), True, None),
+        ((-0.5, -0.4, 0.05), True, None),
+        ((0.5, 0.4, 0.05), False, None),
+        ((0.5, 0.1, 0.3), True, "backlash is 0.1 ± 0.3 by it, and 0.5 by least squares"),
+        ((0.5, 0.1, 0.01), True, "backlash is 0.1 ± 0.01 by it"),
+        ((0.5, -0.4, 0.05), True, "backlash is -0.4 ± 0.05 by it"),
+    ],
+)
+def test_a_cause_that_an_instrument_does_not_tell_is_not_held(told, alarmed, why):
+    beside = of_backlash(*told).model_copy(update={"alarms": alarmed})
+    found = not_held(beside, ["backlash"])
+    assert (found is None) == (why is None)
+    assert why is None or why in found
+
+
+def test_a_cause_that_an_instrument_has_no_column_of_is_not_held():
+    assert "spring is not told by it" in not_held(of_backlash(0.5, 0.4, 0.05), ["spring"])
+
+
 def test_numbers_that_are_bent_are_no_proof_of_no_gap():
     why = why_bent(instrument(alarms=True))
     assert "p = 2e-08" in why
-    assert decide({"none": 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
+    assert decide({NONE: 1.0}, [], 0.01, [], shown=why is None)[0] == "undecided"
 
 
 @pytest.mark.nightly

@@ -17,6 +17,7 @@ from bayesfric.diagnosis.judging import _leaves_too_much, judge
 from bayesfric.diagnosis.remainder import all_left
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, printed
 
 OWN, REST = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])  # orthogonal
 
@@ -26,7 +27,7 @@ def judged(shares, labels):
     shares = np.asarray(shares)
     force = 0.1 * (np.outer(OWN, np.sqrt(1 - shares)) + np.outer(REST, np.sqrt(shares)))
     posterior = SimpleNamespace(
-        hypothesis=np.array(labels),
+        hypothesis=np.array([Hypothesis.parse(label) for label in labels], dtype=object),
         force=force,
         hidden2=np.zeros(shares.size),
         unresolved2=np.zeros(shares.size),
@@ -67,16 +68,16 @@ def test_what_another_effect_makes_is_not_left_by_the_causes(known, expected):
 
 def test_what_leaves_too_much_counts_as_unknown_with_all_that_holds_it():
     weighed = {
-        name: Weighed(() if name == "none" else tuple(name.split("+")), value, None, Acting(), AT)
+        Hypothesis.parse(name): Weighed(Hypothesis.parse(name).names, value, None, Acting(), AT)
         for name, value in (("none", 0.0), ("viscous", 9.0), ("slip+viscous", 11.0), ("slip", 5.0))
     }
     classes = Classes(members=(("slip",), ("viscous",)), absorbed=(), left_out={})
     priors = Analysis().diagnosis.hypotheses
     plain = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
-    before = plain.probabilities()
-    moved = Search(
-        weighed, {}, None, classes, priors, np.eye(1), 0.0, {frozenset(["viscous"]): 0.75}
-    ).probabilities()
+    before = printed(plain.probabilities())
+    foreign = {Hypothesis(["viscous"]): 0.75}
+    search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0, foreign)
+    moved = printed(search.probabilities())
     for name in ("viscous", "slip+viscous"):
         assert moved[name] == pytest.approx(0.25 * before[name])
     assert moved["slip"] == pytest.approx(before["slip"], rel=1e-15)
@@ -104,7 +105,7 @@ def test_effects_are_judged_again_where_they_leave_too_much(monkeypatch, force, 
     monkeypatch.setattr(judging, "_judged", once)
     monkeypatch.setattr(judging, "_reshaped", lambda model, one: None)
     monkeypatch.setattr(judging, "_with_causes", lambda model, force, best: force)
-    weighed = {"none": Weighed((), 0.0, None, Acting(), AT)}
+    weighed = {NONE: Weighed((), 0.0, None, Acting(), AT)}
     classes, priors = Classes((), (), {}), Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, force, classes, priors, np.eye(1), 0.0)
     judge(None, search, {}, 0.02, np.random.default_rng(0))
@@ -114,7 +115,7 @@ def test_effects_are_judged_again_where_they_leave_too_much(monkeypatch, force, 
 def test_the_remainder_of_an_unknown_force_is_that_force():
     """4.6 nat are two powers of ten; more of the gap than all of it there is not."""
     search = Search(
-        {"none": Weighed((), 1.0, None, Acting(), AT)}, {}, None, None, None, np.eye(1), 0.0
+        {NONE: Weighed((), 1.0, None, Acting(), AT)}, {}, None, None, None, np.eye(1), 0.0
     )
     nodes = Wide(0.1, None), Wide(0.1, "velocity"), Wide(0.1, "tension")
     force = Unknown(nodes, np.log([0.5, 0.1, 0.4]), 1.0 + 2 * np.log(10), AT, Acting())
@@ -136,17 +137,17 @@ def test_an_unknown_force_beside_an_effect_is_as_rare_as_the_effect_is():
     effects = tuple((f"effect {number}",) for number in range(20))
     own = Acting()
     weighed = {
-        name: Weighed(names, evidence, np.eye(1), own, AT)
-        for name, names, evidence in (("none", (), -70.0), ("effect 3", ("effect 3",), 0.0))
+        Hypothesis(names): Weighed(names, evidence, np.eye(1), own, AT)
+        for names, evidence in (((), -70.0), (("effect 3",), 0.0))
     }
     search = Search(
         weighed, {}, None, Classes(effects, (), {}), analysis.hypotheses, np.eye(1), 0.0
     )
     alone, beside = (Unknown((Wide(0.1, None),), np.zeros(1), v, AT, own) for v in (-70.0, 0.0))
-    found = search.with_unknown(alone, beside, "effect 3").probabilities()
+    found = search.with_unknown(alone, beside, Hypothesis(["effect 3"])).probabilities()
     # One of ten of unknown forces, 0.3 / 0.4 / 20 of which are beside this very effect.
     odds = 0.1 * 0.1 * (0.3 / 0.4 / 20) / (0.3 / 20)
-    assert found["unknown"] == pytest.approx(odds / (1 + odds))
+    assert found[UNKNOWN] == pytest.approx(odds / (1 + odds))
 
 
 @pytest.mark.parametrize(("with_causes", "kept"), [(5.0, False), (-5.0, True)])
@@ -174,11 +175,11 @@ def test_a_force_that_causes_leave_is_beside_them_where_they_are_asked_for(with_
 def test_a_force_that_causes_leave_is_a_remainder():
     """As good as none by itself; with the causes 2 powers of ten better."""
     weighed = {
-        "none": Weighed((), 0.0, None, Acting(), AT),
-        "viscous": Weighed(("viscous",), 2 * np.log(10), None, Acting(), AT),
+        NONE: Weighed((), 0.0, None, Acting(), AT),
+        Hypothesis(["viscous"]): Weighed(("viscous",), 2 * np.log(10), None, Acting(), AT),
     }
     classes = Classes((("viscous",),), (), {})
-    foreign = {frozenset(["viscous"]): 1.0}
+    foreign = {Hypothesis(["viscous"]): 1.0}
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0, foreign)
     told = all_left(search, Unknown((Wide(0.1, "order"),), np.zeros(1), 0.0, AT, Acting()))
@@ -190,10 +191,10 @@ def weighed_by_name(*labels):
     """Return hypotheses, the first the most probable; their effects are columns of a machine."""
     found = {}
     for place, label in enumerate(labels):
-        names = () if label == "none" else tuple(label.split("+"))
+        names = Hypothesis.parse(label)
         laws = tuple(SimpleNamespace(effect=name) for name in names)
         acting = Acting(laws, (0.0,) * len(laws))
-        found[label] = Weighed(names, -100.0 * place, None, acting, AT)
+        found[names] = Weighed(names.names, -100.0 * place, None, acting, AT)
     return found
 
 
@@ -216,7 +217,7 @@ def test_beside_gravity_an_effect_has_to_take_most_of_what_gravity_leaves(
         weight=np.full(4, 0.25), friction_rms=1.0, without_law=lambda column: column
     )
     posterior = SimpleNamespace(
-        hypothesis=np.array(["gravity-torque+spring"] * 3),
+        hypothesis=np.array([Hypothesis(["gravity-torque", "spring"])] * 3, dtype=object),
         force=np.tile(force[:, None], 3),
         hidden2=np.zeros(3),
         unresolved2=np.zeros(3),
@@ -238,8 +239,8 @@ def test_beside_gravity_an_effect_has_to_take_most_of_what_gravity_leaves(
     )
     once = SimpleNamespace(residuals=residuals, posterior=posterior, arms=arms)
     found = judging._largest_alone(None, search, once, 0.02)
-    assert found == (None if share is None else (frozenset({"gravity-torque"}), share))
+    assert found == (None if share is None else (Hypothesis(["gravity-torque"]), share))
     if share is not None:
         moved = replace(search, minor=found)
-        assert moved.probabilities()["gravity-torque"] == pytest.approx(1.0)
-        assert moved.best().label == "gravity-torque"
+        assert moved.probabilities()[Hypothesis(["gravity-torque"])] == pytest.approx(1.0)
+        assert moved.best().names == ("gravity-torque",)

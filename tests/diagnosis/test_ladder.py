@@ -4,11 +4,15 @@ Two loads, and lifting and lowering at each pose. Numbers are drawn over what th
 that were published with the ladder (Duclusaud et al. 2024), two joints a rung.
 """
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from rigs.loaded_joints import LoadedJoint
 
 import bayesfric as bf
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.effects.base import BY_LOAD
 
 RUNGS = {
     "M1": set(),
@@ -60,3 +64,18 @@ def test_the_rung_that_made_a_joint_is_named_or_possible(rung, seed):
     assert RUNGS[rung] & told, found.sentence
     if rung in ("M3", "M5"):
         assert any("one way of the power" in line for line in found.attention)
+
+
+def test_rungs_of_one_ladder_do_not_act_together_and_share_one_prior():
+    rungs = dict.fromkeys(("load-friction", "load-quadratic", "load-stribeck"), BY_LOAD)
+    names = (*rungs, "spring", "stribeck")
+    classes = Classes(tuple((name,) for name in names), (), {}, {"spring": 3.0}, rungs)
+    for count in (1, 2, 3):
+        sets = [those for those in combinations(names, count) if classes.may_act_together(those)]
+        assert all(len(rungs.keys() & set(those)) <= 1 for those in sets)
+        chances = [np.exp(classes.log_prior_among(those)) for those in sets]
+        assert sum(chances) == pytest.approx(1.0)
+    assert classes.other_rungs(("load-friction", "spring")) == [
+        ("load-quadratic", "spring"),
+        ("load-stribeck", "spring"),
+    ]

@@ -9,7 +9,7 @@ from rigs.friction_points import joint, recorded
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis import diagnosing
+from bayesfric.diagnosis import concluded
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
@@ -19,6 +19,7 @@ from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.schemas import HeldOutDensity, Interval
 
 PRACTICAL = 0.02
@@ -79,6 +80,14 @@ def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share
     assert not expected or f"{gap.held_out_excess:.3g} N rms" in why(gap, told=told)
 
 
+@pytest.mark.parametrize(("told", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])])
+def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told, implausible):
+    gap = gap_of(held_out_log_density=None, shrink=None)
+    said = why_overruled(gap, PRACTICAL, told_as_remainder=told, implausible=implausible)
+    assert (said is not None) == bool(implausible)
+    assert said is None or "hysteresis would be larger or smaller" in said
+
+
 def test_what_is_left_beyond_chance_is_a_root_of_squares():
     """Chance makes 4 ± 0.4 N² beside a gap of none: 13 N² leave 3 N, and 5 N² are chance."""
     by_chance = 4 + 0.4 * np.random.default_rng(2).standard_normal(4000)
@@ -92,16 +101,16 @@ def test_hypotheses_with_what_is_overruled_are_of_an_unknown_force():
     """Nineteen in twenty of them; what was found beside is still told."""
     at = SimpleNamespace()
     weighed = {
-        name: Weighed(tuple(name.split("+")) if name != "none" else (), value, None, Acting(), at)
-        for name, value in (("none", 0.0), ("viscous", 20.0), ("slip+viscous", 24.0))
+        Hypothesis(names): Weighed(names, value, None, Acting(), at)
+        for names, value in (((), 0.0), (("viscous",), 20.0), (("slip", "viscous"), 24.0))
     }
     classes = Classes(members=(("slip",), ("viscous",)), absorbed=(), left_out={})
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
-    before = search.probabilities()
+    before = printed(search.probabilities())
     known = [KnownEffect("viscous", 1.0, 1.0, 0.1), KnownEffect("slip", 0.9, 0.0, 0.001)]
     found = overruled(search, known, [["viscous"]], 1.0)
-    chances = found.search.probabilities()
+    chances = printed(found.search.probabilities())
     acting = before["viscous"] + before["slip+viscous"]
     assert chances["unknown"] == pytest.approx(0.95 * acting)
     assert {one.effect: one.probability for one in found.effects_known}["viscous"] == pytest.approx(
@@ -143,7 +152,7 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     """Blocks that the cause makes more likely by one nat each, ± 3 or ± a third of one."""
     each = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
     found = BlockDensities(np.zeros(9), each)
-    monkeypatch.setattr(diagnosing, "block_densities", lambda *_: found)
+    monkeypatch.setattr(concluded, "block_densities", lambda *_: found)
     summary = bf.diagnose(recorded(tmp_path / "bench", joint(2.0))).summary
     density = summary.gap.held_out_log_density
     assert (density.difference, density.blocks) == (pytest.approx(9.0), 9)

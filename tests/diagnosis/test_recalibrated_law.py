@@ -1,5 +1,7 @@
 """What a recalibrated law takes up of a force, on a driven axis: its own numbers, and no more."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis.driven_axis import model_of_axis
@@ -31,3 +33,15 @@ def test_a_force_along_the_path_is_left(residuals):
     path = residuals.covariates["displacement"]
     left = residuals.without_law(path - path.mean())
     assert np.std(left) > 0.5 * np.std(path)
+
+
+@pytest.mark.parametrize(("pull", "left"), [(10.0, 0.0), (1e-6, 1.0)], ids=["wide", "narrow"])
+def test_a_pull_of_unknown_amount_is_taken_up_as_far_as_its_prior_goes(residuals, pull, left):
+    """A force along the path is such a pull: at an amount of 0.1, or at one of a million."""
+    path = residuals.without_law(residuals.covariates["displacement"])
+    path /= np.sqrt(residuals.weight @ path**2)
+    columns = np.column_stack([residuals.columns, pull * path])
+    beside = replace(residuals, columns=columns, beside=(columns.shape[1] - 1,))
+    np.testing.assert_allclose(beside.without_law(path), left * path, atol=0.01)
+    numbers = beside.taken_by_law(path[:, None])
+    np.testing.assert_allclose(numbers, 0.0, atol=0.01)

@@ -43,13 +43,20 @@ def search(unknown, best=0.0):
     ],
 )
 def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, why):
-    found = why_not_shown(search(unknown), recorded(windows))
+    found = why_not_shown(search(unknown), recorded(windows), along_path=False)
     assert (found is None) == (why is None)
     assert why is None or why in found
 
 
+@pytest.mark.parametrize(("windows", "shown"), [(12, False), (15, False), (16, True)])
+def test_a_dozen_windows_along_a_path_are_no_proof_of_no_gap(windows, shown):
+    found = why_not_shown(search(-3.0), recorded(windows), along_path=True)
+    assert (found is None) == shown
+    assert shown or "16 are needed" in found
+
+
 def test_what_does_nothing_is_no_number_that_needs_windows():
-    assert why_not_shown(search(-3.0), recorded(5, numbers=1)) is None
+    assert why_not_shown(search(-3.0), recorded(5, numbers=1), along_path=False) is None
 
 
 @pytest.mark.parametrize(

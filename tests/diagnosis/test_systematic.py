@@ -20,6 +20,7 @@ from bayesfric.diagnosis.unknown import unknown_force
 from bayesfric.diagnosis.weighing import weigh
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
+from bayesfric.hypothesis import NONE, Hypothesis
 from bayesfric.rigs.truth import AppliedEffect, Truth
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
@@ -64,7 +65,7 @@ def test_the_amplitude_of_phases_is_as_well_known_beside_an_unknown_force():
     wave = weigh(model, ("runout",), [at.psi], inverse, 0.0)
     force = unknown_force(model, wave, wave.acting, inverse, 0.0)
     priors = Analysis().diagnosis.hypotheses
-    weighed = {"none": none, "runout": wave}
+    weighed = {NONE: none, Hypothesis(["runout"]): wave}
     search = Search(weighed, {}, force, Classes((("runout",),), (), {}), priors, inverse, 0.0)
     residuals = residuals_of(model.full, wave.at.psi)
     strengths = {}

@@ -16,6 +16,7 @@ from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.hypothesis import parsed
 from bayesfric.schemas import Interval, Unseparated
 
 
@@ -58,16 +59,16 @@ CHANCES = {"viscous": 0.95, "none": 0.03, "unknown": 0.02}
     ],
 )
 def test_the_verdict(chances, causes, above, together, verdict, probability):
-    assert decide(chances, causes, above, together) == (verdict, pytest.approx(probability))
+    assert decide(parsed(chances), causes, above, together) == (verdict, pytest.approx(probability))
 
 
 def test_data_that_could_not_have_shown_a_gap_show_none():
     """The prior is left: of nothing acting 0.6, and of no more."""
-    chances = {"none": 1.0, "unknown": 0.0}
+    chances = parsed({"none": 1.0, "unknown": 0.0})
     assert decide(chances, [], 0.0, (), none_before=0.6, shown=False) == ("undecided", 0.6)
     assert decide(chances, [], 0.0, (), none_before=0.6) == ("no-gap", 1.0)
     # Where a gap is there, data have shown one.
-    assert decide(CHANCES, [known()], 0.95, (), shown=False)[0] == "named"
+    assert decide(parsed(CHANCES), [known()], 0.95, (), shown=False)[0] == "named"
 
 
 def test_an_error_of_sensors_that_makes_no_gap_is_present():
@@ -79,10 +80,10 @@ def test_an_error_of_sensors_that_makes_no_gap_is_present():
 
 
 def test_effects_of_which_one_acts():
-    chances = {"a": 0.5, "b": 0.43, "none": 0.07}
+    chances = parsed({"a": 0.5, "b": 0.43, "none": 0.07})
     rivals = [known("a", 0.5), known("b", 0.43), known("c", 0.0)]
     assert sets_of_one(chances, rivals, []) == (("a", "b"),)
-    assert sets_of_one({"a": 0.5, "none": 0.5}, rivals[:1], []) == ()
+    assert sets_of_one(parsed({"a": 0.5, "none": 0.5}), rivals[:1], []) == ()
 
 
 def told(verdict, gap, share, causes=(), **more):
@@ -143,7 +144,7 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
 
 def test_no_gap_says_how_much_was_recorded():
     said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows of 6 trials")
-    assert said.endswith("% of friction, by 60 windows of 6 trials.")
+    assert said.endswith("% of friction. This rests on 60 windows of 6 trials.")
 
 
 def test_a_gap_of_sensors_alone_is_told_as_none():

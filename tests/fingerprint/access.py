@@ -37,6 +37,7 @@ from bayesfric.effects.candidates import candidates_of
 from bayesfric.effects.candidates import prior_moments as candidate_moments
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.hypothesis import printed
 from bayesfric.inference import priors as inference_priors
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.evidence import importance_draws
@@ -584,12 +585,12 @@ def searched(rig: str, names: Sequence[str], *, seed: int, away: bool = False) -
     residuals = residuals_of(linear_model.full, hypotheses.best().at.psi)
     rng = np.random.default_rng(seed)
     posterior = posterior_of(linear_model, hypotheses, residuals, rng)
-    evidences = {name: weighed.log_evidence for name, weighed in hypotheses.weighed.items()}
+    evidences = {str(name): weighed.log_evidence for name, weighed in hypotheses.weighed.items()}
     if hypotheses.unknown is not None:
         evidences["unknown"] = hypotheses.unknown.log_evidence
     return Searched(
         evidences,
-        {name: chance for name, chance in hypotheses.probabilities().items() if chance > 0.01},
+        {name: p for name, p in printed(hypotheses.probabilities()).items() if p > 0.01},
         volume,
         _mean(posterior.gap / residuals.friction_rms),
         {

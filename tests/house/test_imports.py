@@ -23,13 +23,14 @@ ROWS = (
         "files",
         "resources",
         "checksum",
+        "hypothesis",
         "probabilities",
         "rules",
         "source_date",
     ),
     ("recording",),
     ("logs",),
-    ("paper", "families", "priors", "analysis", "schemas"),
+    ("paper", "families", "priors", "analysis", "diagnosis_rules", "schemas"),
     ("physics", "robots", "invariants"),
     ("campaign", "checkpoint", "interrupts", "progress"),
     ("inference",),
@@ -66,6 +67,7 @@ ONLY = {
     "files": set(),
     "resources": set(),
     "checksum": set(),
+    "hypothesis": set(),
     "probabilities": set(),
     "rules": set(),
     "source_date": set(),
@@ -74,7 +76,7 @@ ONLY = {
     "interrupts": set(),  # whatever must be whole
     "progress": set(),  # any stage
     "robots": set(),  # any chain of rigid links
-    "invariants": {"schemas"},  # any stored result
+    "invariants": {"schemas", "diagnosis_rules"},  # any stored result
     "families": set(),  # densities, of whatever
     "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings
     "blind/engines": {"recording"},  # realities of another hand share no physics with us

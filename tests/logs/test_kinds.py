@@ -66,6 +66,21 @@ def test_all_joints_are_in_one_table(tmp_path, end):
         assert np.array_equal(own["force_n"], torque[:, place].round(9))
 
 
+def test_columns_without_names_are_said_joint_by_joint(tmp_path):
+    """A base column alone is of one joint; each joint's own makes them all."""
+    _, position, torque = motion()
+    text = "".join(
+        f"[joints.{joint}]\nposition = {{ column = {place} }}\nforce = {{ column = {place + 2} }}\n"
+        for place, joint in enumerate(JOINTS, start=1)
+    )
+    mapping = mapped(tmp_path, MAPPINGS["csv"].replace("[[runs]]", f"{text}[[runs]]"))
+    samples = import_log(write(tmp_path, "csv"), "all", mapping=mapping).recording.axis.samples
+    for place, joint in enumerate(JOINTS):
+        own = samples[samples["joint"] == joint]
+        assert np.array_equal(own["position_m"], position[:, place].round(9))
+        assert np.array_equal(own["force_n"], torque[:, place].round(9))
+
+
 def test_a_joint_may_have_a_sign_and_a_gear_of_its_own(tmp_path):
     _, position, torque = motion()
     more = "[joints.elbow]\nforce = { sign = -1, gear_ratio = 2 }\nposition = { sign = -1 }\n"

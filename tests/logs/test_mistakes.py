@@ -138,7 +138,14 @@ MISTAKES = {
     "no joint": ({"joint": None}, "--joint: expected all, or one of the joints 1, 2"),
     "all joints, and columns of one": (
         {"mapping": GOOD.replace("{joint}", "1"), "joint": "all"},
-        "expected columns with {joint} in their names, where --joint is all",
+        "expected columns with {joint} in their names, or [joints.NAME.position] with a column",
+    ),
+    "all joints, and a column of their own for none": (
+        {
+            "mapping": GOOD.replace("{joint}", "1") + "[joints.a.force]\nsign = -1\n",
+            "joint": "all",
+        },
+        "expected columns with {joint} in their names, or [joints.NAME.position] with a column",
     ),
     "another separator": (
         {"text": HEADER.replace(",", ";") + lines(";")},

@@ -18,6 +18,7 @@ from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.left_out import left_out
+from bayesfric.report.chapters.methods import thresholds
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.chapters.symbols import symbol
@@ -235,3 +236,14 @@ def test_results_of_a_rig_that_nobody_here_knows_have_a_report(small_fit):
     assert "trial of the rig rail" in text
     assert "gravity" not in text
     assert render_pdf(document).startswith(b"%PDF")
+
+
+def test_the_thresholds_of_each_engine_are_printed_with_their_page():
+    axis = SimpleNamespace(record=SimpleNamespace(rigs=("single-axis",)))
+    heading, table, of_axis = thresholds(StoredResults(diagnosis=axis))
+    assert heading.text == "Thresholds of the method"
+    sure = next(row for row in table.rows if row[0] == "sure")
+    assert sure[1:3] == ("0.9", "1")
+    assert sure[4] == "inclusion"
+    assert ("quiet", "0.003", "drive force") in [row[:3] for row in of_axis.rows]
+    assert list(thresholds(StoredResults())) == []

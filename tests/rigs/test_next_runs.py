@@ -17,6 +17,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
+from bayesfric.hypothesis import Hypothesis
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs import all_rigs
@@ -26,6 +27,7 @@ RATES_HZ, SIZES_M = (0.5, 1.1), (0.06, 0.02)
 TOP, REACHED = 0.25, 0.6  # m/s, in all runs that were recorded, and what the axis can do
 RATE_HZ, SECONDS = 500.0, 4.0
 STEP_M = 2e-6
+VISCOUS, DRAG = Hypothesis(["viscous"]), Hypothesis(["air-drag"])
 
 
 @dataclass
@@ -97,7 +99,7 @@ def modelled(recording):
 def hypotheses(model, acting):
     at = climb(model, model.noise.start, acting["viscous"]).psi
     return {
-        name: Weighed((name,), 0.0, None, one, model.evaluate(at, one))
+        Hypothesis((name,)): Weighed((name,), 0.0, None, one, model.evaluate(at, one))
         for name, one in acting.items()
     }
 
@@ -177,7 +179,7 @@ def question(tmp_path_factory):
 def test_the_next_run_is_at_the_speed_at_which_a_line_and_a_parabola_part(question):
     """Up to 0.25 m/s they explain a drag alike; at what the axis can do they are far apart."""
     _, _, found, (told,) = question
-    assert abs(found["viscous"].at.value - found["air-drag"].at.value) < np.log(100)
+    assert abs(found[VISCOUS].at.value - found[DRAG].at.value) < np.log(100)
     assert told.separates == ("viscous", "air-drag")
     assert told.condition["velocity_m_s"] == pytest.approx(REACHED)
     assert told.log10_bayes_factor > 1  # one run more says 10 to 1 by itself
@@ -186,7 +188,7 @@ def test_the_next_run_is_at_the_speed_at_which_a_line_and_a_parabola_part(questi
 def test_a_new_run_has_the_clocks_of_the_machine(question):
     """Hypotheses that differ in nothing but the latency are told apart, if they know it."""
     _, model, found, _ = question
-    one = found["viscous"]
+    one = found[VISCOUS]
 
     def proposed(late, unknown):
         doubt = one.at.covariance + np.diag([0.0] * 4 + [unknown, 0.0])
@@ -219,7 +221,7 @@ def test_the_expected_bayes_factor_is_that_of_runs_that_are_made(question, tmp_p
     half = 0.5 * np.ptp(runs[int(told.condition["run"][1:])]["position_m"])
     rate = told.condition["velocity_m_s"] / (2 * np.pi * half)
     rng = np.random.default_rng(2)
-    one, other = found["viscous"], found["air-drag"]
+    one, other = found[VISCOUS], found[DRAG]
     scales = model.scales[[0, 1, 2, 3, 5, 6]]  # the law's, viscous, of latency and offset
     realised = []
     for place in range(8):

@@ -88,7 +88,18 @@ def still():
     return samples.assign(position_m=0.3)
 
 
+def sticking():
+    """Ten counts within 0.1 s of each second, and rest between, up and then down."""
+    time_s = np.arange(0.0, 60.0, 0.01)
+    second, within = np.divmod(time_s, 1.0)
+    climbed = second + np.clip(within / 0.1, 0.0, 1.0)
+    stairs = 0.05 * np.where(climbed < 30.0, climbed, 60.0 - climbed)
+    force = np.where(time_s < 30.0, 0.2, -0.2)
+    return pd.DataFrame({"run": "a", "time_s": time_s, "position_m": stairs, "force_n": force})
+
+
 NOTHING = {
+    "sticks and slips": (sticking(), "rests and goes on the same way.*: move faster"),
     "no force": (Joint().samples().assign(force_n=0.0), "force_n is 0 in every row"),
     "ten samples": (Joint().samples().head(10), "a run takes 16 samples, and the longest has 10"),
     "held in place": (still(), "position_m never changes"),

@@ -6,8 +6,9 @@ of the HTML page.
 """
 
 from collections.abc import Iterator
+from functools import partial
 
-from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
+from bayesfric.plots.diagnosis import RARE, axis_charts, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.labels import axis_words, sizes_of
 from bayesfric.plots.style import svg_of
@@ -22,6 +23,7 @@ from bayesfric.report.chapters.diagnosis_details import (
 )
 from bayesfric.report.chapters.entering import replays
 from bayesfric.report.chapters.joints import joints
+from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import (
     Block,
     Code,
@@ -47,6 +49,8 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
+ALL_BUT = 0.999  # a share is never printed as all of it
+WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 
 
@@ -79,16 +83,14 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
         if "probability" not in record.sentence:  # one number is told once
             title += f" (probability {format_probability(record.verdict_probability)})"
         yield Notice(box(record), record.sentence, title=title)
-    for line in record.attention:
-        yield Notice("attention", line)
     if record.joints:
         yield from joints(record)
     yield _at_a_glance(record)
     yield from replays(stored)
     yield Heading(2, "How large it is")
-    yield gap_words(record)
-    yield _how_far(stored)
+    yield gap_words()
     yield gap_table(record)
+    yield _how_far(stored)
     yield Heading(2, "Which effect")
     yield _which(record)
     yield from causes(record.causes)
@@ -118,7 +120,7 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
         ["Which effect causes it?", _caused(record)],
     ]
     if record.considered:
-        rows.append(["What fits, and misses what was held out?", listed(record.considered)])
+        rows.append(["What fits, and is contradicted?", listed(record.considered)])
     if record.possible:
         beside = " beside that" if record.causes else ""
         rows.append([f"What may act{beside}?", listed(record.possible)])
@@ -213,6 +215,8 @@ def _where(stored: StoredDiagnosis) -> Figure:
         + (f"; {blind} did not vary." if blind else "."),
         label="where",
         floats=True,
+        charts=partial(axis_charts, axes, residuals, record.gap.unit) if shapes else None,
+        beside=True,
     )
 
 
@@ -263,7 +267,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
-                if gap.trajectory is not None
+                if gap.trajectory is not None or own_law(record.rigs)
                 else f" No figure in millimetres: {gap.trajectory_why}."
             ),
         ],
@@ -322,10 +326,13 @@ def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
 
 
 def _percent(number: Interval) -> str:
-    """Write a share as the verdict's own sentence does, to a tenth of a per cent."""
+    """Write a share as the verdict's own sentence does, a wide one to whole per cent."""
+    decimals = 0 if number.q95 - number.q05 >= WIDE else 1
     middle, low, high = (
-        format_fixed(100 * quantile, 1) for quantile in (number.q50, number.q05, number.q95)
+        format_fixed(100 * quantile, decimals) for quantile in (number.q50, number.q05, number.q95)
     )
+    if number.q05 >= ALL_BUT:
+        return f"more than {100 * ALL_BUT:.1f}\u202f%"
     return f"{middle} [{low}, {high}]\u202f%"
 
 

@@ -11,7 +11,7 @@ from bayesfric.margins.terms import (
 )
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.gain import SHOWN_UNITS, WORDS, gain_figures
+from bayesfric.report.chapters.gain import LAW, SHOWN_UNITS, WORDS, gain_figures
 from bayesfric.report.chapters.margins_figures import over_frequency, over_speed
 from bayesfric.report.content import (
     Block,
@@ -41,7 +41,6 @@ from bayesfric.report.words import sentences
 from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
-LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
 

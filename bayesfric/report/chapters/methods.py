@@ -1,12 +1,26 @@
 """The model in a page."""
 
 from collections.abc import Iterator
+from typing import Any
 
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.inference.sampling_rules import SAMPLING_RULES
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.report.chapters.plain_law import own_law
-from bayesfric.report.content import Block, Code, Equation, Heading, Math, Paragraph
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Equation,
+    Heading,
+    Math,
+    Paragraph,
+    Table,
+)
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
-from bayesfric.report.rig_words import group_words
+from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredResults
+from bayesfric.rules import rules_of
 from bayesfric.schemas import DiagnosisFile, FitFile
 
 
@@ -19,6 +33,31 @@ def methods(stored: StoredResults) -> Iterator[Block]:
         yield from _fit(stored.fitted.fit)
     if stored.diagnosis is not None:
         yield from _diagnosis(stored.diagnosis.record)
+
+
+def thresholds(stored: StoredResults) -> Iterator[Block]:
+    """Yield the thresholds of each engine that made these results, a table each."""
+    engines: dict[str, Any] = {
+        "draws, weights and evidences": SAMPLING_RULES if stored.fitted is not None else None,
+        "the diagnosis": RULES if stored.diagnosis is not None else None,
+        "margins": MARGIN_RULES if stored.margins is not None else None,
+    }
+    rigs = [*(stored.fitted.fit.rigs if stored.fitted is not None else ())]
+    rigs += stored.diagnosis.record.rigs if stored.diagnosis is not None else ()
+    for words in map(rig_words, dict.fromkeys(rigs)):
+        engines[f"how a log of a {words.rig} is read"] = words.thresholds
+    if any(engines.values()):
+        yield Heading(2, "Thresholds of the method")
+    for engine, rules in engines.items():
+        if rules is not None:
+            yield Table(
+                f"Thresholds of {engine}, and the page of the decisions that argues each.",
+                ("Threshold", Column("Value", align="right"), "Unit", "What it decides", "Page"),
+                [
+                    (said.name.replace("_", " "), f"{said.value:.3g}", *said[2:])
+                    for said in rules_of(rules)
+                ],
+            )
 
 
 def _fit(fit: FitFile) -> Iterator[Block]:
@@ -61,8 +100,8 @@ def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
         "noise the evidence of a hypothesis is a closed form; the noise is climbed to its own mode "
         f"in each. Prior probabilities by number of effects: {prior}, shared equally within a "
         "number. Every hypothesis has the same small discrepancy, since no law is quite right. "
-        "Where effects leave more than 15\u202f% of the squared gap at their best amplitudes, that "
-        "hypothesis counts as an unknown force. "
+        f"Where effects leave more than {100 * RULES.foreign:g}\u202f% of the squared gap at their "
+        "best amplitudes, that hypothesis counts as an unknown force. "
         f"Scatter of trials and of {groups} is normal, whatever the fit takes it to be."
     )
     yield Paragraph(

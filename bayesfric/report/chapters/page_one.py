@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -9,7 +10,7 @@ import xarray as xr
 from bayesfric.attention import attention_of_all
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
-from bayesfric.plots.posterior import coefficients_relative_to_paper
+from bayesfric.plots.posterior import coefficients_relative_to_paper, ratio_charts
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.blind import scorecard_line
@@ -54,7 +55,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from convergence(fitted.fit)
     if diagnosed is not None:
         yield verdict_line(diagnosed.record)
-        yield from numbers_to_use(diagnosed.record)
+        alone = fitted is None and stored.pooled is None
+        yield from numbers_to_use(diagnosed.record, alone=alone)
         yield from numbers_to_enter(diagnosed.record)
     if fitted is not None:
         if diagnosed is not None:
@@ -185,6 +187,7 @@ def coefficients_figure(stored: StoredFit) -> Iterator[Figure]:
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",
         label="relative",
+        charts=partial(ratio_charts, stored.predictive, _uninformed(stored.fit)),
     )
 
 

@@ -96,6 +96,7 @@ MEANINGS = {
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
     "sigma_a": "error of an acceleration without a standard error",
+    "sigma_friction": "noise of a measured friction",
     "sigma_current": "noise of a current without load",
     "load_noise": "noise of a current per load current",
     "row_error": "error of a window's force over what the sensors let expect",

@@ -7,16 +7,13 @@ import numpy as np
 import scipy
 
 from bayesfric.arrays import Array, Flags
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
-GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
-SURE = 4.0  # standard deviations of a speed's noise
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
 FINE = 0.005  # of the top speed, to which a speed is told well
 QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
-LEAST_SAMPLES = 16
 
 
 @dataclass(frozen=True)
@@ -97,7 +94,7 @@ def even_grid(
     steps : bool
         Whether ``force`` acts as it is until the next, as a command does.
     """
-    if time_s.size < LEAST_SAMPLES:
+    if time_s.size < AXIS_RULES.least_samples:
         return None
     between = np.diff(time_s)
     interval = float(np.median(between))
@@ -105,11 +102,11 @@ def even_grid(
     own = time_s if force_time_s is None else force_time_s
     force = columns["force"]
     columns = {name: values for name, values in columns.items() if name != "force"}
-    if np.abs(between - interval).max() > UNEVEN * interval:
+    if np.abs(between - interval).max() > AXIS_RULES.uneven * interval:
         count = int((time_s[-1] - time_s[0]) / interval) + 1
         grid = time_s[0] + interval * np.arange(count)
         after = np.searchsorted(time_s, grid, side="right").clip(1, time_s.size - 1)
-        is_logged = time_s[after] - time_s[after - 1] <= GAP * interval
+        is_logged = time_s[after] - time_s[after - 1] <= AXIS_RULES.longest_hole * interval
         on_grid = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
     else:
         grid, on_grid = time_s, dict(columns)
@@ -215,7 +212,10 @@ def resolving(log: EvenLog, half: int, noise: float) -> int:
     Over a few samples of a coarse encoder nothing seems to move.
     """
     while 8 * half < log.time_s.size:
-        if SURE * _speed_error(log, half, noise) < SLOW * np.abs(_speed(log, half)).max():
+        if (
+            AXIS_RULES.sure_of_way * _speed_error(log, half, noise)
+            < SLOW * np.abs(_speed(log, half)).max()
+        ):
             break
         half += max(1, half // 4)
     return half
@@ -275,7 +275,7 @@ def _surely(log: EvenLog, half: int, noise: float) -> Array:
     a stop moves for as many samples as it reaches, while friction is anything.
     """
     velocity, error = _speed(log, half), _speed_error(log, half, noise)
-    way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
+    way = np.where(np.abs(velocity) > AXIS_RULES.sure_of_way * error, np.sign(velocity), 0.0)
     least = scipy.ndimage.minimum_filter1d(way, 2 * half + 1)
     return np.where(least == scipy.ndimage.maximum_filter1d(way, 2 * half + 1), least, 0.0)
 

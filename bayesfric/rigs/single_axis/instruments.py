@@ -14,7 +14,7 @@ A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach
 robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -22,18 +22,14 @@ import scipy
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 from bayesfric.schemas import Instrument, InstrumentNumber
 
 BEFORE = 2  # windows, whose motion tells that of the present one
 MOVED = 2  # regressors that are the motion's: acceleration and speed
-FEWEST_PIECES = 12  # stretches of rows, between which errors are independent
-ROWS_A_NUMBER = 4
-WEAK = 10.0  # of the F statistic, below which instruments tell too little (Staiger, Stock 1997)
 ALIKE = 1e-4  # of a column, that those before it leave, below which it is one of them
-SURE = 1e-3  # probability below which the two differ by more than chance
-MATTERS = 0.02  # of a number, below which it does not matter that they do
 UNITS = {"inertia": "kg", "viscous": "N s/m", "coulomb": "N"}
 NAMES = tuple(UNITS)  # of the first columns
 
@@ -60,6 +56,9 @@ class Compared(NamedTuple):
         Inertia, viscous and Coulomb friction.
     rows : int
         That both are of.
+    effects : dict of str to (Estimate, Estimate)
+        Amplitudes of effects that act, with instruments and without; of those alone that the
+        columns before them do not make.
     """
 
     kind: Literal["reference", "earlier motion"]
@@ -69,30 +68,33 @@ class Compared(NamedTuple):
     instrumental: dict[str, Estimate]
     ordinary: dict[str, Estimate]
     rows: int
+    effects: dict[str, tuple[Estimate, Estimate]]
 
     @property
     def alarms(self) -> bool:
         """Whether least squares are off by more than chance, and by what matters."""
-        if self.p_value >= SURE or self.strength < WEAK:
+        if (
+            self.p_value >= AXIS_RULES.instrument_differs
+            or self.strength < AXIS_RULES.weak_instrument
+        ):
             return False
         off = (
-            abs(self.instrumental[name].value - number.value) > MATTERS * abs(number.value)
+            abs(self.instrumental[name].value - number.value)
+            > AXIS_RULES.instrument_matters * abs(number.value)
             for name, number in self.ordinary.items()
             if name != "viscous"
         )
         return any(off)
 
-    def stored(self, unit: Callable[[str], str]) -> Instrument:
-        """Return it as it is stored, its numbers in the axis' own units."""
+    def stored(self, unit: Callable[[str], str], units: Mapping[str, str]) -> Instrument:
+        """Return it as it is stored, its numbers in the axis' own units, `units` of effects."""
         numbers = {
-            name: InstrumentNumber(
-                unit=unit(UNITS[name]),
-                ordinary=number.value,
-                ordinary_se=number.error,
-                instrumental=self.instrumental[name].value,
-                instrumental_se=self.instrumental[name].error,
-            )
+            name: _stored(unit(UNITS[name]), self.instrumental[name], number)
             for name, number in self.ordinary.items()
+        }
+        effects = {
+            name: _stored(units[name], instrumental, ordinary)
+            for name, (instrumental, ordinary) in self.effects.items()
         }
         return Instrument(
             kind=self.kind,
@@ -102,7 +104,18 @@ class Compared(NamedTuple):
             windows=self.rows,
             alarms=self.alarms,
             numbers=numbers,
+            effects=effects,
         )
+
+
+def _stored(unit: str, instrumental: Estimate, ordinary: Estimate) -> InstrumentNumber:
+    return InstrumentNumber(
+        unit=unit,
+        ordinary=ordinary.value,
+        ordinary_se=ordinary.error,
+        instrumental=instrumental.value,
+        instrumental_se=instrumental.error,
+    )
 
 
 def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) -> Array:
@@ -137,7 +150,13 @@ def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) 
     return instruments
 
 
-def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> Compared | str:
+def compared(
+    force: Array,
+    columns: Array,
+    instruments: Array,
+    piece: Whole,
+    acting: Sequence[str] = (),
+) -> Compared | str:
     """Compare least squares with instruments and without; else say why that is not possible.
 
     Parameters
@@ -150,6 +169,8 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
         Of :func:`instruments_of`, in the way's sense.
     piece : ndarray of int, shape (W,)
         Stretches of rows, ascending.
+    acting : sequence of str
+        Effects that the last columns are of.
     """
     kind: Literal["reference", "earlier motion"] = "earlier motion"
     if np.isnan(instruments[:, 2:]).all():
@@ -159,8 +180,13 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     force, columns, own = force[kept], columns[kept], own[kept]
     groups = np.unique(piece[kept], return_inverse=True)[1]
     pieces = int(groups.max()) + 1 if groups.size else 0
-    columns = columns[:, _independent(columns)]
-    if pieces < FEWEST_PIECES or len(force) < ROWS_A_NUMBER * columns.shape[1]:
+    chosen = _independent(columns)
+    first = columns.shape[1] - len(acting)
+    place_of = {
+        acting[column - first]: place for place, column in enumerate(chosen) if column >= first
+    }
+    columns = columns[:, chosen]
+    if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * columns.shape[1]:
         return f"{len(force)} windows in {pieces} stretches are too few to tell"
     columns, widths = _scaled(columns)
     own = _scaled(own)[0]
@@ -177,7 +203,16 @@ def compared(force: Array, columns: Array, instruments: Array, piece: Whole) -> 
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
     numbers = _least_squares(columns, force)
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
-    return Compared(kind, statistic, p_value, strength, instrumental, ordinary, len(force))
+    return Compared(
+        kind,
+        statistic,
+        p_value,
+        strength,
+        dict(zip(NAMES, instrumental, strict=False)),
+        dict(zip(NAMES, ordinary, strict=False)),
+        len(force),
+        {name: (instrumental[place], ordinary[place]) for name, place in place_of.items()},
+    )
 
 
 def _independent(columns: Array) -> list[int]:
@@ -224,9 +259,8 @@ def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
 
 def _estimates(
     numbers: Array, design: Array, rest: Array, groups: Whole, widths: Array
-) -> dict[str, Estimate]:
+) -> list[Estimate]:
+    """Return each number of a fit with its error, in the columns' own units."""
     error = np.sqrt(np.diag(_covariance(design, rest, groups)))
-    return {
-        name: Estimate(float(numbers[place] / widths[place]), float(error[place] / widths[place]))
-        for place, name in enumerate(NAMES)
-    }
+    pairs = zip(numbers / widths, error / widths, strict=True)
+    return [Estimate(float(number), float(own)) for number, own in pairs]

@@ -65,6 +65,9 @@ class AxisPart:
         self._which = model.layout.sizes.index(sizes.iloc[0])
         self.size = np.full(len(sizes), self._which, dtype=np.intp)
         self.setup = pd.factorize(rows.table["setup"])[0].astype(np.intp)
+        # Parts of one run share its scatter, as runs of one assembly do.
+        alike = min(("setup", "run"), key=lambda name: rows.table[name].nunique())
+        self._alike = pd.factorize(rows.table[alike])[0].astype(np.intp)
         readings, where = rows.readings, rows.covariates()
         force = model.friction_scale[sizes.iloc[0]]
 
@@ -91,9 +94,7 @@ class AxisPart:
         weight = model.row_weights.get(rows.name, np.ones(readings.count))
         self._root = np.sqrt(np.asarray(weight, dtype=np.float64))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
-        # Parts of one run share its scatter, as runs of one assembly do.
-        apart = min(rows.table[name].nunique() for name in ("run", "setup"))
-        again = bool(apart < len(rows.table))
+        again = bool(self._alike.max() + 1 < len(rows.table))
         self.noise = _noise(readings, rows.stroke, force, again)
 
     def evaluate(
@@ -119,7 +120,7 @@ class AxisPart:
         grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
         others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
         levels, (spectrum, by_length, by_decay) = self._levels(noise)
-        shared = Shared(grams, others, self.setup, levels)
+        shared = Shared(grams, others, self._alike, levels)
         k = x.shape[1]
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)

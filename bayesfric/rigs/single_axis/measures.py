@@ -93,9 +93,8 @@ class Measures:
     def load(self, rows: Readings) -> Load:
         """Return how a load follows in some rows."""
         lengths = {held: self.stroke * shares for held, shares in LENGTHS.items()}
-        return rows.followed.load(
-            rows.place, self.friction / self.mass, {**lengths, **self.lengths}, self.damping
-        )
+        slows = self.friction / (self.mass + rows.known_inertia)
+        return rows.followed.load(rows.place, slows, {**lengths, **self.lengths}, self.damping)
 
     def unit(self, unit: str) -> str:
         """Return a unit as it is here: radians for metres where the axis turns, and over K."""

@@ -275,7 +275,7 @@ def state_of(
         position_m=rows.position,
         direction=np.broadcast_to(rows.way[:, None], rows.speed.shape),
         drive_force_n=rows.drive,
-        mass_kg=law.mass,
+        mass_kg=law.mass + rows.known_inertia,
         force_rate_n_s=rows.force_rate[:, None],
         lagging_rate_n_s=rows.lagging_rate[:, None],
         force_curvature_n_s2=rows.force_curvature[:, None],

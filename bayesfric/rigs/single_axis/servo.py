@@ -119,11 +119,11 @@ class Servo(NamedTuple):
             yield f"Inertia is not told: {self.no_inertia}"
 
 
-class _Told(NamedTuple):
+class _Stiffness(NamedTuple):
     """A stiffness, what tells it, its standard error, and by how much the rows leave it open."""
 
     known_by: str
-    stiffness: float
+    value: float
     error: float
     open_by: float | None = None  # as its error
 
@@ -174,12 +174,13 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
     assert pilot is not None
     period = _samples_a_period(pilot.rows, interval)
     settled = replace(constants, latency_s=late_s)
-    for told in _stiffnesses(axis, constants, pilot, period):
-        if told.stiffness > SURE * told.error:
-            share = told.error / told.stiffness if told.open_by is None else told.open_by
+    for stiffness in _stiffnesses(axis, constants, pilot, period):
+        if stiffness.value > SURE * stiffness.error:
+            share = stiffness.error / stiffness.value
+            share = share if stiffness.open_by is None else stiffness.open_by
             # How far the stiffness is open is in the rows, and not again in a mass.
-            settled = replace(settled, command_gain=told.stiffness, force_gain_sd=0.0)
-            return Servo(settled, *told[:3], share, sd_s, period)
+            settled = replace(settled, command_gain=stiffness.value, force_gain_sd=0.0)
+            return Servo(settled, *stiffness[:3], share, sd_s, period)
     return Servo(_relative(constants, late_s), late_sd_s=sd_s, samples_a_period=period)
 
 
@@ -278,8 +279,8 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
     for run, samples in axis.samples.groupby("run", sort=False):
         log = log_of(samples.reset_index(drop=True), constants)
         if log is not None and (log.position.max() > log.position.min()):
-            known = _known(log, str(run), machine, constants, masses.get(str(run), 0.0))
-            logs.append(replace(log, forces=tuple(known)))
+            parts = _known_forces(log, str(run), machine, constants, masses.get(str(run), 0.0))
+            logs.append(replace(log, forces=tuple(parts)))
     starts: list[Whole] = [np.zeros(1, dtype=np.intp) for _ in logs]
     rows = readings_of(logs, starts, constants.encoder_resolution) if logs else None
     if rows is None:
@@ -288,7 +289,7 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
     return _fitted(rows, np.column_stack([_law(rows), rows.simulated, pulls]), delay)
 
 
-def _known(
+def _known_forces(
     log: EvenLog, run: str, machine: Machine, constants: RigConstants, mass: float
 ) -> Iterator[WeakForce]:
     """Yield what is known of the force of a run [N or N·m], a payload's in parts by its phase."""
@@ -338,13 +339,13 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> _Pilo
 
 def _stiffnesses(
     axis: Axis, constants: RigConstants, pilot: _Pilot, period: float
-) -> Iterator[_Told]:
+) -> Iterator[_Stiffness]:
     """Yield what tells the stiffness, the best first."""
     gain = constants.command_gain
     if gain is not None:
-        yield _Told("rig.command_gain", gain, gain_sd(constants) * gain)
-    known = slice(LAW, LAW + min(pilot.rows.simulated.shape[1], PHASES))
-    own, errors = pilot.numbers[known], pilot.errors[known]
+        yield _Stiffness("rig.command_gain", gain, gain_sd(constants) * gain)
+    of_known = slice(LAW, LAW + min(pilot.rows.simulated.shape[1], PHASES))
+    own, errors = pilot.numbers[of_known], pilot.errors[of_known]
     size = float(np.linalg.norm(own))
     if own.size and size > 0:
         signed = float(own[0]) if own.size == 1 else size
@@ -352,10 +353,10 @@ def _stiffnesses(
         model = "a model of the machine" if constants.robot else "known_force_n"
         name, is_open = (model, OPEN) if own.size == 1 else ("a payload on rig.payload_arm_m", None)
         if signed > 0:
-            yield _Told(name, 1 / signed, error / signed**2, is_open)
+            yield _Stiffness(name, 1 / signed, error / signed**2, is_open)
     mass = constants.moving_mass_kg
     inertia, error = float(pilot.numbers[MASS]), float(pilot.errors[MASS])
     if mass is not None and inertia > 0 and period >= A_PERIOD:
         own_sd = OF_MASS * mass if constants.mass_sd_kg is None else constants.mass_sd_kg
         value, share = mass / inertia, float(np.hypot(error / inertia, own_sd / mass))
-        yield _Told("rig.moving_mass_kg", value, value * share, OPEN)
+        yield _Stiffness("rig.moving_mass_kg", value, value * share, OPEN)

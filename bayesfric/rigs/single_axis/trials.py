@@ -26,6 +26,7 @@ from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
@@ -61,6 +62,7 @@ WORDS = Words(
     "and position may be off by a little (latency), which no friction is blamed for.",
     "setup",
     "setups",
+    AXIS_RULES,
 )
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
@@ -71,9 +73,6 @@ TURNS = {
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
 NO_COULOMB = "law-without-coulomb"
-WELL_KNOWN = 0.05  # of a known force, that its error may be where a gear's gain is to show
-HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
-LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
     "angle",
     "test",
@@ -241,7 +240,7 @@ class AxisRuns(PlainTrials):
         weighed = declared and not doubtful and not self.measures.pull
         if weighed or self._load_is_known:
             offered.add("known-load")
-        if np.ptp(self.readings.dwell_s) > LONG_S:
+        if np.ptp(self.readings.dwell_s) > AXIS_RULES.rests_differ:
             offered.add("dwell")
         if np.ptp(np.asarray(self._state(self._rough).warmth)) > 0:
             offered.add("warmth")
@@ -258,7 +257,7 @@ class AxisRuns(PlainTrials):
         """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
         size = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
         stated = self.constants.known_force_sd
-        return stated is not None and stated < WELL_KNOWN * float(size)
+        return stated is not None and stated < AXIS_RULES.load_known * float(size)
 
     @property
     def _carried(self) -> Carried | None:
@@ -268,7 +267,7 @@ class AxisRuns(PlainTrials):
             return None
         held, moved = carried.at(self.readings, self.table)
         size = float(np.sqrt(np.mean((held + moved) ** 2)))
-        return carried if size > HEAVY * self.measures.friction else None
+        return carried if size > AXIS_RULES.heavy_load * self.measures.friction else None
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
@@ -391,15 +390,18 @@ class AxisRuns(PlainTrials):
         if self.servo is not None:
             return "the command is in the drive force itself, so that it is no instrument"
         rows, readings = self._rows(self._rough), self.readings
-        speed = rows.mean(readings.speed)
-        others = [rows.candidate_column(candidate) for candidate, _ in acting]
+        others: dict[str, Array] = {}
+        for candidate, _ in acting:
+            column = rows.candidate_column(candidate)
+            if not isinstance(column, Unsupported):
+                others[candidate.effect.name] = column
         columns = np.column_stack(
             [
                 readings.acceleration,
-                speed,
+                rows.mean(readings.speed),
                 np.ones(readings.count),
                 *rows.nuisance_columns().T,
-                *(column for column in others if not isinstance(column, Unsupported)),
+                *others.values(),
             ]
         )
         inside = self.measures.limit.within(readings)
@@ -408,8 +410,12 @@ class AxisRuns(PlainTrials):
             columns[inside],
             readings.instruments[inside],
             readings.piece[inside],
+            tuple(others),
         )
-        return comparison if isinstance(comparison, str) else comparison.stored(self.measures.unit)
+        units = {candidate.effect.name: candidate.effect.amplitude.unit for candidate, _ in acting}
+        if isinstance(comparison, str):
+            return comparison
+        return comparison.stored(self.measures.unit, units)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -444,6 +450,11 @@ class AxisRuns(PlainTrials):
     def has_pulleys(self) -> bool:
         """False."""
         return False
+
+    @property
+    def along_path(self) -> bool:
+        """True."""
+        return True
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""

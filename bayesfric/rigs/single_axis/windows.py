@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
-from bayesfric.rigs.single_axis.run_rows import FEWEST, NARROWEST, SMOOTHED, rows_of_run
+from bayesfric.rigs.single_axis.run_rows import SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
-QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
-PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
 LATEST_S = 0.05  # of a force, in which its rate is told exactly
 
@@ -37,7 +36,7 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
         acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
         mass = rough_law(force, acceleration, speed, pull).mass + moved
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
-        if force.size and mass * error < QUIET * float(np.sqrt(np.mean(force**2))):
+        if force.size and mass * error < AXIS_RULES.quiet * float(np.sqrt(np.mean(force**2))):
             break
         half_s *= 1.25
     half_s = min(half_s, longest)
@@ -46,8 +45,11 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
 
 def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:
     interval = max(log.interval_s for log in logs)
-    room_s = pass_s(logs, noise) / (2 * PASSES)
-    narrowest = int(np.clip(room_s / interval, FEWEST, NARROWEST)) * interval
+    room_s = pass_s(logs, noise) / (2 * AXIS_RULES.windows_a_pass)
+    narrowest = (
+        int(np.clip(room_s / interval, AXIS_RULES.narrowest_at_turns, AXIS_RULES.narrowest))
+        * interval
+    )
     return narrowest, max(room_s, narrowest)
 
 
@@ -58,7 +60,7 @@ def widest_half_s(logs: Sequence[EvenLog], noise: float) -> float:
 
 def half_samples(half_s: float, log: EvenLog) -> int:
     """Return half a window in samples of a run."""
-    return max(FEWEST, round(half_s / log.interval_s))
+    return max(AXIS_RULES.narrowest_at_turns, round(half_s / log.interval_s))
 
 
 def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
@@ -68,18 +70,28 @@ def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
 
 def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
-    passes = []
-    for log in logs:
-        way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
-        edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
-        lasting = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
-        passes.append(lasting * log.interval_s)
-    lengths = np.concatenate(passes)
+    lengths = np.concatenate([_stretches(log, noise)[0] for log in logs])
     if not lengths.size:
         return 0.0
     # Of the time, not of the passes: at a reversal noise makes many short ones.
     order = np.sort(lengths)
     return float(order[np.searchsorted(np.cumsum(order), 0.5 * order.sum())])
+
+
+def sticking_share(logs: Sequence[EvenLog], noise: float) -> float:
+    """Return the share of rests after which the axis goes on the same way; 0 without rests."""
+    goes_on = [np.diff(_stretches(log, noise)[1]) == 0 for log in logs]
+    return float(np.mean(np.concatenate(goes_on))) if sum(map(len, goes_on)) else 0.0
+
+
+def _stretches(log: EvenLog, noise: float) -> tuple[Array, Array]:
+    """Return how long the axis runs one way [s] each time, and which way."""
+    way = smooth_motion(log, resolving(log, SMOOTHED, noise), noise)[2]
+    edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
+    if edges.size < 2:
+        return np.zeros(0), np.zeros(0)
+    ways = way[edges[:-1]]
+    return np.diff(edges)[ways != 0] * log.interval_s, ways[ways != 0]
 
 
 def joined(rows: Sequence[dict[str, Array]], name: str) -> Array:

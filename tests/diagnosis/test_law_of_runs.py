@@ -1,0 +1,42 @@
+"""The law of a joint holds for runs to come: scatter from run to run is an error of it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bayesfric.diagnosis.law import scatter_of_runs
+
+
+def a_model(runs, *, pulleys=False):
+    table = pd.DataFrame({"run": np.repeat([f"r{run}" for run in range(runs)], 2)})
+    rig = SimpleNamespace(along_path=not pulleys)
+    rows = SimpleNamespace(rows=SimpleNamespace(table=table))
+    return SimpleNamespace(data=SimpleNamespace(rigs=[rig]), rigs=[rows])
+
+
+def windows_of(runs):
+    count = 2 * runs * 10
+    return SimpleNamespace(
+        trial=np.repeat(np.arange(2 * runs), 10),
+        friction_n=np.full(count, 2.0),
+        weight=np.full(count, 1 / count),
+    )
+
+
+def test_runs_whose_friction_differs_by_a_percent_leave_the_mean_as_uncertain_as_student_said():
+    more = np.array([0.01, -0.01, 0.01, -0.01])
+    left = np.repeat(2.0 * more, 20)
+    scatter = scatter_of_runs(a_model(4), windows_of(4), left)
+    assert scatter.runs == 4
+    assert scatter.share == pytest.approx(0.01 * np.sqrt(4 / 3))
+    drawn = scatter.deviations(40_000, np.random.default_rng(1))
+    # The 95 % quantile of Student's t with three degrees of freedom is 2.353.
+    assert np.quantile(drawn, 0.95) == pytest.approx(2.353 * scatter.share / 2, rel=0.05)
+
+
+@pytest.mark.parametrize(("runs", "pulleys"), [(3, False), (4, True)])
+def test_few_runs_and_boards_tell_no_scatter_of_runs(runs, pulleys):
+    left = np.zeros(20 * runs)
+    assert scatter_of_runs(a_model(runs, pulleys=pulleys), windows_of(runs), left) is None
