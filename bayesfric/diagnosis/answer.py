@@ -237,7 +237,7 @@ def _statement(
         conclusion.why,
         conclusion.unlike_scatter if is_open else None,
         windows_told(answer.judged.residuals),
-        conclusion.bent,
+        conclusion.open_because,
     )
 
 

@@ -19,7 +19,7 @@ from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
-from bayesfric.diagnosis.showing import loosely_known, share_of_friction, why_not_shown
+from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
 from bayesfric.diagnosis.structure import unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
@@ -105,6 +105,8 @@ class Conclusion:
         By which rule held-out data contradict the causes; None where they do not.
     bent : str or None
         Why the loop may have made the causes; None where an instrument holds them.
+    open_because : str or None
+        Why an unknown force is no finding, or causes stay open; None where neither is so.
     elsewhere : bool
         Whether other joints may pull so.
     together : tuple of tuple of str
@@ -129,6 +131,7 @@ class Conclusion:
     rivals: list[str]
     why: str | None
     bent: str | None
+    open_because: str | None
     elsewhere: bool
     together: tuple[tuple[str, ...], ...]
     amounts: ModelAmounts | None
@@ -197,6 +200,11 @@ def conclude(
         none_before=question.analysis.diagnosis.hypotheses.none,
         shown=not_shown is None and left_in_order is None,
     )
+    open_because = bent
+    if verdict == "unknown" and not contradicted and bent is None and rig.along_path:
+        open_because = rig.open_still or few_windows(residuals, along_path=True)
+        if open_because is not None:
+            verdict, probability = "undecided", max(judged.above, 1 - judged.above)
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
     elif remainder is None:
@@ -206,6 +214,7 @@ def conclude(
         rivals,
         why,
         bent,
+        open_because,
         elsewhere,
         together,
         amounts,

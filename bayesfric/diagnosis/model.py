@@ -23,10 +23,10 @@ from bayesfric.effects.candidates import Candidate, is_positive, on_friction, pr
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.smooths import Smooth
 from bayesfric.inference.truncated import drawn_above
+from bayesfric.observation.layout import COEFFICIENTS, Layout, ModelColumns
+from bayesfric.observation.linear import Evaluated, LinearRig
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, LinearRig
 
 # Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
 LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}

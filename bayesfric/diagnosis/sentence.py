@@ -59,8 +59,8 @@ class Statement:
         What is left that scatter does not explain; None where it explains all.
     recorded : str
         How many windows of how many trials say so.
-    bent : str or None
-        Why an instrument contradicts what was considered; None where it does not.
+    open_because : str or None
+        Why what was considered stays open, or what makes the gap; None where it does not.
     """
 
     verdict: Verdict
@@ -77,7 +77,7 @@ class Statement:
     overruled_by: str | None = None
     unlike_scatter: str | None = None
     recorded: str = ""
-    bent: str | None = None
+    open_because: str | None = None
 
     @property
     def size(self) -> str:
@@ -189,10 +189,15 @@ def _no_gap(statement: Statement) -> str:
 
 def _undecided(statement: Statement) -> str:
     gap, share = statement.gap, statement.share
-    if statement.bent is not None:
+    if statement.open_because is not None and not statement.considered:
+        there = f"A gap of {statement.size} is there {statement.chance}"
+        return f"{there}; what causes it stays open: {statement.open_because}.{statement.place}"
+    if statement.open_because is not None:
         names = " and ".join(effect.effect for effect in statement.considered)
         fits = "fits what was recorded, and stays" if len(statement.considered) == 1 else ""
-        return f"{names} {fits or 'fit what was recorded, and stay'} open: {statement.bent}."
+        return (
+            f"{names} {fits or 'fit what was recorded, and stay'} open: {statement.open_because}."
+        )
     if statement.not_shown is not None and gap.no_share is not None:
         return f"These data could not have shown a gap: {statement.not_shown}; {gap.no_share}."
     if statement.not_shown is not None:

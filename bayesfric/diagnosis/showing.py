@@ -12,8 +12,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
 
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
@@ -31,13 +31,8 @@ def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> 
     along_path : bool
         Whether windows are neighbours along the path of a joint, and hang together.
     """
-    windows_a_number = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
-    windows, numbers = residuals.independent, _numbers(residuals)
-    if windows < windows_a_number * numbers:
-        return (
-            f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
-            f"of the law, and {windows_a_number * numbers} are needed"
-        )
+    if few := few_windows(residuals, along_path=along_path):
+        return few
     if search.unknown is None:
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
@@ -47,6 +42,18 @@ def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> 
             f"(Bayes factor {np.exp(min(better, LARGEST)):.2g})"
         )
     return None
+
+
+def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
+    """Return that there are too few windows for the law's numbers; None where there are enough."""
+    least = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
+    windows, numbers = residuals.independent, _numbers(residuals)
+    if windows >= least * numbers:
+        return None
+    return (
+        f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
+        f"of the law, and {least * numbers} are needed"
+    )
 
 
 def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior) -> str | None:

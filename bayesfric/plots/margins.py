@@ -113,7 +113,7 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
     fans : sequence of NyquistFan
         Of one loop; a direction each has its own colour.
     """
-    with figure(height=76.0) as fig:
+    with figure(height=68.0) as fig:
         left, right = fig.subplots(1, 2)
         for axes, what in ((left, "loop"), (right, "seen-by-friction")):
             for place, fan in enumerate(

@@ -20,12 +20,14 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.observation.linear import LinearRows
+from bayesfric.observation.unsupported import Unsupported as Unsupported
+from bayesfric.observation.unsupported import why_inert as why_inert
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
-from bayesfric.rigs.linear import LinearRows
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_design import Simulated as Simulated
@@ -33,8 +35,6 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
-from bayesfric.rigs.unsupported import Unsupported as Unsupported
-from bayesfric.rigs.unsupported import why_inert as why_inert
 from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
@@ -195,6 +195,10 @@ class RigTrials(Protocol):
     @property
     def along_path(self) -> bool:
         """Whether its windows are neighbours along the path of a machine, and hang together."""
+
+    @property
+    def open_still(self) -> str | None:
+        """Why a force that no effect explains is no finding here; None where it may be one."""
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""

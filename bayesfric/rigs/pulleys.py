@@ -41,6 +41,11 @@ class PulleyTrials:
         """False."""
         return False
 
+    @property
+    def open_still(self) -> str | None:
+        """None."""
+        return None
+
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
         if law.name in OF_AXES:

@@ -160,6 +160,7 @@ def test_gravity_of_forty_times_friction_on_a_small_swing_is_itself():
     assert found.law["inertia"].after.mean == pytest.approx(0.06, rel=0.05)
 
 
+@pytest.mark.nightly
 def test_a_simulator_without_friction_lacks_coulomb_and_viscous_friction():
     joint = LoadedJoint(**SMALL)
     recording = joint.recording()

@@ -8,6 +8,7 @@ import arviz_stats as azs
 import numpy as np
 import pytest
 import xarray as xr
+from altered import of_size, with_trials
 from conftest import QUICK_SAMPLER
 from fitting.generations import finished, python_of
 
@@ -31,13 +32,17 @@ OF_ONE_TRIAL = {"var_name": "friction"}
 
 
 @pytest.fixture(scope="module")
-def folder(small_recording, tmp_path_factory):
+def board(small_recording):
+    """Trials of one size."""
+    return with_trials(small_recording, of_size(small_recording, "medium"))
+
+
+@pytest.fixture(scope="module")
+def folder(board, tmp_path_factory):
     """A fit without a wander, whose long posterior importance sampling covers less well."""
     place = tmp_path_factory.mktemp("fit")
     priors = Priors(wander=HalfNormal(scale=1e-5))
-    fit(small_recording, Analysis(seed=5, sampler=QUICK_SAMPLER, priors=priors)).write(
-        place, csv=True
-    )
+    fit(board, Analysis(seed=5, sampler=QUICK_SAMPLER, priors=priors)).write(place, csv=True)
     return place
 
 
@@ -74,14 +79,14 @@ def test_many_draws_are_thinned_alike():
     assert fewer.log_density.size * 2000 <= 2_400_000
 
 
-def test_the_likelihood_adds_up_to_that_of_the_whole(draws, small_recording):
+def test_the_likelihood_adds_up_to_that_of_the_whole(draws, board):
     """What power-scaling adds up, beside the likelihood worked out again."""
     from rigs.hall import gravity_likelihood
 
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
-    screened = screen_trials(small_recording.gravity, small_recording.rig)
-    likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
+    screened = screen_trials(board.gravity, board.rig)
+    likelihood = gravity_likelihood(screened.gravity, board.rig, Analysis())
     point = draws["posterior"].to_dataset().isel(chain=3, draw=[7])
     theta = {}
     for parameter in likelihood.parameters:
@@ -214,7 +219,7 @@ def test_csv_is_what_r_expects(folder, draws):
     posterior = draws["posterior"]
     assert len(rows) == posterior.sizes["chain"] * posterior.sizes["draw"]
     names = header.split(",")
-    assert {"c1[small]", "c3[large]", "tau", "wander_length"} <= set(names)
+    assert {"c1[medium]", "c3[medium]", "tau", "wander_length"} <= set(names)
     numbers = [float(cell) for cell in rows[26].split(",")]
     assert numbers[:2] == [1, 1]
     column = names.index("c2[medium]")

@@ -91,6 +91,7 @@ def test_today_counts_every_spec_and_hunting_at_once():
     assert meets_all_now(shaft, always) == 0.0
 
 
+@pytest.mark.nightly
 def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     shaft = made({"spec.steady_error_max_m": 1.0}, seed=1, draws=20)
     hunting = find_hunting(shaft, 20, 0.05)

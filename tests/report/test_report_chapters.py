@@ -171,6 +171,7 @@ def test_excluded_trials_are_listed_with_their_rule(stored):
     assert listed.rows == [["g0007", "stalled", "it stopped"]]
 
 
+@pytest.mark.nightly
 def test_report_is_written_from_the_folder_and_repeats_its_bytes(small_fit, tmp_path):
     small_fit.write(tmp_path)
     write_report(tmp_path)

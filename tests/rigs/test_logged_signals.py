@@ -7,7 +7,7 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.recording.held import released, stale
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.even_log import even_grid
+from bayesfric.rigs.single_axis.even_log import even_grid, spikes
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
 AXIS = all_rigs()["single-axis"]
@@ -106,3 +106,15 @@ def test_a_force_on_a_clock_of_its_own_is_read_by_it(zero_s):
     at_own = samples.assign(force_time_s=samples["time_s"] + late + zero_s)
     # Of a clock with another zero it is only known that the two go alike: 5 ms are not seen.
     near(joint, rough_of(recording_of(at_own, force_is="motor")), 0.05 if zero_s else 0.03)
+
+
+def test_spikes_of_a_sensor_are_counted_and_steps_and_swings_are_none():
+    rng = np.random.default_rng(4)
+    time = 0.003 * np.arange(1200)
+    smooth = np.sin(5 * time) + 0.02 * rng.standard_normal(1200)
+    assert spikes(smooth) == 0.0
+    off = rng.random(1200) < 0.06
+    assert spikes(smooth + 5.0 * off * rng.choice([-1, 1], 1200)) == pytest.approx(0.06, abs=0.015)
+    assert spikes(smooth + np.sign(np.sin(40 * time))) == 0.0
+    assert spikes(smooth + 0.5 * (-1.0) ** np.arange(1200)) == 0.0
+    assert spikes(np.zeros(1200)) == 0.0

@@ -243,9 +243,10 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
         if tries.value is not None
     ]
     yield Paragraph(
-        "The weakest strength, of those tried, at which an effect is named in 80\u202f% of its cases "
-        f"(95 % interval): {', '.join(detected) or 'none'}. {len(by_effect) - len(detected)} of "
-        f"{len(by_effect)} effects reach 80\u202f% at no strength."
+        "The weakest strength, of those tried, at which an effect is named in 80\u202f% of its "
+        f"cases (95 % interval): {', '.join(detected) or 'none'}. "
+        f"{len(by_effect) - len(detected)} of {len(by_effect)} effects reach 80\u202f% at no "
+        "strength."
     )
     yield Figure(
         svg_of(named_by_strength, by_effect),

@@ -127,7 +127,7 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the joint follows references that move."""
     following = loop.following
     if following is None:
-        yield Paragraph(f"Errors on references that move: {loop.following_why}.")
+        yield Paragraph(f"No errors on references that move: {loop.following_why}.")
         return
     yield Paragraph(following.answer)
     yield BulletList(
@@ -315,7 +315,10 @@ def _verification(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the figures hold where motor and joint are on an elastic cable."""
     verified = loop.verification
     if verified is None:
-        yield Paragraph(f"Against motor and joint on an elastic cable: {loop.verification_why}.")
+        yield Paragraph(
+            "Not compared with a simulation of motor and joint on an elastic cable: "
+            f"{loop.verification_why}."
+        )
         return
     yield Table(
         [

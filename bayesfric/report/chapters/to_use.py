@@ -5,10 +5,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from bayesfric.effects import all_effects
 from bayesfric.plots.labels import ordered_sizes, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
-from bayesfric.report.content import Block, Code, Inline, Notice, Strong, Table, Text
+from bayesfric.report.content import Block, Code, Column, Inline, Notice, Strong, Table, Text
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells
-from bayesfric.schemas import Cause, DiagnosisFile, Interval, LawNumber
+from bayesfric.schemas import (
+    Cause,
+    DiagnosisFile,
+    FitFile,
+    Interval,
+    LawNumber,
+    ParameterSummary,
+)
 
 
 def _acting_causes(diagnosis: DiagnosisFile) -> Sequence[Cause]:
@@ -86,6 +93,42 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
             *_meanings(causes),
         ],
     )
+
+
+def fitted_numbers(fit: FitFile) -> dict[str, list[Text]]:
+    """Return the fitted coefficients of each pulley size, each with its error.
+
+    Parameters
+    ----------
+    fit : FitFile
+        As it is stored.
+
+    Returns
+    -------
+    dict of str to list
+        By size, in the order of :func:`coefficient_heads`; "prior" where the recording does
+        not inform a number.
+    """
+    return {
+        size: [_coefficient(entry, exponent(name)) for name, entry in coefficients.items()]
+        for size, coefficients in fit.pulleys.items()
+    }
+
+
+def coefficient_heads(fit: FitFile) -> list[Column]:
+    """Return a column for each coefficient of a pulley size, with its unit and power of ten."""
+    coefficients = next(iter(fit.pulleys.values()), {})
+    return [
+        Column(symbol(name), unit_head(name, entry.unit)) for name, entry in coefficients.items()
+    ]
+
+
+def _coefficient(entry: ParameterSummary, exponent: int) -> Text:
+    """Return a coefficient with its error, divided by its power of ten."""
+    if not entry.informed:
+        return "prior"
+    scale = 10.0**-exponent
+    return Strong(" ± ".join(error_cells(scale * entry.mean, scale * (entry.q95 - entry.q05) / 2)))
 
 
 def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:

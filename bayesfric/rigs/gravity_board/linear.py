@@ -17,6 +17,9 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
+from bayesfric.observation.layout import Layout, ModelColumns
+from bayesfric.observation.linear import Evaluated, Run
+from bayesfric.observation.windows import Windows
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
@@ -34,9 +37,6 @@ from bayesfric.rigs.gravity_board.residual_motion import runs_of, whitening, win
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
-from bayesfric.rigs.layout import Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, Run
-from bayesfric.rigs.windows import Windows
 
 _Sizes = tuple[OneSize, ...]
 

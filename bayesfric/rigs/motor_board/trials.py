@@ -14,6 +14,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
+from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
@@ -26,7 +27,6 @@ from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 

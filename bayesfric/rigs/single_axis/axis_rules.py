@@ -28,6 +28,9 @@ class AxisRules:
     narrowest_at_turns: int = rule(
         4, "samples", "the same where an axis turns too soon for more", WINDOWS
     )
+    often_spiked: float = rule(
+        0.01, "readings", "from this share of them on spikes are a habit of a sensor", WINDOWS
+    )
     least_windows: int = rule(8, "windows", "a recording with fewer tells nothing", WINDOWS)
     rows_a_number: int = rule(
         4, "windows", "a number of a rough estimate is told by at least so many", WINDOWS

@@ -21,7 +21,7 @@ from bayesfric.rigs.single_axis.enough import (
     too_short,
     without_force,
 )
-from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.even_log import EvenLog, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -57,6 +57,7 @@ class Entering(NamedTuple):
     dither: Dither
     servo: Servo | None
     constants: RigConstants
+    spikes: float
 
 
 class _Logs(NamedTuple):
@@ -115,6 +116,7 @@ def entering(
     inside = measures.limit.within(readings)
     carried = carried_by(readings, inside, table, varied_columns(axis.runs))
     measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
+    sensed = constants.force_is in MEASURED
     moving = np.unique(readings.trial)
     still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
     chosen = moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")]
@@ -131,6 +133,7 @@ def entering(
         dither,
         servo,
         constants,
+        max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
     )
 
 

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import scipy
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
@@ -14,6 +15,8 @@ NORMAL = 1.4826  # from the median of absolute deviations to a standard deviatio
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
 FINE = 0.005  # of the top speed, to which a speed is told well
 QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
+AROUND = 3  # samples on either side of a reading that may be a spike
+SPIKE = (5.0, 4.0)  # times the spread about it, and times that of the run, by which it is off
 
 
 @dataclass(frozen=True)
@@ -142,6 +145,28 @@ def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple
     low, low_twice = until(grid - 0.5 * interval)
     moment = 0.5 * interval * (high + low) - (high_twice - low_twice)
     return (high - low) / interval, moment / interval
+
+
+def spikes(force: Array) -> float:
+    """Return the share of a run's readings that are spikes; 0 where they are single ones.
+
+    A spike is far from the median of the few readings about it, by their own spread and by that
+    of the whole run: a step, and a force that goes to and fro, are none.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        As it was logged.
+    """
+    if force.size <= 2 * AROUND:
+        return 0.0
+    about = sliding_window_view(np.pad(force, AROUND, mode="edge"), 2 * AROUND + 1)
+    middle = np.median(about, axis=1)
+    spread = NORMAL * np.median(np.abs(about - middle[:, None]), axis=1)
+    off = np.abs(force - middle)
+    usual = NORMAL * float(np.median(off))
+    share = float(np.mean((off > SPIKE[0] * spread) & (off > SPIKE[1] * usual)))
+    return share if usual > 0 and share > AXIS_RULES.often_spiked else 0.0
 
 
 def given(log: EvenLog, limit: float) -> EvenLog:

@@ -13,9 +13,10 @@ from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.inference.symmetric import eigen_of
+from bayesfric.observation.layout import Layout, ModelColumns
+from bayesfric.observation.linear import Evaluated, NoiseParameter, Run, noise_parameter
+from bayesfric.observation.windows import Windows
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run, noise_parameter
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
     COLUMNS,
@@ -26,7 +27,6 @@ from bayesfric.rigs.single_axis.deviations import (
 )
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
-from bayesfric.rigs.windows import Windows
 
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at

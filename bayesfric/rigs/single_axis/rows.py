@@ -11,11 +11,11 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.observation.linear import rank, rms_of
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.linear import rank, rms_of
 from bayesfric.rigs.single_axis.carried import warmth_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings

@@ -173,6 +173,8 @@ class AxisRuns(PlainTrials):
         By how much the force was moved in time, because it acts later than it was logged [s].
     dither : Dither
         Windows in which the joint turns back between two counts.
+    spikes : float
+        Share of a run's readings of the force that are spikes; 0 where they are no habit.
     servo : Servo or None
         Whose commands stand in the place of a force; None where a force was logged.
     """
@@ -192,6 +194,7 @@ class AxisRuns(PlainTrials):
     machine: Machine | None = None
     late_s: float = 0.0
     dither: Dither = field(default_factory=Dither)
+    spikes: float = 0.0
     servo: Servo | None = None
 
     @property
@@ -370,6 +373,12 @@ class AxisRuns(PlainTrials):
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
             )
+        if self.spikes:
+            lines.append(
+                f"In some run {self.spikes:.1%} of the readings of force_n are spikes of a sample: "
+                "numbers of the law are as good as these are. Filter them where they are read, or "
+                "log the command beside"
+            )
         if self.dither.windows:
             done = (
                 "They do not enter"
@@ -455,6 +464,22 @@ class AxisRuns(PlainTrials):
     def along_path(self) -> bool:
         """True."""
         return True
+
+    @property
+    def open_still(self) -> str | None:
+        """That it hardly turns, so that effects of the place were not examined, or spikes."""
+        needed = min(TURNS)
+        if self.turns < needed and self._beside is None:
+            return (
+                f"the joint turns {self.turns} time{'' if self.turns == 1 else 's'}, and from "
+                f"{needed} on it is examined what goes with its place and its direction"
+            )
+        if self.spikes:
+            return (
+                f"{self.spikes:.0%} of the readings of the force are spikes of a sample, and "
+                "whether they acted nobody can say"
+            )
+        return None
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""

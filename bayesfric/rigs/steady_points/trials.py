@@ -13,13 +13,13 @@ from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.observation.exact import ExactLikelihood
+from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
-from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsModel

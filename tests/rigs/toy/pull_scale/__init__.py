@@ -15,14 +15,14 @@ from bayesfric.effects import State
 from bayesfric.effects.terms import parameters_of, rough_values, total
 from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.observation.exact import ExactLikelihood, Shown
+from bayesfric.observation.linear import noise_parameter, rank
+from bayesfric.observation.points import LinearReadings
 from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
 from bayesfric.rigs.base import Simulated, Unsupported, Words
-from bayesfric.rigs.linear import noise_parameter, rank
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import laws_of
 

@@ -15,9 +15,9 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.observation.linear import NoiseParameter, rms_of
+from bayesfric.observation.unsupported import Unsupported
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
-from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.linear import NoiseParameter, rms_of
 
 NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
 NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")

@@ -18,12 +18,12 @@ from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.smooths import Smooth
-from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, Run
-from bayesfric.rigs.point_rows import PointRows
-from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
-from bayesfric.rigs.windows import Windows
+from bayesfric.observation.layout import Layout, ModelColumns
+from bayesfric.observation.linear import Evaluated, Run
+from bayesfric.observation.point_rows import PointRows
+from bayesfric.observation.shared_deviation import NestedDeviations, indicator, second_moments
+from bayesfric.observation.unsupported import Unsupported
+from bayesfric.observation.windows import Windows
 
 
 class _WeightedReadings(NamedTuple):

@@ -19,11 +19,9 @@ from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
 from bayesfric.inference.priors import log_density
-from bayesfric.paper import table1
-from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.layout import Layout, ModelColumns
-from bayesfric.rigs.unsupported import Unsupported
-from bayesfric.rigs.windows import Windows
+from bayesfric.observation.layout import Layout, ModelColumns
+from bayesfric.observation.unsupported import Unsupported
+from bayesfric.observation.windows import Windows
 
 
 @dataclass(frozen=True)
@@ -249,14 +247,3 @@ def rank(trials: pd.DataFrame) -> Array:
     if "order" not in trials or trials["order"].isna().any() or len(trials) < 2:
         return np.full(len(trials), 0.5)
     return np.asarray((trials["order"].rank().to_numpy(dtype=np.float64) - 1) / (len(trials) - 1))
-
-
-def pulley_radii(sizes: Sequence[str], constants: RigConstants) -> dict[str, float]:
-    """Return each size's pulley radius, of the medium size where nobody says [m]."""
-    paper_radii = {size: row.radius_m for size, row in table1().items()}
-    radii = {}
-    for size in sizes:
-        pulley = constants.pulleys.get(size)
-        stated = None if pulley is None else pulley.radius_m
-        radii[size] = stated or paper_radii.get(size) or paper_radii["medium"]
-    return radii
