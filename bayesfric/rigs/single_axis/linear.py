@@ -16,6 +16,8 @@ from bayesfric.observation.windows import Windows
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
     COLUMNS,
+    SHARED,
+    WAVES,
     Levels,
     Shared,
     deviating_columns,
@@ -39,7 +41,10 @@ NAMES = (
     "run_map_axis",
     "map_length_axis",
     "map_decay_axis",
+    "slow_axis",
+    "slow_time_axis",
 )
+IN_TIME = 1.0  # decay of the spectrum in time: that of an exponential correlation
 
 
 class AxisPart(ColumnsPart):
@@ -69,13 +74,17 @@ class AxisPart(ColumnsPart):
         self._response = rows.residual()
         # Friction that is missing while it builds up is no better known than when it is whole.
         moved = np.maximum(scattering_column(rows, model), rows.friction_of_row)
+        began = np.full(len(rows.table), np.inf)
+        np.minimum.at(began, readings.trial, readings.time_s)
+        since = readings.time_s - began[readings.trial]
+        self._longest_s = float(since.max()) or 1.0
         self._deviating = deviating_columns(
-            rows.mean(readings.position), moved, rows.friction_of_row
+            rows.mean(readings.position), moved, rows.friction_of_row, since
         )
         self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
         again = bool(self._alike.max() + 1 < len(rows.table))
-        self.noise = _noise(readings, rows.stroke, force, again)
+        self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
 
     def evaluate(
         self,
@@ -97,7 +106,7 @@ class AxisPart(ColumnsPart):
         runs = [slice(start, stop) for start, stop in pairwise(ends)]
         grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
         others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
-        levels, (spectrum, by_length, by_decay) = self._levels(noise)
+        levels, (spectrum, by_length, by_decay), (in_time, by_time) = self._levels(noise)
         shared = Shared(grams, others, self._alike, levels)
         k = x.shape[1]
         constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept))
@@ -113,7 +122,7 @@ class AxisPart(ColumnsPart):
             mixed = np.zeros((k + 1, k + 1))
             mixed[:, 0] = np.append(-m, 1.0)
             mixed[:k, 1:] = _root(v)
-            run, setup, run_map, machine_map = shared.moments(mixed)
+            run, setup, run_map, machine_map, slow = shared.moments(mixed)
             numbers, inverse = shared.of_rows()
             pulled = lent[:, :COLUMNS]
             pulls = lent[:, COLUMNS:] @ mixed
@@ -128,25 +137,35 @@ class AxisPart(ColumnsPart):
                 NAMES[7]: noise[NAMES[7]] ** 2 * float(spectrum @ run_map),
                 NAMES[8]: 0.5 * float(by_length @ maps),
                 NAMES[9]: 0.5 * float(by_decay @ maps),
+                NAMES[10]: noise[NAMES[10]] ** 2 * float(in_time @ slow),
+                NAMES[11]: 0.5 * noise[NAMES[10]] ** 2 * float(by_time @ slow),
             }
 
         return Evaluated(information, gradient)
 
-    def _levels(self, noise: Mapping[str, float]) -> tuple[Levels, tuple[Array, Array, Array]]:
-        """Return the variances of deviations, and the spectrum of maps with its slopes."""
-        tau, omega, machine, run, length, decay = (noise[name] for name in NAMES[4:])
-        levels = map_spectrum(length / self.rows.stroke, decay)
-        return Levels(tau**2, omega**2, run**2 * levels[0], machine**2 * levels[0]), levels
+    def _levels(
+        self, noise: Mapping[str, float]
+    ) -> tuple[Levels, tuple[Array, Array, Array], tuple[Array, Array]]:
+        """Return the variances of deviations, and the spectra along the path and in time.
+
+        Each spectrum comes with its slopes.
+        """
+        tau, omega, machine, run, length, decay, slow, time_s = (noise[name] for name in NAMES[4:])
+        along = map_spectrum(length / self.rows.stroke, decay)
+        in_time, by_time, _ = map_spectrum(time_s / self._longest_s, IN_TIME, WAVES)
+        levels = Levels(
+            tau**2, omega**2, run**2 * along[0], machine**2 * along[0], slow**2 * in_time
+        )
+        return levels, along, (in_time, by_time)
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
         z = np.column_stack([self._deviating, self.columns]) * self._root[:, None]
         lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
         trial = self.rows.readings.trial
-        levels = self._levels(noise)[0]
-        alone = Levels(
-            levels.run + levels.setup, 0.0, levels.run_map + levels.machine_map, 0 * levels.run_map
-        )
+        levels, *_ = self._levels(noise)
+        both = levels.run_map + levels.machine_map
+        alone = Levels(levels.run + levels.setup, 0.0, both, 0 * both, levels.slow)
         first = np.zeros(1, dtype=np.intp)
 
         def of_trial(rows: Flags) -> Array:
@@ -173,9 +192,11 @@ class AxisPart(ColumnsPart):
         root = mean @ self._root
         error, moved = (part / np.outer(root, root) for part in (error, moved))
         share = mean @ friction
-        levels = self._levels(noise)[0]
-        deviating = (mean @ self._deviating)[:, 1:-1]
-        moved += (deviating * (levels.run_map + levels.machine_map)) @ deviating.T
+        levels, *_ = self._levels(noise)
+        deviating = mean @ self._deviating
+        along, in_time = deviating[:, 1 : SHARED - 1], deviating[:, SHARED:]
+        moved += (along * (levels.run_map + levels.machine_map)) @ along.T
+        moved += (in_time * levels.slow) @ in_time.T
         covariance, varying = [], []
         for trial in range(len(self.size)):
             mine = np.flatnonzero(row == trial)
@@ -212,7 +233,7 @@ def _root(covariance: Array) -> Array:
 
 
 def _noise(
-    readings: Readings, stroke: float, friction: float, again: bool
+    readings: Readings, stroke: float, friction: float, again: bool, longest_s: float
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise of an axis, its priors in the axis' own measures.
 
@@ -257,6 +278,14 @@ def _noise(
             0.1 * stroke,
         ),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
+        noise_parameter(NAMES[10], along, 0.003, SCATTER, 0.005, scatters=True),
+        noise_parameter(
+            NAMES[11],
+            LogNormal(median=0.2 * longest_s, sd_log=0.7),
+            0.2 * longest_s,
+            (0.01 * longest_s, longest_s),
+            0.2 * longest_s,
+        ),
     )
 
 
