@@ -12,7 +12,7 @@ python = "$(VENV)/bin/python"
 
 help:
 	@echo 'make report            the bundled recording to posteriors and a PDF, in reports/latest/'
-	@echo 'make docs              the documentation as HTML, in docs/_build/'
+	@echo 'make docs              the documentation as HTML, with example reports, in docs/_build/; minutes'
 	@echo 'make test              what CI runs: quality, and beside it the tests; minutes'
 	@echo 'make quality           lint, formatting and types'
 	@echo 'make fingerprint       the numbers of all rooms anew, and which of them moved; seconds'
@@ -36,7 +36,10 @@ report: setup
 	@"$(VENV)/bin/bayesfric" run -o reports/latest
 
 docs: setup
+	$(python) docs/examples.py
 	$(python) -m sphinx -W --keep-going -q docs docs/_build
+	@mkdir -p docs/_build/examples
+	@cd docs/_examples && cp -R *.html *.svg board joint margins ../_build/examples/
 
 # Types are checked on one core, beside the tests on two: what either leaves idle the other takes.
 test: setup
@@ -45,10 +48,13 @@ test: setup
 tests: setup
 	$(python) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
+# Options of mypy.
+TYPES ?=
+
 quality: setup
 	$(python) -m ruff check .
 	$(python) -m ruff format --check .
-	$(python) -m mypy
+	$(python) -m mypy $(TYPES)
 	@PYTHONPATH=tests $(python) -m campaigns.evidence
 
 # MOVE="part ..." WHY="reason" writes the numbers of these parts, and a line in CHANGELOG.md.
@@ -104,5 +110,5 @@ bench: setup
 	PYTHONPATH=tests REPEATS="$(REPEATS)" $(python) -m benchmark "$(PEERS)/bin/python"
 
 clean:
-	rm -rf build dist docs/_build reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf build dist docs/_build docs/_examples reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find bayesfric tests -name __pycache__ -prune -exec rm -rf {} +

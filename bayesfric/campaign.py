@@ -108,7 +108,7 @@ def cluster(address: str) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError as error:
-        expected = "an installation with Dask: pip install 'bayesfric[dask]'"
+        expected = 'an installation with Dask: pip install ".[dask]" in a clone'
         fault = Fault("command line", expected, column="--scheduler", value=address)
         raise InputError([fault]) from error
     try:

@@ -160,7 +160,7 @@ def _taken_apart(value: Any) -> Arrays:
         if isinstance(part, np.ndarray):
             name = f"array-{len(arrays)}"
             # Laid out as it will be read: sums of an array that is not whole round otherwise.
-            arrays[name] = np.asarray(part, order="A")
+            arrays[name] = np.copy(part, order="A")
             return {ARRAY: name}
         if isinstance(part, Mapping):
             return {name: plain(item) for name, item in part.items()}

@@ -123,10 +123,10 @@ class DiagnosisThresholds:
         1.0, "1", "a remainder is significant above this log10 Bayes factor", "unknown-force"
     )
     other_joints_left: float = rule(
-        0.1, "friction", "other joints may pull where a gap of this size is left", "joints"
+        0.1, "friction", "other joints may pull where a gap of this size is left", "axis-windows"
     )
     other_joints_of_gap: float = rule(
-        0.05, "gap", "and where it is also at least this part of the gap", "joints"
+        0.05, "gap", "and where it is also at least this part of the gap", "axis-windows"
     )
     stray: float = rule(
         5.0, "sd", "a reading that is farther off counts little: one of a million is", "strays"

@@ -9,7 +9,7 @@ release = metadata.version("bayesfric")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-exclude_patterns = ["_build", "schemas"]
+exclude_patterns = ["_build", "_examples", "schemas"]
 html_theme = "alabaster"
 html_theme_options = {
     "description": "Bayesian uncertainty analysis of cable-pulley friction",

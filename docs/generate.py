@@ -1,10 +1,11 @@
-"""Write the pages that come from the code: schemas, settings, loop files, effects, claims, verbs.
+"""Write what comes from the code: schemas, settings, loop files, effects, claims, verbs, notebooks.
 
 Run ``python docs/generate.py`` after a change of one of these; a test compares the files
 with what this would write.
 """
 
 import json
+import re
 from pathlib import Path
 from typing import Literal, get_args, get_origin
 
@@ -21,6 +22,13 @@ from bayesfric.margins import loop_cables, loop_file
 from bayesfric.schemas import SCHEMAS
 
 DOCS = Path(__file__).resolve().parent
+NOTEBOOKS = {
+    "statistician": "howto/statistician.md",
+    "joint": "notebooks/joint.md",
+    "margin": "notebooks/margin.md",
+}
+"""Notebooks and the pages that they are made of."""
+FENCED = re.compile(r"^```(sh|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 def pages() -> dict[str, str]:
@@ -30,8 +38,12 @@ def pages() -> dict[str, str]:
         + "\n"
         for name, model in SCHEMAS.items()
     }
+    notebooks = {
+        f"notebooks/{name}.ipynb": _notebook(DOCS / page) for name, page in NOTEBOOKS.items()
+    }
     return {
         **schemas,
+        **notebooks,
         "analysis.md": _analysis(),
         "loop.md": _loop(),
         "effects.md": _effects(),
@@ -39,6 +51,32 @@ def pages() -> dict[str, str]:
         "results.md": _results(),
         "cli.md": _cli(),
     }
+
+
+def _notebook(page: Path) -> str:
+    """Return a page as a notebook: its blocks of Python and of the shell are cells to run."""
+    words, *rest = FENCED.split(page.read_text(encoding="utf-8"))
+    cells = [{"cell_type": "markdown"} | _cell(words, 0)]
+    for language, code, words in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
+        shell = "%%sh\n" if language == "sh" else ""
+        run = {"cell_type": "code", "execution_count": None, "outputs": []}
+        cells.append(run | _cell(shell + code, len(cells)))
+        if words.strip():
+            cells.append({"cell_type": "markdown"} | _cell(words, len(cells)))
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    notebook = {
+        "cells": cells,
+        "metadata": {"kernelspec": kernel, "language_info": {"name": "python"}},
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
+    return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+
+
+def _cell(text: str, place: int) -> dict[str, object]:
+    """Return what cells of either kind have; links to other pages lead nowhere from a notebook."""
+    text = re.sub(r"\[([^]]+)\]\((?!https?:)[^)]*\)", r"\1", text)
+    return {"id": f"cell-{place}", "metadata": {}, "source": text.strip().splitlines(keepends=True)}
 
 
 def _results() -> str:

@@ -1,6 +1,10 @@
 """Fits that several tests read and none changes."""
 
 import os
+import pickle
+import time
+from concurrent.futures import Executor, Future
+from contextlib import nullcontext
 from pathlib import Path
 
 # One BLAS thread a process, here and in what the tests start: the matrices are small.
@@ -47,18 +51,61 @@ def no_result_contradicts_itself():
         yield
 
 
+def shared(tmp_path_factory, name, make):
+    """Return what the first worker that asks has made; others wait for it and read it."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return make()
+    kept = tmp_path_factory.getbasetemp().parent / f"{name}.pickle"
+    while not kept.exists():
+        try:
+            kept.with_suffix(".begun").touch(exist_ok=False)
+        except FileExistsError:
+            time.sleep(0.05)
+            continue
+        try:
+            made = pickle.dumps(make())
+        except BaseException:
+            kept.with_suffix(".begun").unlink()
+            raise
+        kept.with_suffix(".whole").write_bytes(made)
+        kept.with_suffix(".whole").rename(kept)
+    return pickle.loads(kept.read_bytes())
+
+
+class AtOnce(Executor):
+    """Computes where it is asked, in the place of processes, each of which imports everything."""
+
+    def submit(self, function, /, *arguments, **options):
+        future = Future()
+        try:
+            future.set_result(function(*arguments, **options))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.fixture(scope="module")
+def no_processes():
+    """Let verbs that are called by these tests start no process of their own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("bayesfric.campaign.processes", lambda workers: nullcontext(AtOnce()))
+        yield
+
+
 @pytest.fixture(scope="session")
-def small_recording():
+def small_recording(tmp_path_factory):
     """A recording of three sizes, two angles, a replicate: 48 trials in 12 setups."""
     design = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
-    return simulate_recording(design, seed=21, name="small-recording")
+    name = "small-recording"
+    return shared(tmp_path_factory, name, lambda: simulate_recording(design, seed=21, name=name))
 
 
 @pytest.fixture(scope="session")
-def small_fit(small_recording):
+def small_fit(small_recording, tmp_path_factory):
     """Its fit, with a short run."""
     os.environ.pop("SOURCE_DATE_EPOCH", None)
-    return fit(small_recording, Analysis(seed=5, sampler=QUICK_SAMPLER))
+    analysis = Analysis(seed=5, sampler=QUICK_SAMPLER)
+    return shared(tmp_path_factory, "small-fit", lambda: fit(small_recording, analysis))
 
 
 @pytest.fixture(scope="session")
@@ -68,11 +115,13 @@ def root():
 
 
 @pytest.fixture(scope="session")
-def wrap_fit():
+def wrap_fit(tmp_path_factory):
     """A fit of both boards, with two numbers of pulleys at three wrap angles each."""
     os.environ.pop("SOURCE_DATE_EPOCH", None)
     cells = {(n, angle): 1 for n in (9, 15) for angle in (50.0, 85.0, 135.0)}
     design = Protocol(cells, (8.0, 16.0, 28.0), (8.0, 16.0, 28.0), 2)
     recording = simulate_recording(design, seed=4, name="wrap-recording")
     sampler = QUICK_SAMPLER.model_copy(update={"steps": 160, "thin": 2})  # quantiles are read
-    return fit(recording, Analysis(seed=5, sampler=sampler), rigs=("gravity", "motor"))
+    analysis = Analysis(seed=5, sampler=sampler)
+    rigs = ("gravity", "motor")
+    return shared(tmp_path_factory, "wrap-fit", lambda: fit(recording, analysis, rigs=rigs))

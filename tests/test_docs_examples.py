@@ -1,6 +1,7 @@
 """What the pages tell a reader to type is what the package has, and it runs as written."""
 
 import ast
+import importlib.util
 import os
 import re
 import shlex
@@ -11,9 +12,11 @@ from pathlib import Path
 import pytest
 import typer
 from markdown_it import MarkdownIt
+from report.sample import SVG, document
 
 import bayesfric
 from bayesfric.cli import app
+from bayesfric.report.html import render_html
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -21,7 +24,19 @@ PAGES = [
     ROOT / "docs" / "tutorial.md",
     ROOT / "docs" / "api.md",
     *sorted((ROOT / "docs" / "howto").glob("*.md")),
+    *sorted((ROOT / "docs" / "notebooks").glob("*.md")),
 ]
+
+
+def examples():
+    """Return the script that makes the example reports."""
+    spec = importlib.util.spec_from_file_location("examples", ROOT / "docs" / "examples.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+EXAMPLES = examples()
 
 
 def blocks(page, *languages):
@@ -93,6 +108,28 @@ def test_a_page_runs_as_written(page, tmp_path):
             [*interpreter, text], cwd=tmp_path, env=environment, capture_output=True, text=True
         )
         assert done.returncode == 0, f"{text}\n{done.stdout}\n{done.stderr}"
+
+
+def test_the_gallery_shows_what_its_page_tells_to_type():
+    told = [
+        line for _, text in blocks(ROOT / "docs" / "gallery.md", "sh") for line in text.split("\n")
+    ]
+    typed = [command for _, commands in EXAMPLES.EXAMPLES.values() for command in commands]
+    assert [line for line in told if line] == typed
+    for command in typed:
+        parse(shlex.split(command)[1:])
+
+
+def test_the_gallery_has_each_figure_of_a_report(tmp_path):
+    page = render_html(document())
+    for name in EXAMPLES.EXAMPLES:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "report.html").write_text(page, encoding="utf-8")
+    shown = EXAMPLES.gallery(tmp_path)
+    pictures = re.findall(r'<img src="([^"]+)"', shown)
+    assert len(pictures) == 3 * page.count("<figure ") > 3
+    for picture in pictures:
+        assert (tmp_path / picture).read_bytes() == SVG
 
 
 @pytest.mark.nightly

@@ -1,9 +1,11 @@
 """The generated pages are those that the models would write today."""
 
 import importlib.util
+import json
 from pathlib import Path
 
 import pytest
+from markdown_it import MarkdownIt
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
@@ -19,6 +21,24 @@ def load_generator():
 def test_page_is_current(name):
     expected = load_generator().pages()[name]
     assert (DOCS / name).read_text(encoding="utf-8") == expected, "run: python docs/generate.py"
+
+
+def test_a_notebook_runs_what_its_page_says():
+    """Cells of code are the page's blocks, in their order; words between them are kept."""
+    generator = load_generator()
+    for name, page in generator.NOTEBOOKS.items():
+        notebook = json.loads((DOCS / "notebooks" / f"{name}.ipynb").read_text(encoding="utf-8"))
+        tokens = MarkdownIt().parse((DOCS / page).read_text(encoding="utf-8"))
+        blocks = [token for token in tokens if token.type == "fence"]
+        code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+        assert len(code) == len(blocks) > 3
+        for cell, block in zip(code, blocks, strict=True):
+            lines = "".join(cell["source"]).splitlines()
+            if block.info == "sh":
+                assert lines.pop(0) == "%%sh"
+            assert lines == block.content.splitlines()
+        assert notebook["cells"][0]["source"][0].startswith("# ")
+        assert len({cell["id"] for cell in notebook["cells"]}) == len(notebook["cells"])
 
 
 def test_every_key_of_the_analysis_is_described():

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from bayesfric.schemas import Cause, DiagnosisFile, Interval, LawNumber
+from bayesfric.schemas import Cause, DiagnosisFile, LawNumber
 
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
@@ -71,18 +71,25 @@ def _is_biased(number: LawNumber) -> bool:
 
 
 def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
-    names = ", ".join(cause.effect for cause in diagnosis.causes)
-    for name, number in biased_numbers(diagnosis).items():
-        unit = "" if number.unit == "1" else f" {number.unit}"
-        yield (
-            f"The law without {names} has {name} wrong: {_in_words(number.before)}{unit} alone, "
-            f"{_in_words(number.after)}{unit} fitted with what acts. fit.json and claims.json are "
-            "of the law alone"
-        )
+    biased = biased_numbers(diagnosis)
+    if not biased:
+        return
+    causes = " and ".join(cause.effect for cause in diagnosis.causes)
+    worst = max(biased, key=lambda name: _relative_bias(biased[name]))
+    number = biased[worst]
+    unit = "" if number.unit == "1" else f" {number.unit}"
+    others = [name for name in biased if name != worst]
+    more = f" Also wrong: {', '.join(others)}." if others else ""
+    yield (
+        f"Fitted without {causes}, the law has {worst} at {number.before.mean:.3g}{unit} instead "
+        f"of {number.after.mean:.3g}{unit}.{more} fit.json and claims.json hold that biased law"
+    )
 
 
-def _in_words(number: Interval) -> str:
-    return f"{number.mean:.4g} ± {number.sd:.2g}"
+def _relative_bias(number: LawNumber) -> float:
+    """Return how far the number of the law alone is off, as a share of that with the causes."""
+    off = abs(number.before.mean - number.after.mean)
+    return off / abs(number.after.mean) if number.after.mean else float("inf")
 
 
 def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
@@ -91,7 +98,7 @@ def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
         why = "" if diagnosis.overruled_by is None else f": {diagnosis.overruled_by}"
         yield f"Held-out data contradict {names}{why}."
     if diagnosis.gap.floor_disagreement is not None:
-        yield f"Held-out data and the model disagree: {diagnosis.gap.floor_disagreement}."
+        yield f"The scatter does not fit: {diagnosis.gap.floor_disagreement}."
 
 
 def _of_cause(cause: Cause) -> Iterator[str]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from scipy.special import ndtr
 
-from bayesfric.analysis import Normal
+from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.inference.diagnostics import Convergence
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
@@ -22,6 +22,7 @@ from bayesfric.schemas import (
 
 CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
 SURELY_OFF = 4.0  # sd of a posterior, from which on a number is surely not the declared one
+PULLED = 0.25  # of a parameter's sd, by which a prior of its size may move it in silence
 MISSED = 2.0  # sd of a prior: if also surely off, a declared number is missed
 NO_DELAY = ("latency",)  # parameters that are none if the recorder does what it says
 NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
@@ -182,6 +183,8 @@ def contradicted(
     """Yield the parameters whose posterior is far from an informative prior, as by a wrong unit."""
     for parameter in parameters:
         entry, prior = entries[parameter.name], parameter.prior
+        if isinstance(prior, HalfNormal):
+            yield from _pulled(parameter, entry, prior.scale)
         if not isinstance(prior, Normal) or parameter.share_of is not None:
             continue
         distance = abs(entry.mean - prior.mean)
@@ -200,6 +203,24 @@ def contradicted(
                 f"{distance / entry.sd:.0f} of its standard deviations from the {prior.mean:g} "
                 f"that is declared (± {prior.sd:.2g})"
             )
+
+
+def _pulled(parameter: Parameter, entry: ParameterSummary, scale: float) -> Iterator[str]:
+    """Yield that a prior of a size alone moves a parameter, where it does so by much.
+
+    Of a normal density of the data, a half-normal prior takes m sd²/(s² − sd²) off its middle:
+    m and sd are the posterior's, s is the scale.
+    """
+    if entry.mean < CONTRADICTED * scale or entry.sd >= scale:
+        return
+    off = entry.mean * entry.sd**2 / (scale**2 - entry.sd**2)
+    if off > PULLED * entry.sd:
+        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+        yield (
+            f"Parameter {parameter.name} is {entry.mean:.3g}{unit}, {entry.mean / scale:.0f} times "
+            f"the scale of its prior, which makes it some {off:.2g}{unit} too small: "
+            "state a wider prior, or look at the unit"
+        )
 
 
 def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:

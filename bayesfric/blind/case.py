@@ -39,7 +39,7 @@ def engine_of(name: str) -> Any:
         expected = one_of(sorted(ENGINES), name)
         raise InputError([Fault("command line", expected, column="--engine", value=name)])
     if name == "mujoco" and find_spec("mujoco") is None:
-        expected = "an installation with MuJoCo: pip install 'bayesfric[mujoco]'"
+        expected = 'an installation with MuJoCo: pip install ".[mujoco]" in a clone'
         raise InputError([Fault("command line", expected, column="--engine", value=name)])
     return import_module(ENGINES[name])
 

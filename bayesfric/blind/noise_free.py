@@ -20,10 +20,10 @@ from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_number
 from bayesfric.diagnosis.systematic import best_of
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.simulate import table1_coefficients
 
 FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis

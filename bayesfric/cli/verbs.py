@@ -32,7 +32,7 @@ app = typer.Typer(
     name="bayesfric",
     help="Bayesian uncertainty analysis of cable-pulley friction.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )

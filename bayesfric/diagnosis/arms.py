@@ -12,8 +12,8 @@ from bayesfric.diagnosis.recalibrating import Refit, recalibrated, refit_of
 from bayesfric.diagnosis.residuals import Residuals, numbers_of_laws, spread_numbers, used_of
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.symmetric import eigen_of
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,10 @@
 """Effects as they are reported: how large each is, how certain, and whether it is plausible."""
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.special import ndtri
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Law
@@ -18,6 +20,8 @@ from bayesfric.inference.priors import describe
 from bayesfric.schemas import Cause, EffectNumber, Inclusion
 
 LN10 = float(np.log(10))
+FORCES = re.compile("^(N|kg)")
+"""Begins the unit of an amplitude that is in the scale of forces."""
 
 
 def known_of(
@@ -154,6 +158,9 @@ def causes_of(
         law = _law_of(name, best)
         effect = model.candidates[law.places[0]].effect
         amplitude, shape = posterior.amplitudes[name], posterior.shapes.get(name, np.empty(0))
+        if FORCES.search(effect.amplitude.unit):
+            share = max(rig.scale_share for rig in model.data.rigs)
+            amplitude = amplitude * (1 + share * _standard(amplitude.size))
         # The law may be a twin's, which this rig does not tell apart: so are its parameters.
         whose = "" if effect.name == name else f"{effect.name}."
         parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
@@ -187,6 +194,14 @@ def causes_of(
             )
         )
     return tuple(causes)
+
+
+def _standard(count: int) -> Array:
+    """Return numbers that are spread as a standard normal is, in no order, (count,)."""
+    if count == 0:
+        return np.zeros(0)
+    spread = ndtri((np.arange(count) + 0.5) / count)
+    return np.asarray(np.random.default_rng(0).permutation(spread))
 
 
 def _number(parameter: EffectParameter, draws: Array) -> EffectNumber:

@@ -12,8 +12,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import COEFFICIENTS
 
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"

@@ -14,8 +14,8 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro
 from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span, smooth_along
+from bayesfric.observation.linear import LinearRows
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.linear import LinearRows
 
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape

@@ -73,9 +73,7 @@ def numbers_to_enter(
 
 
 def _over_stiffness(number: Enter) -> Enter:
-    """Return a number that no field takes as it stands."""
-    if not is_relative(number.unit):
-        return number
+    """Return a number that no field takes as it stands, nor one that goes with it."""
     nowhere = dict.fromkeys(number.fields)
     without = {"fields": nowhere, "lost_without": None, "lost_without_why": RATIO}
     return number.model_copy(update=without)

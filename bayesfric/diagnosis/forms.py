@@ -19,8 +19,8 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.effects import ActsOn, Effect, Law
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
+from bayesfric.observation.linear import LinearRows
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.linear import LinearRows
 
 FORCE_AXES = (
     "speed_m_s",

@@ -18,7 +18,7 @@ from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.rigs.linear import Run
+from bayesfric.observation.linear import Run
 from bayesfric.schemas import GapRow, Interval
 
 FOLDS = 5

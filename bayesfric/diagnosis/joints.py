@@ -53,13 +53,13 @@ def diagnosed_together(
     decides = min(by_joint, key=lambda joint: ORDER.index(by_joint[joint].summary.verdict))
     amounts = [result.amounts for result in by_joint.values() if result.amounts is not None]
     errors = model_errors(amounts)
-    words = "; ".join(f"{joint}: {result.summary.verdict}" for joint, result in by_joint.items())
+    words = ", ".join(f"{joint} {result.summary.verdict}" for joint, result in by_joint.items())
     first = by_joint[decides]
     summary = first.summary.model_copy(
         update={
             "joints": tuple(result.summary for result in by_joint.values()),
             "joints_why": None,
-            "sentence": f"Of {len(by_joint)} joints ({words}), {decides}: "
+            "sentence": f"Joints: {words}. In {decides}: "
             f"{first.own_sentence}{model_error_words(errors)}",
             "attention": (
                 *left_out,

@@ -32,8 +32,8 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import SHAPE_NODES
 from bayesfric.hypothesis import UNKNOWN, Hypothesis
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
 
 PASSES = 2  # over shapes of several causes, one at a time
 

@@ -14,7 +14,7 @@ from bayesfric.diagnosis.forms import SHARES, FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.inference.group_sizes import Group, drawn_in_groups
-from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.observation.layout import COEFFICIENTS
 
 # Of the rms that is listed; the smaller, the likelier: most effects leave no trace.
 SIZES = np.array([0.1, 0.3, 1.0])

@@ -23,10 +23,10 @@ from bayesfric.effects.candidates import Candidate, is_positive, on_friction, pr
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.smooths import Smooth
 from bayesfric.inference.truncated import drawn_above
+from bayesfric.observation.layout import COEFFICIENTS, Layout, ModelColumns
+from bayesfric.observation.linear import Evaluated, LinearRig
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, LinearRig
 
 # Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
 LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}
@@ -99,38 +99,9 @@ class LinearModel:
         self.discrepancy = Discrepancy(share)
         if discrepancy:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
-        own, smooths = self.discrepancy.own, self.discrepancy.shared
         nuisances = [rig_rows.nuisance_scales(analysis.priors) for rig_rows in rows]
-        little = [*self.discrepancy.amounts, *((form.candidate, form.sd) for form in forms)]
-        shared: list[Smooth | Candidate] = [*smooths, *(candidate for candidate, _ in little)]
-        self.layout = Layout(
-            data.sizes,
-            sum(smooth.count for smooth in own),
-            len(candidates),
-            sum(smooth.count for smooth in smooths) + len(little),
-            tuple(len(scales) for scales in nuisances),
-        )
-        self.scales = scales_of_numbers(
-            data.sizes,
-            analysis.priors,
-            own,
-            self.candidates,
-            smooths,
-            [sd for _, sd in little],
-            [sd for scales in nuisances for sd in scales],
-        )
-        columns = ModelColumns(
-            self.layout,
-            own,
-            self.candidates,
-            shared,
-            self.scales,
-            self.friction_scale,
-            self.scattering,
-            by_trial,
-            analysis.priors,
-            self.row_weights,
-        )
+        self.layout, self.scales = self._laid_out(nuisances)
+        columns = self._columns(by_trial=by_trial)
         self.rigs: tuple[LinearRig, ...] = tuple(
             rig_rows.laid_out(columns, place) for place, rig_rows in enumerate(rows)
         )
@@ -139,6 +110,50 @@ class LinearModel:
         self.said = Said()
         self.squeezed_from: LinearModel | None = None
         self.squeeze: Array | None = None
+
+    @property
+    def _small(self) -> list[tuple[Candidate, float]]:
+        """Small amounts of effects and forms of laws, with their standard deviations."""
+        forms = [(form.candidate, form.sd) for form in self.forms]
+        return [*self.discrepancy.amounts, *forms]
+
+    def _laid_out(self, nuisances: Sequence[Sequence[float]]) -> tuple[Layout, Array]:
+        """Return where the numbers stand, beside so many nuisances a rig, and their scales."""
+        own, smooths, small = self.discrepancy.own, self.discrepancy.shared, self._small
+        layout = Layout(
+            self.data.sizes,
+            sum(smooth.count for smooth in own),
+            len(self.candidates),
+            sum(smooth.count for smooth in smooths) + len(small),
+            tuple(len(scales) for scales in nuisances),
+        )
+        scales = scales_of_numbers(
+            self.data.sizes,
+            self.analysis.priors,
+            own,
+            self.candidates,
+            smooths,
+            [sd for _, sd in small],
+            [sd for scales in nuisances for sd in scales],
+        )
+        return layout, scales
+
+    def _columns(self, *, by_trial: bool) -> ModelColumns:
+        """Return what each rig lays its rows out for."""
+        shared: list[Smooth | Candidate] = [*self.discrepancy.shared]
+        shared += [candidate for candidate, _ in self._small]
+        return ModelColumns(
+            self.layout,
+            self.discrepancy.own,
+            self.candidates,
+            shared,
+            self.scales,
+            self.friction_scale,
+            self.scattering,
+            by_trial,
+            self.analysis.priors,
+            self.row_weights,
+        )
 
     @property
     def full(self) -> "LinearModel":

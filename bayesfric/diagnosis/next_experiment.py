@@ -18,10 +18,10 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.symmetric import eigen_of
+from bayesfric.observation.layout import COEFFICIENTS
+from bayesfric.observation.linear import LinearRig
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS
-from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
 Places = Whole
@@ -61,7 +61,7 @@ def next_experiment(
     laid = [rig.next_trials(model.laws) for rig in model.data.rigs]
     rigs = tuple(trials for trials in laid if trials is not None)
     if not rigs:
-        return (), "within what was recorded, no rig can run another trial that can be predicted"
+        return (), "no further trial of such a recording can be predicted"
     proposals = []
     for first, other in combinations(open_, 2):
         best = _most_telling(model, Data(rigs), first, other)

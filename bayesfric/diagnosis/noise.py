@@ -7,7 +7,7 @@ import numpy as np
 
 from bayesfric.analysis import Prior
 from bayesfric.arrays import Array
-from bayesfric.rigs.linear import NoiseParameter, log_prior_of_logarithm
+from bayesfric.observation.linear import NoiseParameter, log_prior_of_logarithm
 
 QUIET = 0.015  # relative scatter of a good rig
 STEP = 1e-5  # of a logarithm, for derivatives

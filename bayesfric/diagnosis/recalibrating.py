@@ -8,7 +8,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.inference.symmetric import eigen_of
-from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.observation.layout import COEFFICIENTS
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.observation.layout import COEFFICIENTS
+from bayesfric.observation.linear import LinearRig
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
-from bayesfric.rigs.linear import LinearRig
 from bayesfric.rigs.rotary import rotary_unit, turns
 
 AXES = {

@@ -9,8 +9,8 @@ from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate, prior_moments
 from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.coefficients import coefficient_prior
+from bayesfric.observation.linear import LinearRows
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.linear import LinearRows
 
 
 def coefficient_moments(

@@ -64,69 +64,101 @@ def search(
     priors = model.analysis.diagnosis.hypotheses
     searched = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
     effects = sorted(members[0] for members in classes.members)
+    shapes = _weigh_alone(model, searched, effects, steps)
+    _weigh_together(model, searched, effects, shapes, steps)
+    _weigh_parts(model, searched, steps)
+    unknown = steps.unknown_force(model, searched.none, Acting(), inverse, volume)
+    return replace(searched, unknown=unknown, unheard=unknown is None)
+
+
+def _weigh_alone(
+    model: LinearModel, searched: Search, effects: Sequence[str], steps: Steps
+) -> dict[str, float]:
+    """Weigh each effect alone, and return the best shapes of its laws."""
+    none = leader = searched.none
+    inverse, volume = searched.inverse, searched.volume
     quiet = model.noise.quiet(none.at.psi)
-    starts = [none.at.psi]
     shapes: dict[str, float] = {}
     rough = _extended(model, none, effects, none.at.psi, shapes)
-    leader = none
     for alone in sorted(rough, key=lambda alone: -rough[alone]):
-        first = (
-            [*starts, quiet] if rough[alone] > none.log_evidence + RULES.effect_gains else starts
-        )
-        if leader is not none:
-            first = [*first, leader.at.psi]
-        weighed = steps.weigh(model, alone.names, first, inverse, volume, shapes=shapes)
+        starts = [none.at.psi]
+        if rough[alone] > none.log_evidence + RULES.effect_gains:
+            starts.append(quiet)
+        starts.append(leader.at.psi)
+        weighed = steps.weigh(model, alone.names, starts, inverse, volume, shapes=shapes)
         searched.weighed[alone] = weighed
         if weighed.log_evidence > leader.log_evidence:
             leader = weighed
         shapes |= _shapes_of(weighed)
-    # Where scatter had taken up what an effect does, the others look different without it.
     if leader.log_evidence > none.log_evidence + RULES.weighed_within:
-        for alone, weighed in list(searched.weighed.items()):
-            if alone in (NONE, leader.hypothesis):
-                continue
-            there = np.append(leader.at.psi[: len(model.noise)], weighed.at.psi[len(model.noise) :])
-            if model.evaluate(there, weighed.acting).value < weighed.at.value - NEAR:
-                continue
-            again = steps.weigh(
-                model, weighed.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(weighed)
-            )
-            if again.log_evidence > weighed.log_evidence:
-                searched.weighed[alone] = again
+        _weigh_at_noise_of(model, searched, leader, steps)
+    return shapes
+
+
+def _weigh_at_noise_of(model: LinearModel, searched: Search, leader: Weighed, steps: Steps) -> None:
+    """Weigh the others again from the leader's noise, where that is nearly as good for them.
+
+    Where scatter had taken up what an effect does, they look different without it.
+    """
+    for alone, weighed in list(searched.weighed.items()):
+        if alone in (NONE, leader.hypothesis):
+            continue
+        there = np.append(leader.at.psi[: len(model.noise)], weighed.at.psi[len(model.noise) :])
+        if model.evaluate(there, weighed.acting).value < weighed.at.value - NEAR:
+            continue
+        again = steps.weigh(
+            model,
+            weighed.names,
+            [leader.at.psi],
+            searched.inverse,
+            searched.volume,
+            shapes=_shapes_of(weighed),
+        )
+        if again.log_evidence > weighed.log_evidence:
+            searched.weighed[alone] = again
+
+
+def _weigh_together(
+    model: LinearModel,
+    searched: Search,
+    effects: Sequence[str],
+    shapes: dict[str, float],
+    steps: Steps,
+) -> None:
+    """Weigh two effects and more together, from the best with an effect less."""
     for number in range(2, RULES.most_effects + 1):
-        last = [
+        fewer = [
             weighed for weighed in searched.weighed.values() if len(weighed.names) == number - 1
         ]
-        last = sorted(last, key=lambda weighed: -searched.worth(weighed))[
-            : RULES.beam if number > 2 else 2
-        ]
+        fewer = sorted(fewer, key=lambda weighed: -searched.worth(weighed))
         top = max(searched.worth(weighed) for weighed in searched.weighed.values())
         grown = False
-        for base in last:
+        for base in fewer[: RULES.beam if number > 2 else 2]:
             if searched.worth(base) < top - 2 * RULES.weighed_within and number > 2:
                 continue
-            joining = _that_may_act(base, effects, classes)
+            joining = _that_may_act(base, effects, searched.classes)
             rough = _extended(model, base, joining, base.at.psi, shapes)
-            searched.rough.update(
-                {more: v for more, v in rough.items() if more not in searched.rough}
-            )
+            for more, first_look in rough.items():
+                searched.rough.setdefault(more, first_look)
             for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
-                prior = searched.log_prior(more)
-                if more in searched.weighed or rough[more] + prior < top - RULES.weighed_within:
+                worth = rough[more] + searched.log_prior(more)
+                if more in searched.weighed or worth < top - RULES.weighed_within:
                     continue
                 if rough[more] < base.log_evidence + RULES.effect_gains:
                     continue
                 weighed = steps.weigh(
-                    model, more.names, [base.at.psi], inverse, volume, shapes=shapes
+                    model,
+                    more.names,
+                    [base.at.psi],
+                    searched.inverse,
+                    searched.volume,
+                    shapes=shapes,
                 )
                 searched.weighed[more] = weighed
                 grown |= searched.worth(weighed) > top
                 top = max(top, searched.worth(weighed))
         if not grown and number > 2:
-            break
-    _weigh_parts(model, searched, steps)
-    unknown = steps.unknown_force(model, searched.none, Acting(), inverse, volume)
-    return replace(searched, unknown=unknown, unheard=unknown is None)
+            return
 
 
 def _weigh_parts(
@@ -169,8 +201,22 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     steps : Steps
         By which hypotheses are weighed.
     """
-    finalists = [first.weighed[hypothesis] for hypothesis in _finalists(first)]
     leader = first.best()
+    result = _weigh_finalists(model, first, leader, steps)
+    _weigh_beside_best(model, result, steps)
+    # What was screened keeps its distance from what led then, as that is weighed now.
+    level = result.weighed[leader.hypothesis].log_evidence - leader.log_evidence
+    screened = first.rough | {acting: rival.log_evidence for acting, rival in first.weighed.items()}
+    rough = {
+        acting: value + min(level, 0.0)
+        for acting, value in screened.items()
+        if acting not in result.weighed
+    }
+    return _with_unknown_force(model, replace(result, rough=rough), leader, steps)
+
+
+def _weigh_finalists(model: LinearModel, first: Search, leader: Weighed, steps: Steps) -> Search:
+    """Return the finalists as they are weighed in a model, with all forms of their laws."""
     none = steps.weigh(
         model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
     )
@@ -179,14 +225,13 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     volume = log_volume(curvature)
     none = replace(none, log_evidence=none.log_evidence + volume, curvature=curvature)
     compared: dict[Hypothesis, Weighed] = {NONE: none}
-    noise = leader.at.psi[: len(model.noise)]
-    for finalist in finalists:
+    for finalist in (first.weighed[hypothesis] for hypothesis in _finalists(first)):
         if not finalist.names:
             continue
         again = steps.weigh(
             model,
             finalist.names,
-            [finalist.at.psi, noise],
+            [finalist.at.psi, leader.at.psi[: len(model.noise)]],
             inverse,
             volume,
             shapes=_shapes_of(finalist),
@@ -198,38 +243,39 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
             # Where the leader's effects act, scatter is as little known as with them; the
             # noise without them is inflated, and better known.
             volume = again.volume
-    result = Search(compared, {}, None, first.classes, first.priors, inverse, volume)
-    # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
+    return Search(compared, {}, None, first.classes, first.priors, inverse, volume)
+
+
+def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None:
+    """Weigh effects beside the best: a form of one may have passed for another, or hidden it."""
     best = result.best()
-    effects = sorted(members[0] for members in first.classes.members)
-    if best.names and len(best.names) < RULES.most_effects:
-        joining = _that_may_act(best, effects, first.classes)
-        rough = _extended(model, best, joining, best.at.psi, {}, forms=best.forms)
-        for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
-            if more in compared or rough[more] < best.log_evidence + RULES.effect_gains:
-                continue
-            compared[more] = steps.weigh(
-                model,
-                more.names,
-                [best.at.psi],
-                inverse,
-                volume,
-                shapes=_shapes_of(best),
-                forms=FORM_SHARES,
-            )
-        _weigh_parts(model, result, steps, FORM_SHARES)
-        best = result.best()
-    # What was screened keeps its distance from what led then, as that is weighed now.
-    level = result.weighed[leader.hypothesis].log_evidence - leader.log_evidence
-    screened = first.rough | {acting: rival.log_evidence for acting, rival in first.weighed.items()}
-    rough = {
-        acting: value + min(level, 0.0)
-        for acting, value in screened.items()
-        if acting not in compared
-    }
-    result = replace(result, rough=rough)
-    near = best.log_evidence - RULES.followed_within
-    unknown = steps.unknown_force(model, none, Acting(), inverse, volume, [noise], near)
+    if not best.names or len(best.names) >= RULES.most_effects:
+        return
+    effects = sorted(members[0] for members in result.classes.members)
+    joining = _that_may_act(best, effects, result.classes)
+    rough = _extended(model, best, joining, best.at.psi, {}, forms=best.forms)
+    for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
+        if more in result.weighed or rough[more] < best.log_evidence + RULES.effect_gains:
+            continue
+        result.weighed[more] = steps.weigh(
+            model,
+            more.names,
+            [best.at.psi],
+            result.inverse,
+            result.volume,
+            shapes=_shapes_of(best),
+            forms=FORM_SHARES,
+        )
+    _weigh_parts(model, result, steps, FORM_SHARES)
+
+
+def _with_unknown_force(
+    model: LinearModel, result: Search, leader: Weighed, steps: Steps
+) -> Search:
+    """Return hypotheses with an unknown force, alone or beside the effects of the best."""
+    best, inverse, volume = result.best(), result.inverse, result.volume
+    noise, near = leader.at.psi[: len(model.noise)], best.log_evidence - RULES.followed_within
+    unknown = steps.unknown_force(model, result.none, Acting(), inverse, volume, [noise], near)
     if best.names and unknown is not None:
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):

@@ -9,6 +9,7 @@ from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
 
 ALL_BUT = 0.999
+WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 
 
 PULLS = {
@@ -86,7 +87,7 @@ class Statement:
             return f"{middle:.3g} {gap.unit} rms"
         if middle < RULES.has_figure * gap.friction_rms:
             return f"less than {RULES.has_figure:.1%} of friction"
-        return f"{middle:.3g} {gap.unit} rms, {middle / gap.friction_rms:.1%} of friction"
+        return f"{middle:.3g} {gap.unit} rms ({middle / gap.friction_rms:.1%} of friction)"
 
     @property
     def acting(self) -> str:
@@ -182,8 +183,8 @@ def _no_gap(statement: Statement) -> str:
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
         off += f"since {statement.gap.no_share}"
-    by = f", by {statement.recorded}" if statement.recorded else ""
-    return f"Once recalibrated, the simulation is systematically off by {off}{by}.{absorbed}"
+    by = f" This rests on {statement.recorded}." if statement.recorded else ""
+    return f"Once recalibrated, the simulation is systematically off by {off}.{by}{absorbed}"
 
 
 def _undecided(statement: Statement) -> str:
@@ -291,4 +292,6 @@ def _share(shrink: Interval) -> str:
     """Return a share with its interval, which is never printed as all of it."""
     if shrink.q05 >= ALL_BUT:
         return f"more than {ALL_BUT:.1%}"
-    return f"{shrink.q50:.1%} [{shrink.q05:.1%}, {shrink.q95:.1%}]"
+    digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
+    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"

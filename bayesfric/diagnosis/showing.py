@@ -12,8 +12,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.layout import COEFFICIENTS
 
 TOLD_OF_AXES = ("mass", "coulomb")
 LARGEST = 700.0  # nat, of which there is an exponential
@@ -91,8 +91,8 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
 
 def windows_told(residuals: Residuals) -> str:
     """Return how much was recorded, in words."""
-    trials = len(residuals.names)
-    return f"{residuals.independent} windows of {trials} trial{'' if trials == 1 else 's'}"
+    runs = len(residuals.names)
+    return f"{residuals.independent} windows of {runs} run{'' if runs == 1 else 's'}"
 
 
 def _numbers(residuals: Residuals) -> int:

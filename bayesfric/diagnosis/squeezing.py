@@ -11,7 +11,7 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.said import Said
 from bayesfric.inference.symmetric import eigen_of
-from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.observation.layout import COEFFICIENTS
 
 SEEN = 0.02  # information beside a prior of 1, below which a number is left out
 

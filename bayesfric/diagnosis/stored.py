@@ -12,7 +12,7 @@ from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas import Gap
+from bayesfric.schemas import Gap, Interval
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
@@ -71,25 +71,14 @@ def gap_of(
             name, held_out.trajectory, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
         )
     friction = residuals.friction_rms
-    shrink, rest, open2 = None, None, None
+    shrink, rest, open2 = None, None, posterior.gap**2
     if why is None:
-        every = np.zeros(held_out.fold.size, dtype=np.bool_)
-        _, before, after = arms.fitted(held_out.residuals, every)
-        force = held_out.residuals.left(before.local) - held_out.residuals.left(after.local)
-        taken = residuals.without_law(force)
-        open2 = left_of(residuals, posterior, taken)
-        own = residuals.without_law(arms.of_causes(held_out.residuals))
-        draws = shrink_of(residuals, posterior, own)
-        if draws is None or np.median(posterior.gap) < practical * friction / 2:
-            why = NO_GAP
-        else:
-            shrink = interval(np.maximum(draws, -1.0))
-            kept: Array = np.clip(1 - draws, 0.0, 2.0)
-            felt = np.sqrt(kept) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
-            rest = kept if np.quantile(felt, 0.05) >= practical else None
+        open2 = _left_open(held_out, posterior, residuals, arms)
+        shrink, rest = _shrink_of_model(held_out, posterior, residuals, arms, practical)
+        why = NO_GAP if shrink is None else None
     first = rows[0]
     # Windows average over what goes round with the pulleys.
-    open2 = (posterior.gap**2 if open2 is None else open2) - posterior.hidden2
+    open2 = open2 - posterior.hidden2
     left2 = float(held_out.rows[0][1].after.sum())
     disagrees = floor_disagrees(left2, held_out.by_chance, open2, unit)
     gap = Gap(
@@ -109,6 +98,32 @@ def gap_of(
         trajectory_why=None if trajectory is not None else "no trial has events enough",
     )
     return gap, rest
+
+
+def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals, arms: Arms) -> Array:
+    """Return draws of the squared gap that the causes leave at the amplitudes that fit best."""
+    every = np.zeros(held_out.fold.size, dtype=np.bool_)
+    _, before, after = arms.fitted(held_out.residuals, every)
+    force = held_out.residuals.left(before.local) - held_out.residuals.left(after.local)
+    return left_of(residuals, posterior, residuals.without_law(force))
+
+
+def _shrink_of_model(
+    held_out: HeldOut, posterior: Posterior, residuals: Residuals, arms: Arms, practical: float
+) -> tuple[Interval | None, Array | None]:
+    """Return what share of the squared gap the causes take, and draws of what they leave.
+
+    There is no share where there is no gap, and no rest that is not surely of practical size.
+    """
+    friction = residuals.friction_rms
+    own = residuals.without_law(arms.of_causes(held_out.residuals))
+    draws = shrink_of(residuals, posterior, own)
+    if draws is None or np.median(posterior.gap) < practical * friction / 2:
+        return None, None
+    kept: Array = np.clip(1 - draws, 0.0, 2.0)
+    felt = np.sqrt(kept) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
+    is_surely_left = np.quantile(felt, 0.05) >= practical
+    return interval(np.maximum(draws, -1.0)), kept if is_surely_left else None
 
 
 def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N") -> str | None:
@@ -132,8 +147,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N
     left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"data held out leave {left:.3g} m{unit}, {more_or_less} than "
-        f"friction's scatter and the gap that is left would make ({expected:.3g} m{unit})"
+        f"data held out are off by {left:.2g} m{unit} rms, {more_or_less} than the "
+        f"{expected:.2g} m{unit} that scatter and the remaining gap would make"
     )
 
 

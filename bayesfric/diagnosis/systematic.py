@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
-from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.hypotheses import Search
@@ -24,7 +24,7 @@ from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
-from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis
+from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.inference.priors import from_normal
 from bayesfric.probabilities import total
 from bayesfric.schemas import Interval
@@ -95,101 +95,163 @@ def posterior_of(
         Source of randomness.
     """
     chances = {
-        name: chance
-        for name, chance in search.probabilities().items()
+        hypothesis: chance
+        for hypothesis, chance in search.probabilities().items()
         if chance > RULES.rare
-        and (name in search.weighed or (name == UNKNOWN and search.unknown is not None))
+        and (hypothesis in search.weighed or (hypothesis == UNKNOWN and search.unknown is not None))
     }
-    names = list(chances)
-    weights = np.array([chances[name] for name in names])
+    weights = np.array(list(chances.values()))
     counts = rng.multinomial(DRAWS, weights / weights.sum())
-    rms = residuals.friction_rms
-    weight, full = residuals.weight, model.full.layout
     hypotheses: list[Hypothesis] = []
     forces, hidden = [], []
-    strengths: dict[str, Array] = {}
-    lefts: dict[str, list[float]] = {}
-    amplitudes: dict[str, list[Array]] = {}
-    shapes: dict[str, list[Array]] = {}
-    waves: dict[str, list[Array]] = {}
+    effects = _EffectDraws(model, residuals)
     refitted = RefittedLaw(model.layout.sizes, DRAWS)
-    start = 0
-    for name, count in zip(names, counts, strict=True):
+    for hypothesis, count in zip(chances, counts.tolist(), strict=True):
         if not count:
             continue
-        weighed = search.weighed[name if name != UNKNOWN else NONE]
-        at, wide, form = weighed.at, None, weighed.forms
-        if name == UNKNOWN and search.unknown is not None:
-            at, wide, form = search.unknown.at, search.unknown.best, search.unknown.forms
-            weighed = replace(weighed, acting=search.unknown.acting, at=at)
-        own = model.full if name == UNKNOWN else model
-        acting = weighed.acting
-        if name == UNKNOWN:
-            drawn = rng.multivariate_normal(
-                at.mean, at.covariance, int(count), check_valid="ignore", method="eigh"
-            )
-        else:
-            drawn = drawn_numbers(own, weighed, int(count), rng)
-        drawn = _made_positive(own, acting, at, drawn, rng)
-        places = own.places(len(acting.laws))
-        local = spread_numbers(own, drawn, own.mixing(acting))
-        rows = slice(start, start + int(count))
-        moves = local[:, :, :3].copy()
-        local[:, :, :3] = 0.0
-        local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
-        forces.append(_made(residuals, local))
-        # A smooth force may hold a part of what the law says: the law is that of both.
-        local[:, :, full.own : full.own + full.candidates] = 0.0
-        if model.data.rigs[0].along_path:
-            local[:, :, _of_acting(model, acting)] = 0.0
-        moves += residuals.taken_by_law(_made(residuals, local))
-        refitted.take(rows, own, acting, at.psi, drawn, moves)
-        hidden.append(np.zeros(int(count)))
-        for column, law in enumerate(acting.laws):
-            values = drawn[:, places[column]]
-            mixed = (
-                residuals.columns[:, full.own : full.own + full.candidates]
-                @ model.mixing(acting)[:, column]
-            )
-            strength, felt = _strength(residuals, mixed)
-            if "period" in model.candidates[law.places[0]].effect.needs:
-                waves.setdefault(law.effect, []).append(mixed)
-            strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength * np.abs(values)
-            lefts.setdefault(law.effect, []).append(felt * float(np.abs(values).mean()))
-            scale = model.amplitude_scale(law)
-            amplitudes.setdefault(law.effect, []).append(values * scale)
-            shapes.setdefault(law.effect, []).append(
-                _shape_draws(own, weighed, column, int(count), rng)
-            )
-        for place, law in enumerate(acting.phases):
-            middle = at.psi[len(model.noise) + place]
-            spread = _log_spread(own, at.psi, acting, place, wide, form)
-            values = np.exp(middle + spread * rng.standard_normal(int(count)))
-            amplitudes.setdefault(law.effect, []).append(values)
-            share = values * _phase_share(model, law.places[0])
-            strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = share
-            real = model.candidates[law.places[0]].effect.acts_on != "reading"
-            lefts.setdefault(law.effect, []).append(float(share.mean()) if real else 0.0)
-            if real:
-                hidden[-1] = hidden[-1] + (share * rms) ** 2
-        hypotheses += [name] * int(count)
-        start = rows.stop
-    force = residuals.without_law(np.concatenate(forces, axis=1))
-    hidden2 = np.concatenate(hidden)
-    gap = np.sqrt(weight @ force**2 + hidden2)
+        rows = slice(len(hypotheses), len(hypotheses) + count)
+        own, weighed, wide = _hypothesis_of(model, search, hypothesis)
+        drawn = _numbers(own, weighed, wide, count, rng)
+        force, moves = _force_and_law(model, residuals, own, weighed.acting, drawn)
+        forces.append(force)
+        refitted.take(rows, own, weighed.acting, weighed.at.psi, drawn, moves)
+        effects.take_columns(rows, own, weighed, drawn, rng)
+        forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
+        hidden.append(effects.take_phases(rows, own, weighed, wide, forms, rng))
+        hypotheses += [hypothesis] * count
+    force, hidden2 = residuals.without_law(np.concatenate(forces, axis=1)), np.concatenate(hidden)
+    rms = residuals.friction_rms
     return Posterior(
         np.array(hypotheses, dtype=object),
         force,
         hidden2,
         (RULES.unresolved * rms * rng.standard_normal(DRAWS)) ** 2,
-        gap,
-        strengths,
-        {name: float(np.mean(values)) for name, values in lefts.items()},
-        {name: np.concatenate(values) for name, values in amplitudes.items()},
-        {name: np.concatenate(values) for name, values in shapes.items()},
-        waves,
+        np.sqrt(residuals.weight @ force**2 + hidden2),
+        effects.strengths,
+        {name: float(np.mean(values)) for name, values in effects.left.items()},
+        {name: np.concatenate(values) for name, values in effects.amplitudes.items()},
+        {name: np.concatenate(values) for name, values in effects.shapes.items()},
+        effects.waves,
         refitted,
     )
+
+
+def _hypothesis_of(
+    model: LinearModel, search: Search, hypothesis: Hypothesis
+) -> tuple[LinearModel, Weighed, Wide | None]:
+    """Return a hypothesis as it was weighed, the model for it, and how large a force nobody named.
+
+    That of an unknown force has the effects that act beside it.
+    """
+    if hypothesis != UNKNOWN or search.unknown is None:
+        return model, search.weighed[hypothesis], None
+    force = search.unknown
+    return model.full, replace(search.none, acting=force.acting, at=force.at), force.best
+
+
+def _numbers(
+    model: LinearModel, weighed: Weighed, wide: Wide | None, count: int, rng: np.random.Generator
+) -> Array:
+    """Return draws of a hypothesis' numbers, (S, p)."""
+    if wide is None:
+        drawn = drawn_numbers(model, weighed, count, rng)
+    else:
+        drawn = rng.multivariate_normal(
+            weighed.at.mean, weighed.at.covariance, count, check_valid="ignore", method="eigh"
+        )
+    return _made_positive(model, weighed.acting, weighed.at, drawn, rng)
+
+
+def _force_and_law(
+    model: LinearModel, residuals: Residuals, own: LinearModel, acting: Acting, drawn: Array
+) -> tuple[Array, Array]:
+    """Return draws of the systematic force in each window, (R, S), and of the law's moves."""
+    full = model.full.layout
+    local = spread_numbers(own, drawn, own.mixing(acting))
+    moves = local[:, :, :3].copy()
+    local[:, :, :3] = 0.0
+    local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
+    force = _made(residuals, local)
+    # A smooth force may hold a part of what the law says: the law is that of both.
+    local[:, :, full.own : full.own + full.candidates] = 0.0
+    if model.data.rigs[0].along_path:
+        local[:, :, _of_acting(model, acting)] = 0.0
+    return force, moves + residuals.taken_by_law(_made(residuals, local))
+
+
+class _EffectDraws:
+    """What is drawn of each effect, hypothesis after hypothesis; as in :class:`Posterior`.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which the hypotheses were compared.
+    residuals : Residuals
+        Windows of that model.
+    """
+
+    def __init__(self, model: LinearModel, residuals: Residuals) -> None:
+        self._model, self._residuals = model, residuals
+        self.strengths: dict[str, Array] = {}
+        self.left: dict[str, list[float]] = {}
+        self.amplitudes: dict[str, list[Array]] = {}
+        self.shapes: dict[str, list[Array]] = {}
+        self.waves: dict[str, list[Array]] = {}
+
+    def take_columns(
+        self,
+        rows: slice,
+        own: LinearModel,
+        weighed: Weighed,
+        drawn: Array,
+        rng: np.random.Generator,
+    ) -> None:
+        """Take draws of effects with columns under a hypothesis."""
+        model, residuals, full = self._model, self._residuals, self._model.full.layout
+        acting = weighed.acting
+        places = own.places(len(acting.laws))
+        columns = residuals.columns[:, full.own : full.own + full.candidates]
+        for column, law in enumerate(acting.laws):
+            values = drawn[:, places[column]]
+            mixed = columns @ model.mixing(acting)[:, column]
+            strength, felt = _strength(residuals, mixed)
+            if "period" in model.candidates[law.places[0]].effect.needs:
+                self.waves.setdefault(law.effect, []).append(mixed)
+            self._keep(rows, law, strength * np.abs(values), felt * float(np.abs(values).mean()))
+            scale = model.amplitude_scale(law)
+            self.amplitudes.setdefault(law.effect, []).append(values * scale)
+            self.shapes.setdefault(law.effect, []).append(
+                _shape_draws(own, weighed, column, len(values), rng)
+            )
+
+    def take_phases(
+        self,
+        rows: slice,
+        own: LinearModel,
+        weighed: Weighed,
+        wide: Wide | None,
+        forms: Mapping[str, FormShare],
+        rng: np.random.Generator,
+    ) -> Array:
+        """Take draws of effects with phases, and return the mean square of their force [N²]."""
+        model, acting, at = self._model, weighed.acting, weighed.at
+        hidden2 = np.zeros(rows.stop - rows.start)
+        for place, law in enumerate(acting.phases):
+            middle = at.psi[len(model.noise) + place]
+            spread = _log_spread(own, at.psi, acting, place, wide, forms)
+            values = np.exp(middle + spread * rng.standard_normal(hidden2.size))
+            self.amplitudes.setdefault(law.effect, []).append(values)
+            share = values * _phase_share(model, law.places[0])
+            real = model.candidates[law.places[0]].effect.acts_on != "reading"
+            self._keep(rows, law, share, float(share.mean()) if real else 0.0)
+            if real:
+                hidden2 = hidden2 + (share * self._residuals.friction_rms) ** 2
+        return hidden2
+
+    def _keep(self, rows: slice, law: Law, strength: Array, left: float) -> None:
+        """Keep draws of an effect's strength, and what a recalibrated law leaves of it."""
+        self.strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength
+        self.left.setdefault(law.effect, []).append(left)
 
 
 def _of_acting(model: LinearModel, acting: Acting) -> list[int]:

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 from scipy.special import logsumexp
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.discrepancy import Wide
@@ -89,19 +89,8 @@ def unknown_force(
     axes = model.acting_axes
     if not axes:
         return None
-    scale = model.analysis.diagnosis.unknown_scale
-    shares = [scale * float(scipy.stats.halfnorm.ppf(node)) for node in QUANTILES]
-    # Where in speed a law is off events tell at hundreds of places, and forces that differ with
-    # size, load and rig as well are too many to be likely; along other axes few values are met.
-    where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]
-    where += [(axis, True) for axis in axes if axis == "velocity"]
-    nodes = tuple(Wide(share, *node) for node in where for share in shares)
+    nodes, idle = _nodes(model, axes)
     form = without.forms
-    # Along these, what is smaller than matters is scatter.
-    practical = model.analysis.diagnosis.practical_share
-    scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
-    idle = np.array([node.axis in scattering and node.share < practical for node in nodes])
-
     places = [place for law in acting.laws for place in law.places]
 
     def information_at(psi: Array) -> Information:
@@ -142,3 +131,18 @@ def unknown_force(
         total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume
     # Along all axes is as likely as along any one.
     return Unknown(nodes, log_evidences - logsumexp(log_evidences), total, at, acting, without.form)
+
+
+def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags]:
+    """Return how large a force may be and where, and which of these are scatter anyhow."""
+    scale = model.analysis.diagnosis.unknown_scale
+    shares = [scale * float(scipy.stats.halfnorm.ppf(node)) for node in QUANTILES]
+    # Where in speed a law is off events tell at hundreds of places, and forces that differ with
+    # size, load and rig as well are too many to be likely; along other axes few values are met.
+    where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]
+    where += [(axis, True) for axis in axes if axis == "velocity"]
+    nodes = tuple(Wide(share, *node) for node in where for share in shares)
+    # Along these, what is smaller than matters is scatter.
+    practical = model.analysis.diagnosis.practical_share
+    scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
+    return nodes, np.array([node.axis in scattering and node.share < practical for node in nodes])

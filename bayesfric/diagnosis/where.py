@@ -18,7 +18,7 @@ from bayesfric.diagnosis.shares import AxisFunctions, Shares, functions_along, s
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
-from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.schemas import Axis, Interval, Shape
 
 DRAWS = 400

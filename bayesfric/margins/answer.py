@@ -135,12 +135,12 @@ def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
     if not hunting.now.any():
         return f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws."
     by_speed = hunting.hunts.mean(axis=1)
-    worst = hunting.speeds[int(by_speed.argmax())]
-    return (
-        f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws at some "
-        f"speed, in {share_of(hunting.hunts[int(by_speed.argmax())])} with "
-        f"{_worded(worst, shaft)}."
-    )
+    most = int(by_speed.argmax())
+    worst = _worded(hunting.speeds[most], shaft)
+    now = f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws"
+    if np.array_equal(hunting.hunts[most], hunting.now):
+        return f"{now}, with {worst}."
+    return f"{now} at some speed, in {share_of(hunting.hunts[most])} with {worst}."
 
 
 def against_the_spec(

@@ -61,7 +61,7 @@ class Ensemble:
         try:
             import control
         except ImportError as error:
-            expected = "an installation with python-control: pip install 'bayesfric[control]'"
+            expected = 'an installation with python-control: pip install ".[control]" in a clone'
             raise InputError([Fault("to_control", expected)]) from error
         has = self.drawn.directions
         if direction is not None and direction not in has:

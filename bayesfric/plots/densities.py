@@ -10,6 +10,8 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from bayesfric.plots.labels import CommonFactor, columns_of, parameter_label, powers
 from bayesfric.plots.style import COLORS, figure, key
 
+FAINTEST = 1e-9  # of the highest density: a prior that is lower runs out of the panel
+
 
 def prior_and_posterior(predictive: xr.DataTree) -> Figure:
     """Draw both densities of each parameter on one logarithmic axis, a panel a parameter.
@@ -35,9 +37,10 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
             entry = table.sel(parameter=name)
             edge, prior = entry["value"].to_numpy(), entry["prior"].to_numpy()
             height = entry["posterior"].to_numpy()
-            seen = np.concatenate([height[height > 0], prior[prior > 0]])
+            seen = np.concatenate([height, prior])
+            least = seen[seen > FAINTEST * seen.max()].min()
             panel.set_yscale("log")
-            panel.set_ylim(0.5 * seen.min(), 3 * seen.max())
+            panel.set_ylim(0.5 * least, 3 * seen.max())
             panel.stairs(height, edge, color=COLORS["sky"], fill=True, linewidth=0)
             panel.plot(edge, prior, color=COLORS["black"], linewidth=1.0, linestyle="--")
             unit = str(entry["unit"].item()).replace("1/deg", "deg⁻¹")

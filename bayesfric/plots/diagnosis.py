@@ -11,7 +11,8 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import axis_words, plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
+from bayesfric.plots.live import Band, Chart, Cloud, Curve
+from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key
 from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Inclusion, Interval
 from bayesfric.stored_names import RESIDUALS, variable_of
@@ -27,6 +28,7 @@ EFFECTS = 8  # most probable ones; the table has all
 FEWEST = 4  # effects that are drawn at least
 RARE = 0.02  # further effects are drawn where they are more probable
 KINDS = 8  # ticks along kinds that are named
+FITS = 22  # characters of a label below a panel; a longer one is smaller
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
@@ -86,6 +88,58 @@ def where_it_lies(
                 panel.set_visible(False)
             right.supylabel(f"residual force [{unit}]", fontsize=8)
         return fig
+
+
+def axis_charts(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str) -> list[Chart]:
+    """Return the residual force along the axis of the largest share, as one chart.
+
+    Parameters
+    ----------
+    axes, residuals, unit
+        As of :func:`where_it_lies`.
+
+    Returns
+    -------
+    list of Chart
+        One, of the first axis that has a shape and is no list of kinds; none without such an axis.
+    """
+    shaped = [a for a in axes if a.shape is not None and a.axis not in CATEGORIES]
+    if not shaped or shaped[0].shape is None:
+        return []
+    axis, shape = shaped[0], shaped[0].shape
+    grid, low, high = (np.asarray(v) for v in (shape.grid, shape.low_n, shape.high_n))
+    label = with_unit(axis_words(axis.axis), axis.unit)
+    clouds = []
+    variable = variable_of(axis.axis, RESIDUALS)
+    if residuals is not None and variable in residuals.data_vars:
+        clouds = _windows(residuals, variable)
+    return [
+        Chart(
+            title="Residual force on held-out data; line and band: its systematic part, 95 %",
+            x_label=label,
+            y_label=f"residual force [{unit}]",
+            columns=["trial", label, f"residual [{unit}]", f"friction [{unit}]"],
+            clouds=clouds,
+            curves=[Curve("", COLORS["blue"], grid, np.asarray(shape.gap_n))],
+            bands=[Band("", COLORS["blue"], grid, low, high)],
+        )
+    ]
+
+
+def _windows(residuals: xr.Dataset, variable: str) -> list[Cloud]:
+    """Return the windows of each rig, with the words of each."""
+    rigs = residuals["rig"].to_numpy()
+    names, places = residuals["trial"].to_numpy(), residuals[variable].to_numpy()
+    left, friction = residuals["residual_n"].to_numpy(), residuals["friction_n"].to_numpy()
+    clouds = []
+    for rig, color in zip(sorted(set(rigs.tolist())), SHADES, strict=False):
+        rows = np.flatnonzero((rigs == rig) & np.isfinite(places))
+        said = [
+            [str(names[k]), f"{places[k]:.3g}", f"{left[k]:.2g}", f"{friction[k]:.3g}"]
+            for k in rows
+        ]
+        clouds.append(Cloud(str(rig), color, "o", places[rows], left[rows], said))
+    return clouds
 
 
 def _shares(panel: Axes, axes: Sequence[Axis], unexplained: Interval | None) -> None:
@@ -155,7 +209,8 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None, kinds: Sequenc
         panel.xaxis.set_major_locator(MaxNLocator(4))
     panel.yaxis.set_major_locator(MaxNLocator(4))
     panel.tick_params(labelsize=6.5)
-    panel.set_xlabel(with_unit(axis_label(axis.axis), axis.unit), fontsize=7.5, labelpad=1.5)
+    words = with_unit(axis_label(axis.axis), axis.unit)
+    panel.set_xlabel(words, fontsize=7.5 if len(words) <= FITS else 6.0, labelpad=1.5)
 
 
 def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:

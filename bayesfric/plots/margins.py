@@ -11,6 +11,8 @@ from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figur
 from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
+RISEN = 0.99  # of a probability: beyond, a curve shows nothing new
+PAST = 1.15  # of the last thing to be seen, how far an axis reaches
 HEADROOMS = ("headroom_clip", "headroom_continuous")
 WORDS = {
     "steady_error_servo": "steady error",
@@ -29,7 +31,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
     loops : sequence of LoopMargins
         Those with a curve; the spec of each is a thin line, its own γ a marker.
     """
-    with figure(height=70.0) as fig:
+    with figure(height=55.0) as fig:
         axes = fig.subplots()
         for place, loop in enumerate(loops):
             color = SHADES[place % len(SHADES)]
@@ -58,9 +60,17 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
         axes.set_xlabel("compensation gain γ")
         axes.set_ylabel("P(limit cycle)")
         axes.set_ylim(-0.02, 1.02)
-        axes.set_xlim(left=0)
-        key(fig, axes.get_legend_handles_labels()[0], ncols=3)
+        axes.set_xlim(0, max(map(_reach, loops)))
+        if len(loops) > 1:
+            key(fig, axes.get_legend_handles_labels()[0], ncols=3)
     return fig
+
+
+def _reach(loop: LoopMargins) -> float:
+    """Return up to which γ a loop's curve is drawn: past its rise, and past the γ of its file."""
+    last = max(point.gamma for point in loop.limit_cycle_probability)
+    risen = [point.gamma for point in loop.limit_cycle_probability if point.p >= RISEN]
+    return min(last, PAST * max(loop.compensation_gain, risen[0] if risen else last))
 
 
 def hunting_over_speed(chart: HuntingMap) -> Figure:
@@ -103,7 +113,7 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
     fans : sequence of NyquistFan
         Of one loop; a direction each has its own colour.
     """
-    with figure(height=76.0) as fig:
+    with figure(height=68.0) as fig:
         left, right = fig.subplots(1, 2)
         for axes, what in ((left, "loop"), (right, "seen-by-friction")):
             for place, fan in enumerate(

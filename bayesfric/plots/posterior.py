@@ -10,7 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from bayesfric.plots.labels import parameter_label, plain
+from bayesfric.plots.labels import parameter_label, plain, rounded
+from bayesfric.plots.live import Chart, Cloud, Curve
 from bayesfric.plots.style import COLORS, NEUTRAL, TEXT_WIDTH, figure, size_styles
 
 SHOWN_DRAWS = 4000  # more points would not change the contours
@@ -85,6 +86,55 @@ def coefficients_relative_to_paper(
         axes.grid(visible=False, axis="y")
         axes.set_xlabel("posterior / value in Table I (thick: 50 %, thin: 90 %)")
         return fig
+
+
+def ratio_charts(predictive: xr.DataTree, uninformed: Collection[str] = ()) -> list[Chart]:
+    """Return each informed coefficient as a ratio to Table I, as one chart.
+
+    Parameters
+    ----------
+    predictive, uninformed
+        As of :func:`coefficients_relative_to_paper`.
+    """
+    table = predictive["coefficients"].to_dataset()
+    sizes = [str(size) for size in table["pulley"].to_numpy()]
+    names = [str(name) for name in table["coefficient"].to_numpy()]
+    rows = [(name, size) for name in names for size in sizes if f"{name}[{size}]" not in uninformed]
+    clouds = []
+    for size, look in size_styles(sizes).items():
+        places = [place for place, row in enumerate(rows) if row[1] == size]
+        if not places:
+            continue
+        ratios, said = [], []
+        for name, _ in (rows[place] for place in places):
+            at = table.sel(coefficient=name, pulley=size)
+            ratio, value = at["ratio"].to_numpy(), at["value"].to_numpy()
+            ratios.append(ratio)
+            said.append(
+                [
+                    f"{name} {size}",
+                    f"{rounded(ratio[2], ratio[0], ratio[4])} "
+                    f"({rounded(ratio[0], ratio[0], ratio[4])} to "
+                    f"{rounded(ratio[4], ratio[0], ratio[4])})",
+                    f"{value[2]:.3g}",
+                    f"{float(at['paper']):.3g}",
+                ]
+            )
+        low, _, middle, _, high = np.transpose(ratios)
+        y = np.array(places, dtype=float)
+        clouds.append(Cloud(size, look.color, look.marker, middle, y, said, low, high))
+    line = np.array([-0.6, len(rows) - 0.4])
+    return [
+        Chart(
+            title="Median and 90 % interval",
+            x_label="posterior / value in Table I",
+            y_label="",
+            columns=["coefficient", "over Table I, 90 %", "median", "Table I"],
+            clouds=clouds,
+            curves=[Curve("", COLORS["black"], np.ones(2), line, dashed=True)],
+            rows=[f"{name} {size}" for name, size in rows],
+        )
+    ]
 
 
 def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | None) -> Figure:

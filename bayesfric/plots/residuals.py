@@ -9,6 +9,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.live import Band, Chart, Curve, clouds_by_size, trial_words
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure, key, size_styles
 
@@ -58,6 +59,40 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         keys.append(_dotted("outliers lie beyond"))
         key(fig, keys, ncols=len(keys))
         return fig
+
+
+def residual_charts(predictive: xr.DataTree, unit: str) -> list[Chart]:
+    """Return the z of each trial in the order of measuring, a chart a rig.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc``.
+    unit : str
+        Of friction.
+    """
+    charts = []
+    for rig in rig_tables(predictive):
+        columns, words = trial_words(rig, unit)
+        order, z = rig.table["order"].to_numpy(), rig.table["z"].to_numpy()
+        ends = np.array([order.min() - 1, order.max() + 1])
+        level = np.ones(2)
+        limit = float(rig.table["z_limit"])
+        charts.append(
+            Chart(
+                title=f"{rig.title}, {rig.trials}",
+                x_label="order of measuring",
+                y_label="z of friction",
+                columns=columns,
+                clouds=clouds_by_size(rig, size_styles(ordered_sizes(rig.sizes)), order, z, words),
+                curves=[
+                    Curve("", COLORS["black"], ends, sign * limit * level, dashed=True)
+                    for sign in (-1, 1)
+                ],
+                bands=[Band("", NEUTRAL, ends, -NORMAL_90 * level, NORMAL_90 * level)],
+            )
+        )
+    return charts
 
 
 def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:

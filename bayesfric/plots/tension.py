@@ -1,5 +1,7 @@
 """Friction against nominal tension, as in the paper's Fig. 12."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -9,6 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.live import Band, Chart, Curve, clouds_by_size, trial_words
+from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.plots.style import (
     COLORS,
     MARKERS,
@@ -72,6 +76,51 @@ def friction_against_tension(predictive: xr.DataTree, wrap_angle_deg: float) -> 
         keys = _keys(markers, has_paper)
         key(fig, keys, ncols=4)
         return fig
+
+
+def tension_charts(predictive: xr.DataTree, wrap_angle_deg: float) -> list[Chart]:
+    """Return friction against nominal tension at one wrap angle as one chart.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its groups ``trials`` and ``curves``.
+    wrap_angle_deg : float
+        Which angle.
+    """
+    (rig,) = (rig for rig in rig_tables(predictive) if rig.id == "trial")
+    upright = np.flatnonzero(rig.table["wrap_angle_deg"].to_numpy() == wrap_angle_deg)
+    rig = replace(rig, table=rig.table.isel(trial=upright))
+    curves = predictive["curves"].to_dataset()
+    curves = curves.isel(curve=np.flatnonzero(curves["wrap_angle_deg"] == wrap_angle_deg))
+    styles = size_styles(ordered_sizes(curves["pulley_size"].to_numpy()))
+    columns, words = trial_words(rig, "N")
+    tension = curves["tension_n"].to_numpy()
+    lines, bands = [], []
+    for place in range(curves.sizes["curve"]):
+        size = str(curves["pulley_size"].to_numpy()[place])
+        low, middle, high = curves["law_n"].isel(curve=place).to_numpy().T
+        lines.append(Curve(size, styles[size].color, tension, middle))
+        bands.append(Band(size, styles[size].color, tension, low, high))
+    clouds = clouds_by_size(
+        rig,
+        styles,
+        rig.table["tension_n"].to_numpy(),
+        rig.table["friction_n"].to_numpy(),
+        words,
+        (rig.table["predicted_n"].to_numpy()[:, 0], rig.table["predicted_n"].to_numpy()[:, 2]),
+    )
+    return [
+        Chart(
+            title=f"Wrap angle {wrap_angle_deg:g}°; bars: new trials, 90 %",
+            x_label="nominal tension [N]",
+            y_label="friction [N]",
+            columns=columns,
+            clouds=clouds,
+            curves=lines,
+            bands=bands,
+        )
+    ]
 
 
 def _draw_friction(axes: Axes, law: xr.Dataset, look: SizeStyle) -> None:

@@ -42,7 +42,7 @@ def build_document(stored: StoredResults) -> Document:
     stored : StoredResults
         Results of the verbs, of one at least.
     """
-    subtitle = "The diagnosis on data whose effect is withheld"
+    subtitle = "Blind test of the diagnosis: what acts is withheld from it"
     created = None if stored.scorecard is None else stored.scorecard.created
     if stored.scorecard is None and stored.calibration is not None:
         subtitle, created = "Simulation-based calibration", stored.calibration.created

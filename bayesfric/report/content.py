@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from bayesfric.report.quantities import MISSING
 from bayesfric.report.words import Code as Code
@@ -25,6 +25,9 @@ from bayesfric.report.words import Strong as Strong
 from bayesfric.report.words import Text as Text
 from bayesfric.report.words import inlines as inlines
 from bayesfric.report.words import require, require_formula, require_text
+
+if TYPE_CHECKING:
+    from bayesfric.plots.live import Chart
 
 LISTED = 2  # levels of the table of contents
 SHORT = 12  # headings of a document that a reader leafs through
@@ -211,6 +214,11 @@ class Figure:
         What a `Reference` names it by.
     width : float
         Share of the text width, over 0 to 1.
+    charts : callable or None
+        () to charts of the same numbers, for a reader who hovers and zooms.
+    beside : bool
+        Whether charts stand below the picture, which shows more than they do, and not in its
+        place.
     floats : bool
         Whether it may stand at the head or foot of a page on paper, so that words go on.
     """
@@ -221,6 +229,8 @@ class Figure:
     label: str | None = None
     width: float = 1.0
     floats: bool = False
+    charts: Callable[[], Sequence["Chart"]] | None = None
+    beside: bool = False
 
     def __post_init__(self) -> None:
         require_text(self.caption, "figure, caption")

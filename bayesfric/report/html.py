@@ -1,6 +1,7 @@
 """The content tree as one HTML file that needs no other file.
 
-Its one script, which sorts tables, is the template's: nothing of a document is ever in it.
+Its scripts, which sort tables and draw charts, are the template's and a library's: nothing of a
+document is ever in them. Data of charts stand in the page as JSON.
 
 Every piece of text goes through markupsafe's escaping; the frame and the style are
 a Jinja template. Figures are images of their own, so that the identifiers inside
@@ -13,11 +14,14 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 
 import jinja2
+from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 from bayesfric.characters import legible
+from bayesfric.plots.live import chart_data
 from bayesfric.report import content
 from bayesfric.report.formulas import FORMULAS
+from bayesfric.report.live import live_scripts
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
 
@@ -42,6 +46,7 @@ def render_html(document: content.Document) -> str:
     listed = document.listed
     heads = (i for i, block in enumerate(document.blocks) if isinstance(block, content.Heading))
     first = next(heads, len(shown))
+    live = any(isinstance(b, content.Figure) and b.charts is not None for b in document.every_block)
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -50,6 +55,7 @@ def render_html(document: content.Document) -> str:
         title=legible(document.title),
         subtitle=legible(document.subtitle),
         day=document.date.date().isoformat() if document.date else "",
+        scripts=[Markup(script) for script in (live_scripts() if live else ())],
         front=shown[:first],
         body=shown[first:],
         contents=[
@@ -92,12 +98,13 @@ def _block(block: content.Block, place: Place | None, labels: Mapping[str, Place
             return Markup(
                 '<figure id="{}" tabindex="0">\n<img style="width: {:.4g}%" alt="{}" '
                 'src="data:image/svg+xml;base64,{}">\n'
-                "<figcaption><strong>{}.</strong> {}</figcaption>\n</figure>"
+                "{}<figcaption><strong>{}.</strong> {}</figcaption>\n</figure>"
             ).format(
                 place.anchor,
                 100 * block.width,
                 legible(block.alt),
                 data,
+                _charts(block),
                 place.name,
                 _text(block.caption, labels),
             )
@@ -105,6 +112,16 @@ def _block(block: content.Block, place: Place | None, labels: Mapping[str, Place
             return _table(block, place, labels)
         case _:
             raise TypeError(f"not a block: {block!r}")
+
+
+def _charts(figure: content.Figure) -> Markup:
+    """Return the charts of a figure as data, which the page's script draws; nothing without any."""
+    if figure.charts is None or not live_scripts():
+        return Markup("")
+    charts = [chart_data(chart) for chart in figure.charts()]
+    held = htmlsafe_json_dumps(charts, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    kind = "charts beside" if figure.beside else "charts"
+    return Markup('<script type="application/json" class="{}">{}</script>\n').format(kind, held)
 
 
 def _table(table: content.Table, place: Place, labels: Mapping[str, Place]) -> Markup:

@@ -20,12 +20,14 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.observation.linear import LinearRows
+from bayesfric.observation.unsupported import Unsupported as Unsupported
+from bayesfric.observation.unsupported import why_inert as why_inert
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
-from bayesfric.rigs.linear import LinearRows
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_design import Simulated as Simulated
@@ -33,8 +35,6 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
-from bayesfric.rigs.unsupported import Unsupported as Unsupported
-from bayesfric.rigs.unsupported import why_inert as why_inert
 from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
@@ -56,6 +56,13 @@ class Words:
         What its law and its likelihood are, in sentences; nothing where they are the paper's.
     group, groups : str
         What trials of one value of ``setup`` are together, and several of these.
+    regime : str
+        How its trials move.
+    paper : bool
+        Whether it is one of the paper's own, which its protocols are for.
+    thresholds : dataclass or None
+        By which its log is read, where there are some: fields made by
+        :func:`bayesfric.rules.rule`.
     """
 
     rig: str
@@ -64,6 +71,9 @@ class Words:
     law: str = ""
     group: str = "assembly"
     groups: str = "assemblies"
+    regime: Regime = "steady"
+    paper: bool = False
+    thresholds: Any = None
 
 
 class Rig(Protocol):
@@ -74,20 +84,12 @@ class Rig(Protocol):
         """What it is called in commands and files."""
 
     @property
-    def regime(self) -> Regime:
-        """How its trials move."""
-
-    @property
     def words(self) -> Words:
         """What it is called in sentences."""
 
     @property
     def tables(self) -> tuple[str, ...]:
         """Which tables of a recording it reads."""
-
-    @property
-    def paper(self) -> bool:
-        """Whether it is one of the paper's own, which its protocols are for."""
 
     @property
     def own_design(self) -> OwnDesign | None:
@@ -221,6 +223,10 @@ class RigTrials(Protocol):
     @property
     def untold(self) -> Mapping[str, str]:
         """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
+
+    @property
+    def scale_share(self) -> float:
+        """Relative standard error of the scale of forces, that amplitudes of effects know not."""
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""

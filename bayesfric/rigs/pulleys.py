@@ -67,6 +67,11 @@ class PulleyTrials:
         """None."""
         return {}
 
+    @property
+    def scale_share(self) -> float:
+        """0: forces are of weights."""
+        return 0.0
+
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return none."""
         del law

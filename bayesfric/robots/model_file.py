@@ -246,7 +246,7 @@ def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
     try:
         import mujoco
     except ImportError as error:
-        expected = 'the extra that reads robots: pip install "bayesfric[mujoco]"'
+        expected = 'the extra that reads robots: pip install ".[mujoco]" in a clone'
         raise InputError([Fault("rig.robot", expected)]) from error
     text = ET.tostring(root, encoding="unicode")
     try:

@@ -1,9 +1,5 @@
 """``bayesfric diagnose``: what it writes, prints and returns."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 from typer.testing import CliRunner
 
@@ -14,11 +10,8 @@ from bayesfric.schemas import DiagnosisFile
 from bayesfric.simulate import simulate_recording
 
 
-def bayesfric(*arguments, cwd):
-    command = Path(sys.executable).with_name("bayesfric")
-    return subprocess.run(
-        [command, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, check=False
-    )
+def bayesfric(*arguments):
+    return CliRunner().invoke(app, arguments)
 
 
 @pytest.fixture(scope="module")
@@ -30,9 +23,10 @@ def board(tmp_path_factory):
     return folder
 
 
-def test_it_writes_prints_and_fails_on_a_gap(board):
-    done = bayesfric("diagnose", "board", "-o", "out", "--fail-on", "gap", cwd=board)
-    assert done.returncode == 1, done.stderr
+def test_it_writes_prints_and_fails_on_a_gap(board, monkeypatch, no_processes):
+    monkeypatch.chdir(board)
+    done = bayesfric("diagnose", "board", "-o", "out", "--fail-on", "gap")
+    assert done.exit_code == 1, done.stderr
     assert {path.name for path in (board / "out").iterdir()} == {"diagnosis.json", "diagnosis.nc"}
     summary = read_json(DiagnosisFile, board / "out" / "diagnosis.json")
     assert [cause.effect for cause in summary.causes] == ["stribeck"]
@@ -40,8 +34,8 @@ def test_it_writes_prints_and_fails_on_a_gap(board):
     listed = [line.split()[-1] for line in done.stdout.splitlines()[1:]]
     assert listed
     assert not {"0.000", "1.000"} & {*listed}  # a bound instead, as everywhere
-    report = bayesfric("report", "out", cwd=board)
-    assert report.returncode == 0, report.stderr
+    report = bayesfric("report", "out")
+    assert report.exit_code == 0, report.stderr
     said = summary.sentence.split("; adding")[0].replace("%", "\u202f%")  # as a report sets it
     said = said.replace("> ", "\\>\u00a0")  # as Markdown has it
     assert said in (board / "out" / "summary.md").read_text()

@@ -1,6 +1,9 @@
 """Help texts: types that people know, whole summaries, an example, and what can happen."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -77,3 +80,17 @@ def test_every_verb_that_computes_takes_the_options_of_the_contract():
         assert {"--seed", "--config", "--quiet", "--fail-on"} <= options, name
         output = [param.default for param in verbs[name].params if param.name == "output"]
         assert output == ([] if name == "simulate" else [Path("bayesfric-run")]), name
+
+
+def test_a_shell_completes_verbs():
+    """As the script of --install-completion asks for them."""
+    asked = {
+        "_BAYESFRIC_COMPLETE": "complete_bash",
+        "COMP_WORDS": "bayesfric di",
+        "COMP_CWORD": "1",
+    }
+    code = "import sys; sys.argv = ['bayesfric']; from bayesfric.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | asked, capture_output=True, text=True
+    )
+    assert done.stdout.split() == ["diagnose"]

@@ -61,12 +61,12 @@ def test_results_that_do_not_come_out_again_are_told(ran, tmp_path):
 
 @pytest.fixture(scope="module")
 def with_margins(ran):
-    """The fit, and margins of which two draws were verified and motion was simulated."""
+    """The fit, and margins of which a draw was verified and its motion simulated."""
     folder = ran / "margins"
     shutil.copytree(ran / "a", folder)
     compute_margins(
-        "raven-insertion", folder / "draws.nc", Analysis(seed=9), verify=2, ensembles=True,
-        simulated=2,
+        "raven-tool-rotation", folder / "draws.nc", Analysis(seed=9), verify=1, ensembles=True,
+        simulated=1,
     ).write(folder)  # fmt: skip
     return folder
 
@@ -82,12 +82,12 @@ def test_margins_are_repeated_with_what_they_were_asked_for(with_margins, tmp_pa
     done = bayesfric("rerun", with_margins, "-o", tmp_path / "b")
     assert done.exit_code == 0, done.stderr
     assert asked == {
-        "loops": [bundled_loops()["raven-insertion"]],
+        "loops": [bundled_loops()["raven-tool-rotation"]],
         "draws": tmp_path / "b" / "draws.nc",
         "seed": 9,
         "diagnosis": None,
         "law": "fitted",
-        "verify": 2,
+        "verify": 1,
         "tune": False,
         "ensembles": True,
         "quiet": False,
@@ -100,7 +100,9 @@ def test_margins_of_a_loop_that_is_nowhere_are_told(with_margins, tmp_path):
     shutil.copytree(with_margins, with_margins.parent / "gone")
     (with_margins.parent / "gone" / "margins.json").write_text(json.dumps(stored))
     done = bayesfric("rerun", with_margins.parent / "gone", "-o", tmp_path / "b")
-    assert "margins.json is not repeated: the loop files of raven-insertion are not" in done.stderr
+    assert (
+        "margins.json is not repeated: the loop files of raven-tool-rotation are not" in done.stderr
+    )
 
 
 @pytest.mark.nightly

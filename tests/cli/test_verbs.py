@@ -36,7 +36,7 @@ def bayesfric(*arguments, cwd, **environment):
     )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def board(small_recording, tmp_path_factory):
     """One size on the gravity board, by accelerations, beside a short analysis.toml."""
     folder = tmp_path_factory.mktemp("a folder with spaces")
@@ -46,14 +46,15 @@ def board(small_recording, tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="session")
-def ran(board):
+@pytest.fixture(scope="module")
+def ran(board, no_processes):
     """One whole run on it."""
-    done = bayesfric(
-        "run", "board", "--config", "analysis.toml", "-o", "first", "--junit", "ci/claims.xml",
-        cwd=board, FORCE_COLOR="1",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    arguments = ("run", "board", "--config", "analysis.toml", "-o", "first")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(board)
+        runner = CliRunner(env={"FORCE_COLOR": "1"})
+        done = runner.invoke(app, [*arguments, "--junit", "ci/claims.xml"])
+    assert done.exit_code == 0, done.stderr
     return done
 
 
@@ -173,13 +174,12 @@ def test_unconverged_is_in_the_exit_status_and_still_written(board, monkeypatch)
     )
     arguments = ("fit", "board", "--config", "few.toml", "-o", "few")
     arguments += ("--fail-on", "unconverged,attention")
-    done = bayesfric(*arguments, cwd=board)
-    assert done.returncode == 1
+    monkeypatch.chdir(board)
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 1
     assert "has not converged" in done.stderr
     assert done.stderr.endswith("failed: unconverged\nfailed: attention\n")
     assert not read_json(FitFile, board / "few" / "fit.json").converged
-    monkeypatch.chdir(board)
-    assert CliRunner().invoke(app, arguments[:-2]).exit_code == 0
 
 
 def test_too_few_walkers_for_the_parameters_are_refused(board, tmp_path, monkeypatch):

@@ -77,7 +77,9 @@ def test_a_signal_ends_a_fit_with_3_and_no_traceback(board, tmp_path, number):
     assert not (out / LOCK).exists()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)]
+)
 def test_a_signal_while_the_interpreter_shuts_down_changes_nothing(number):
     """Where Python has put the signals' own handlers back, all is done."""
     late = f"""

@@ -193,6 +193,7 @@ def test_same_recording_same_bytes(named, tmp_path):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
 
 
+@pytest.mark.nightly
 def test_no_effect_no_gap(empty):
     assert empty.verdict == "no-gap"
     assert empty.causes == empty.possible == ()

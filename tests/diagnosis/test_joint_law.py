@@ -19,6 +19,7 @@ from bayesfric.rigs import all_rigs
 
 AXIS = all_rigs()["single-axis"]
 SMALL = {"runs": 2, "seconds": 12.0, "sampled_hz": 100.0}
+SHORT = {"runs": 1, "seconds": 1.2, "sampled_hz": 250.0, "gravity": 0.0}
 
 
 def causes_of(found):
@@ -48,7 +49,10 @@ def test_inertia_friction_and_offset_are_the_law_and_no_cause():
     assert "a mass that is declared" in why["torque-gain"]
 
 
-@pytest.mark.parametrize(("gravity", "noise", "seed"), [(1.0, 0.02, 1), (0.5, 0.05, 2)])
+@pytest.mark.parametrize(
+    ("gravity", "noise", "seed"),
+    [(1.0, 0.02, 1), pytest.param(0.5, 0.05, 2, marks=pytest.mark.nightly)],
+)
 def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
     """On ± 0.25 rad the two differ by less than what is measured: it is said, or it is a weight."""
     joint = Joint(gravity=gravity, strokes_rad=(0.2, 0.05), noise=noise, resolution=1e-4, seed=seed)
@@ -62,7 +66,7 @@ def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
 
 def test_every_place_of_a_weight_lies_within_the_angles_that_are_tried():
     """An encoder's zero is often where the link is level: a quarter turn from where it hangs."""
-    angles = [one.shape for one in candidates_of(all_effects(None)["gravity-torque"])]
+    angles = [candidate.shape for candidate in candidates_of(all_effects(None)["gravity-torque"])]
     assert min(angles) < -np.pi / 2
     assert max(angles) > np.pi / 2
 
@@ -83,6 +87,7 @@ def test_a_link_that_is_level_at_zero_has_a_weight_and_no_offset():
     assert summary.law["viscous"].after.q50 == pytest.approx(joint.viscous, rel=0.03)
 
 
+@pytest.mark.nightly
 def test_a_drag_that_takes_more_than_friction_is_itself_and_no_stribeck_curve():
     """With a prior of a third of friction, a cube and a Stribeck curve took its place."""
     joint = Joint(gravity=0.0, drag=0.02, noise=0.02, seed=10)
@@ -169,6 +174,7 @@ def test_friction_that_grows_with_the_load_is_named_for_a_force_that_was_measure
     assert "torque-saturation" in {one.effect for one in found.effects if one.needs}
 
 
+@pytest.mark.nightly
 def test_gravity_of_forty_times_friction_on_a_small_swing_is_itself():
     """On ± 20° a sine is nearly a line: no spring, and no tenth of the weight."""
     joint = LoadedJoint(**SMALL, gravity=8.0, stroke_rad=0.35, viscous=0.047)
@@ -180,6 +186,7 @@ def test_gravity_of_forty_times_friction_on_a_small_swing_is_itself():
     assert found.law["inertia"].after.mean == pytest.approx(0.06, rel=0.05)
 
 
+@pytest.mark.nightly
 def test_a_simulator_without_friction_lacks_coulomb_and_viscous_friction():
     joint = LoadedJoint(**SMALL)
     recording = joint.recording()
@@ -202,8 +209,7 @@ def test_a_simulator_without_friction_lacks_coulomb_and_viscous_friction():
 
 def test_what_is_declared_is_held_and_what_contradicts_it_comes_first():
     declared = {"force_is": "link", "moving_mass_kg": 0.06, "mass_sd_kg": 0.0006}
-    short = {"runs": 1, "seconds": 1.2, "sampled_hz": 250.0, "gravity": 0.0}
-    runs = AXIS.trials(LoadedJoint(**short, constants=declared).recording())
+    runs = AXIS.trials(LoadedJoint(**SHORT, constants=declared).recording())
     prior = runs.own_priors["axis"].c1
     # A force sensor is good to 2 %, and one axis cannot tell its scale from the mass.
     assert (prior.mean, prior.sd) == (0.06, pytest.approx(np.hypot(0.0006, 0.0012)))
@@ -216,7 +222,7 @@ def test_what_is_declared_is_held_and_what_contradicts_it_comes_first():
 
 def test_a_measured_force_neither_saturates_nor_lags():
     offers = {
-        kind: AXIS.trials(LoadedJoint(**SMALL, constants={"force_is": kind}).recording()).offers
+        kind: AXIS.trials(LoadedJoint(**SHORT, constants={"force_is": kind}).recording()).offers
         for kind in ("commanded", "motor", "link", "measured", "unknown")
     }
     lags = {kind for kind, offered in offers.items() if "commanded-force" in offered}

@@ -9,7 +9,7 @@ from rigs.friction_points import joint, recorded
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis import diagnosing
+from bayesfric.diagnosis import concluded
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
@@ -152,7 +152,7 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     """Blocks that the cause makes more likely by one nat each, ± 3 or ± a third of one."""
     each = np.ones(9) + np.tile([-1.0, 0.0, 1.0], 3) * 10 / gain
     found = BlockDensities(np.zeros(9), each)
-    monkeypatch.setattr(diagnosing, "block_densities", lambda *_: found)
+    monkeypatch.setattr(concluded, "block_densities", lambda *_: found)
     summary = bf.diagnose(recorded(tmp_path / "bench", joint(2.0))).summary
     density = summary.gap.held_out_log_density
     assert (density.difference, density.blocks) == (pytest.approx(9.0), 9)

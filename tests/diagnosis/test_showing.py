@@ -107,6 +107,7 @@ def test_a_recording_of_one_stroke_is_refused(tmp_path):
         bf.diagnose(bf.read_recording(written))
 
 
+@pytest.mark.nightly
 def test_of_an_axis_without_friction_no_share_is_told(tmp_path):
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, coulomb=0.0)
     runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)

@@ -40,7 +40,9 @@ def slope_of(found):
     return cause.parameters["slope"]
 
 
-@pytest.mark.parametrize("stray", [0, 1, 9, 15])
+@pytest.mark.parametrize(
+    "stray", [0, *(pytest.param(n, marks=pytest.mark.nightly) for n in (1, 9)), 15]
+)
 def test_points_with_one_stray_are_named_as_without_it(tmp_path, clean, stray):
     found = found_of(tmp_path, 1, 3.0, stray)
     assert found.verdict == clean.verdict == "named"

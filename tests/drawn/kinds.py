@@ -9,7 +9,7 @@ from drawn.plans import BOARD_PLANS, DRIVE_PLANS, NAMES, POINT_PLANS
 
 __all__ = ["KINDS", "drawn_of", "small"]
 
-LARGEST = {"trials": 6, "points": 40, "samples": 400, "runs": 3}
+LARGEST = {"trials": 6, "points": 30, "samples": 300, "runs": 2}
 ONE = settings(
     max_examples=2,  # the first of a search is the simplest of all
     deadline=None,

@@ -11,9 +11,7 @@ ROOT = Path(__file__).parents[2]
 
 def copied(folder: Path) -> Path:
     """Return a folder with a copy of the package beside the data that it reads."""
-    shutil.copytree(
-        ROOT / "bayesfric", folder / "bayesfric", ignore=shutil.ignore_patterns("__pycache__")
-    )
+    shutil.copytree(ROOT / "bayesfric", folder / "bayesfric")  # and what is compiled of it
     for name in ("data", "reports", "pyproject.toml"):
         (folder / name).symlink_to(ROOT / name)
     return folder

@@ -34,7 +34,7 @@ SOON = {
     "rigs/gravity_board": "likelihood.gravity left-out diagnosis.gravity",
     "rigs/motor_board": "likelihood.motor left-out diagnosis.motor",
     "rigs/steady_points": "likelihood.points left-out diagnosis.points",
-    "rigs/points.py": "diagnosis.points",
+    "observation/points.py": "diagnosis.points",
     "rigs/single_axis": "likelihood.axis diagnosis.axis",
     "diagnosis/": "diagnosis.points diagnosis.motor whole.motor diagnosis.gravity whole.points",
     "margins/": "margins",

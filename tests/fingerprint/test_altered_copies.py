@@ -7,13 +7,10 @@ from fingerprint import stored
 from fingerprint.altered_formulas import altered_formulas
 from fingerprint.copies import ROOT, altered, copied, run
 
-CHEAP = (
-    "physics effects priors likelihood.motor likelihood.points evidence diagnosis.motor "
-    "diagnosis.points diagnosis.axis margins simulators"
-).split()
-WITH_TAU = {"priors", "evidence", "diagnosis.points"}
+CHEAP = "physics effects priors likelihood.points evidence diagnosis.motor".split()
+WITH_TAU = {"priors", "evidence"}
 """Of the cheap parts: the log prior, and evidences of friction points, whose trials scatter by
-that prior. A motor board has a prior of its own, and so has an axis."""
+that prior. A motor board has a prior of its own."""
 
 
 def moved_parts(ended):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from altered import by_acceleration, of_size, with_trials
 from scipy import special, stats
 
 from bayesfric.analysis import Analysis, Priors, Sampler
@@ -17,11 +18,17 @@ PRIORS = {
 }
 
 
-@pytest.fixture(scope="module")
-def other_fit(small_recording):
+def with_these(recording):
     priors = Priors(**{name: prior for name, (prior, _) in PRIORS.items()})
     sampler = Sampler(burn=10, steps=80, thin=3, extensions=0)  # as of the fit beside it
-    return fit(small_recording, Analysis(seed=6, priors=priors, sampler=sampler))
+    return fit(recording, Analysis(seed=6, priors=priors, sampler=sampler))
+
+
+@pytest.fixture(scope="module")
+def fast_fit(small_recording):
+    """Of one size, by accelerations."""
+    small = with_trials(small_recording, of_size(small_recording, "small"))
+    return with_these(by_acceleration(small))
 
 
 def log_ratio(posterior):
@@ -41,7 +48,9 @@ def log_ratio(posterior):
     return sum(terms).ravel()
 
 
-def test_posterior_is_the_default_one_reweighted_by_the_priors(small_fit, other_fit):
+@pytest.mark.nightly
+def test_posterior_is_the_default_one_reweighted_by_the_priors(small_fit, small_recording):
+    other_fit = with_these(small_recording)
     before, after = (one.draws["posterior"] for one in (small_fit, other_fit))
     weight = special.softmax(log_ratio(before))
     assert 1 / (weight**2).sum() > 500  # effective draws of the weights
@@ -54,17 +63,17 @@ def test_posterior_is_the_default_one_reweighted_by_the_priors(small_fit, other_
         assert new.std(axis=0) == pytest.approx(sd, rel=0.15), name
 
 
-def test_what_is_stored_of_a_prior_without_standard_deviation(other_fit):
-    entry = other_fit.summary.pulleys["small"]["c2"]
+def test_what_is_stored_of_a_prior_without_standard_deviation(fast_fit):
+    entry = fast_fit.summary.pulleys["small"]["c2"]
     assert entry.prior == "half-cauchy(scale=0.05)"
     assert entry.contraction is None
     assert entry.contraction_why == "the prior has no standard deviation"
-    known = other_fit.summary.pulleys["small"]["c1"]
+    known = fast_fit.summary.pulleys["small"]["c1"]
     assert known.contraction == pytest.approx(1 - known.sd / stats.gamma(2, scale=0.01).std())
 
 
-def test_prior_draws_and_log_prior_are_scipys(other_fit):
-    draws = other_fit.draws
+def test_prior_draws_and_log_prior_are_scipys(fast_fit):
+    draws = fast_fit.draws
     prior = draws["prior"]
     for name, (_, reference) in PRIORS.items():
         assert stats.kstest(prior[name].to_numpy().ravel(), reference.cdf).pvalue > 1e-3, name

@@ -8,6 +8,7 @@ import arviz_stats as azs
 import numpy as np
 import pytest
 import xarray as xr
+from altered import of_size, with_trials
 from conftest import QUICK_SAMPLER
 from fitting.generations import finished, python_of
 
@@ -31,13 +32,17 @@ OF_ONE_TRIAL = {"var_name": "friction"}
 
 
 @pytest.fixture(scope="module")
-def folder(small_recording, tmp_path_factory):
+def board(small_recording):
+    """Trials of one size."""
+    return with_trials(small_recording, of_size(small_recording, "medium"))
+
+
+@pytest.fixture(scope="module")
+def folder(board, tmp_path_factory):
     """A fit without a wander, whose long posterior importance sampling covers less well."""
     place = tmp_path_factory.mktemp("fit")
     priors = Priors(wander=HalfNormal(scale=1e-5))
-    fit(small_recording, Analysis(seed=5, sampler=QUICK_SAMPLER, priors=priors)).write(
-        place, csv=True
-    )
+    fit(board, Analysis(seed=5, sampler=QUICK_SAMPLER, priors=priors)).write(place, csv=True)
     return place
 
 
@@ -74,14 +79,14 @@ def test_many_draws_are_thinned_alike():
     assert fewer.log_density.size * 2000 <= 2_400_000
 
 
-def test_the_likelihood_adds_up_to_that_of_the_whole(draws, small_recording):
+def test_the_likelihood_adds_up_to_that_of_the_whole(draws, board):
     """What power-scaling adds up, beside the likelihood worked out again."""
     from rigs.hall import gravity_likelihood
 
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
-    screened = screen_trials(small_recording.gravity, small_recording.rig)
-    likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
+    screened = screen_trials(board.gravity, board.rig)
+    likelihood = gravity_likelihood(screened.gravity, board.rig, Analysis())
     point = draws["posterior"].to_dataset().isel(chain=3, draw=[7])
     theta = {}
     for parameter in likelihood.parameters:
@@ -121,6 +126,18 @@ def test_leave_one_out_is_that_of_the_fit(draws, folder):
     exact = read_tree(folder / "predictive.nc")["trials"]["loo_pit"]
     error = np.sqrt(exact * (1 - exact) / 1000).to_numpy() + 1e-3  # effective draws, at least
     assert (np.abs(pit.to_numpy() - exact.to_numpy()) < 4 * error).all()
+
+
+def test_the_summary_of_the_page_has_digits_that_say_something(draws, folder):
+    page = (ROOT / "docs" / "draws.md").read_text(encoding="utf-8")
+    (call,) = re.findall(r"^azs\.(summary\(.*?\))", page, flags=re.M)
+    summary = eval(f"azs.{call}", {"azs": azs, "data": draws})
+    fit = json.loads((folder / "fit.json").read_text())
+    for size, coefficients in fit["pulleys"].items():
+        for name, entry in coefficients.items():
+            row = summary.loc[f"{name}[{size}]"].astype(float)
+            assert row["mean"] == pytest.approx(entry["mean"], abs=entry["sd"] / 10)
+            assert row["sd"] == pytest.approx(entry["sd"], rel=0.1)
 
 
 @pytest.mark.filterwarnings("ignore:The inplace keyword")  # of pandas, inside the library
@@ -214,7 +231,7 @@ def test_csv_is_what_r_expects(folder, draws):
     posterior = draws["posterior"]
     assert len(rows) == posterior.sizes["chain"] * posterior.sizes["draw"]
     names = header.split(",")
-    assert {"c1[small]", "c3[large]", "tau", "wander_length"} <= set(names)
+    assert {"c1[medium]", "c3[medium]", "tau", "wander_length"} <= set(names)
     numbers = [float(cell) for cell in rows[26].split(",")]
     assert numbers[:2] == [1, 1]
     column = names.index("c2[medium]")

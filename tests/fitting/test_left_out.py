@@ -110,6 +110,7 @@ def test_recordings_of_the_model_have_uniform_probabilities():
     assert np.mean([one.spread for _, one in found]) == pytest.approx(1, abs=0.1)
 
 
+@pytest.mark.nightly
 def test_twice_the_scatter_does_not():
     """And it is told how much: the density piles up at both ends."""
     pit, found = probabilities(11, 2.0)

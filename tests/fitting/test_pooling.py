@@ -105,6 +105,7 @@ def test_many_boards_that_are_alike_have_hardly_any_scatter():
     assert mean.std() == pytest.approx(0.01 / np.sqrt(12), rel=0.35)
 
 
+@pytest.mark.nightly
 def test_scatter_of_five_per_cent_is_found_and_means_are_covered():
     rng = np.random.default_rng(1)
     truth = np.array([2.0, 1.0, 1.5])

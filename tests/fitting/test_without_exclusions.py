@@ -119,6 +119,7 @@ def test_a_trial_that_cannot_be_computed_enters_neither(medium):
     assert "can be computed" in summary.without_exclusions_why
 
 
+@pytest.mark.nightly
 def test_the_motor_board_has_no_rules(small_recording):
     summary = bf.fit(one_size(small_recording, "medium"), SHORT, rigs=("motor",)).summary
     assert summary.without_exclusions is None

@@ -2,6 +2,7 @@
 
 import ast
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 
@@ -22,6 +23,7 @@ def room_of(parts: tuple[str, ...]) -> str:
     return parts[0].removesuffix(".py")
 
 
+@cache
 def imports_of(package: Path, file: Path) -> list[Import]:
     """Return every import statement of a file, made absolute."""
     relative = file.relative_to(package)

@@ -156,8 +156,7 @@ def circles(graph: dict[str, set[str]]) -> list[set[str]]:
 class RoomMeasures:
     """What is measured of a room."""
 
-    files: int
-    code: int
+    sources: list[str]
     empty_names: list[Place]
     long_functions: list[Place]
 
@@ -168,8 +167,7 @@ def measure_rooms(package: Path) -> dict[str, RoomMeasures]:
     for room, files in files_by_room(package).items():
         sources = {f.relative_to(package).as_posix(): f.read_text("utf-8") for f in files}
         measures[room] = RoomMeasures(
-            len(files),
-            sum(lines_of_code(source) for source in sources.values()),
+            list(sources.values()),
             [place for file, source in sources.items() for place in empty_names(source, file)],
             [place for file, source in sources.items() for place in long_functions(source, file)],
         )
@@ -180,8 +178,8 @@ def table(measures: dict[str, RoomMeasures]) -> str:
     """Return the measures of every room and of all as a table."""
     rows = {
         room: (
-            room_measures.files,
-            room_measures.code,
+            len(room_measures.sources),
+            sum(map(lines_of_code, room_measures.sources)),
             len(room_measures.empty_names),
             len(room_measures.long_functions),
         )

@@ -8,9 +8,10 @@ import pytest
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.margins.margin_rules import MARGIN_RULES
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rules import Rule, rule, rules_of
 
-ENGINES = (MARGIN_RULES, SAMPLING_RULES, RULES)
+ENGINES = (MARGIN_RULES, SAMPLING_RULES, RULES, AXIS_RULES)
 DECISIONS = Path(__file__).parents[2] / "docs" / "decisions"
 
 

@@ -95,5 +95,5 @@ def test_results_hand_over_their_loop_and_its_draws(tmp_path):
 def test_without_python_control_it_says_what_to_install(monkeypatch):
     made = ensemble(loop())
     monkeypatch.setitem(sys.modules, "control", None)
-    with pytest.raises(InputError, match=r"pip install 'bayesfric\[control\]'"):
+    with pytest.raises(InputError, match=r'pip install "\.\[control\]" in a clone'):
         made.to_control(1)

@@ -35,13 +35,8 @@ def made(changes, seed, draws=2000):
 
 
 # a whole tuning and 2,000 fresh draws: 4 CPU-seconds, with simulated hunting twice that
-@pytest.mark.parametrize(
-    "signal",
-    [
-        "reference",
-        pytest.param("measured", marks=pytest.mark.nightly),
-    ],
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("signal", ["reference", "measured"])
 def test_of_fresh_draws_a_twentieth_misses_a_spec(signal):
     changes = {"compensation.signal": signal}
     found = tune(made(changes, seed=1), 0.05)
@@ -91,6 +86,7 @@ def test_today_counts_every_spec_and_hunting_at_once():
     assert meets_all_now(shaft, always) == 0.0
 
 
+@pytest.mark.nightly
 def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     shaft = made({"spec.steady_error_max_m": 1.0}, seed=1, draws=20)
     hunting = find_hunting(shaft, 20, 0.05)

@@ -155,6 +155,16 @@ def test_densities_of_each_parameter(predictive):
         assert entry["posterior"].to_numpy().max() < high
 
 
+def test_a_prior_that_is_nothing_where_the_draws_are_runs_out_of_its_panel(predictive):
+    """Forty scales out its density is 1e-321, over which no axis of powers of ten goes."""
+    tree = predictive.copy()
+    table = tree["densities"].to_dataset()
+    tree["densities"] = xr.DataTree(table.assign(prior=0 * table["prior"] + 1.4e-321))
+    for axes in prior_and_posterior(tree).axes[: table.sizes["parameter"]]:
+        low, high = axes.get_ylim()
+        assert 0 < high < 1e10 * low
+
+
 def test_figures_are_small_and_take_any_name(predictive):
     hostile = "a$b_c{小}\\frac" + 40 * "x"
 

@@ -32,7 +32,7 @@ EXAMPLES = os.environ.get("BAYESFRIC_HYPOTHESIS_EXAMPLES")
 def fuzz(share: float) -> settings:
     """Examples of one test, as a share of those that are asked for."""
     return settings(
-        max_examples=round(share * int(EXAMPLES or 100)),
+        max_examples=round(share * int(EXAMPLES or 40)),
         deadline=None,
         derandomize=EXAMPLES is None,
         suppress_health_check=list(HealthCheck),

@@ -72,8 +72,8 @@ def test_every_rate_and_smallest_strength_is_told(blocks, card):
     assert rates["correct, kind none"][2] == "9 of 10"
     assert rates["named, strength/form 0.3/foreign"][2] == "0 of 2"
     said = " ".join(words(one.text) for one in blocks if isinstance(one, Paragraph))
-    assert "1 of 1 effects are named in 80\u202f% of the cases" in said
-    assert "viscous from 1 (1 to —)" in said
+    assert "at which an effect is named in 80\u202f% of its cases" in said
+    assert "viscous 1 (1 to above all tried). 0 of 1 effects reach 80\u202f% at no" in said
     (panel,) = named_by_strength(card.smallest_detected).axes
     dots = {int(line.get_xdata()[0]): float(line.get_markerfacecolor()) for line in panel.lines}
     assert dots == pytest.approx({0: 1.0, 1: 0.05})  # 0 of 2 is white, 19 of 20 nearly black
@@ -91,14 +91,14 @@ def test_effects_that_were_tried_once_have_no_smallest_strength(card):
     assert "No effect was tried more than once at one strength" in said
     assert "Named at all: viscous. Never named: none." in said
     assert not any(isinstance(one, Figure) and one.label == "smallest" for one in chapter)
-    assert "viscous from" not in said
+    assert "weakest strength" not in said
 
 
 def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
     assert "28 of 32 verdicts are correct" in line
-    assert "of 5 promises that these cases can judge, 3 are kept" in line
-    assert "missed: strength 0.3 named, foreign form; no effect, falsely named." in line
+    assert "3 of 5 promises that these cases can judge are kept" in line
+    assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
     assert scorecard_line(card).kind == "attention"
     fine = card_of([scored()] * 60)
     assert scorecard_line(fine).kind == "good"

@@ -171,6 +171,7 @@ def test_excluded_trials_are_listed_with_their_rule(stored):
     assert listed.rows == [["g0007", "stalled", "it stopped"]]
 
 
+@pytest.mark.nightly
 def test_report_is_written_from_the_folder_and_repeats_its_bytes(small_fit, tmp_path):
     small_fit.write(tmp_path)
     write_report(tmp_path)
@@ -239,9 +240,11 @@ def test_results_of_a_rig_that_nobody_here_knows_have_a_report(small_fit):
 
 
 def test_the_thresholds_of_each_engine_are_printed_with_their_page():
-    (heading, table) = thresholds(StoredResults(diagnosis=SimpleNamespace()))
+    axis = SimpleNamespace(record=SimpleNamespace(rigs=("single-axis",)))
+    heading, table, of_axis = thresholds(StoredResults(diagnosis=axis))
     assert heading.text == "Thresholds of the method"
     sure = next(row for row in table.rows if row[0] == "sure")
     assert sure[1:3] == ("0.9", "1")
     assert sure[4] == "inclusion"
+    assert ("quiet", "0.003", "drive force") in [row[:3] for row in of_axis.rows]
     assert list(thresholds(StoredResults())) == []

@@ -27,20 +27,22 @@ from report.told import told
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters.diagnosis import diagnosis as chapter
 from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
 from bayesfric.report.chapters.to_use import biased, numbers_to_use
 from bayesfric.report.content import (
     Heading,
     Notice,
+    Paragraph,
     Reference,
-    inlines,
 )
 from bayesfric.report.html import render_html
 from bayesfric.report.stored import StoredDiagnosis, StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes, write_netcdf
+from bayesfric.schemas import LawNumber
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +68,7 @@ def test_the_first_page_tells_all():
     for stored in (stored_diagnosis(), without_gap(), two_causes()):
         pdf = render_pdf(build_document(StoredResults(diagnosis=stored)))
         page = " ".join(PdfReader(io.BytesIO(pdf)).pages[0].extract_text().split())
-        what_to_use = "Use these numbers" if stored.record.causes else "Figure 1"
+        what_to_use = "Use these numbers" if stored.record.causes else "the gap on data"
         for part in ("at a glance", "How large is the systematic gap?", what_to_use):
             assert part in page
         # The verdict once; and so short a document is leafed through.
@@ -83,16 +85,30 @@ def test_coefficients_of_a_law_that_misses_what_acts_say_so():
 
 def test_a_named_board_says_which_numbers_to_use():
     """The refit with the cause stands before the law alone, whose coefficients are biased."""
-    found = stored_diagnosis().record
+    law = {"c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261))}
+    found = stored_diagnosis().record.model_copy(update={"law": law})
     (table,) = numbers_to_use(found)
-    told = {words(row[0]): [words(cell) for cell in row[1:]] for row in table.rows}
+    rows = {words(row[0]): [words(cell) for cell in row[1:]] for row in table.rows}
     for name, number in found.law.items():
-        unit, use, alone = told[name]
-        assert unit == number.unit
-        assert float(use.split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
-        assert float(alone.split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
-    assert "viscous.slope" in told
+        unit, use, alone = rows[words(symbol(name))]
+        assert unit == unit_head(name, number.unit)
+        scale = 10.0 ** exponent(name)  # as the unit says
+        assert scale * float(use.split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
+        assert scale * float(alone.split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
+    assert "viscous.slope" in rows
+    assert "growth with speed, as a share of the friction of a pulley" in words(table.note)
     assert not list(numbers_to_use(without_gap().record))
+    (table,) = numbers_to_use(without_gap().record.model_copy(update={"law": law}), alone=True)
+    assert [words(cell) for cell in table.rows[0][:2]] == [" small", "10⁻³\u202fN"]
+
+
+def test_sizes_stand_in_their_usual_order():
+    found = stored_diagnosis().record
+    number = LawNumber(unit="1", before=interval(0.01), after=interval(0.01))
+    law = {f"c1[{size}]": number for size in ("large", "small", "mine", "medium")}
+    (table,) = numbers_to_use(found.model_copy(update={"law": law}))
+    sizes = [words(row[0]).split()[-1] for row in table.rows[:4]]
+    assert sizes == ["small", "medium", "large", "mine"]
 
 
 def test_a_named_board_says_what_and_how_much_at_a_glance():
@@ -129,7 +145,7 @@ def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
     assert "where" not in figures(stored)
     assert "axes" not in tables(stored)
     document = build_document(StoredResults(diagnosis=stored))
-    assert "explains" not in told(document).replace("no axis explains", "")
+    assert "explains" not in told(document).replace("no axis explains one", "")
 
 
 def test_an_undecided_board_says_what_may_act():
@@ -211,7 +227,7 @@ def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
     html = (tmp_path / "report.html").read_text("utf-8")
     assert "Controller margins" in html
     assert "The gap between simulation and reality" in html
-    assert "Set γ to" in (tmp_path / "summary.md").read_text("utf-8")
+    assert "Safe up to γ = " in (tmp_path / "summary.md").read_text("utf-8")
 
 
 def test_a_box_is_green_only_where_nothing_it_covers_is_open():
@@ -234,7 +250,8 @@ def test_a_box_is_green_only_where_nothing_it_covers_is_open():
 
 
 def test_settings_that_a_diagnosis_does_not_follow_are_told_first():
-    blocks = list(chapter(stored_diagnosis(attention=("Scatter is taken as normal.",)), alone=True))
-    assert isinstance(blocks[1], Notice)
-    assert blocks[1].kind == "attention"
-    assert inlines(blocks[1].text) == inlines("Scatter is taken as normal.")
+    """On page one, and there alone."""
+    stored = StoredResults(diagnosis=stored_diagnosis(attention=("Scatter is taken as normal.",)))
+    assert told(build_document(stored)).count("Scatter is taken as normal.") == 1
+    page = [words(b.text) for b in page_one(stored) if isinstance(b, Notice | Paragraph)]
+    assert any("Scatter is taken as normal." in said for said in page)

@@ -51,7 +51,7 @@ def words(text):
 
 
 def test_page_one_says_what_friction_to_expect(stored):
-    (table,) = [b for b in page_one.expected(stored) if isinstance(b, Table)]
+    (table,) = [b for b in page_one.expected(stored, coefficients=False) if isinstance(b, Table)]
     trials = stored.predictive["trials"].to_dataset()
     assert [row[0].split()[1] for row in table.rows] == ["small", "medium", "large"]
     for row in table.rows:
@@ -69,6 +69,25 @@ def test_page_one_says_what_friction_to_expect(stored):
         assert shown == pytest.approx(middle, rel=0.01)
         assert half == pytest.approx((high - low) / 2, rel=0.3)
     assert table.rows[0][0].startswith("9 small pulleys, 85°, at ")
+
+
+def test_page_one_has_the_coefficients_unless_they_are_biased(stored):
+    (table,) = page_one.expected(stored, coefficients=True)
+    assert [row[0] for row in table.rows] == ["small", "medium", "large"]
+    small = stored.fit.pulleys["small"]
+    for cell, (name, scale) in zip(
+        table.rows[0][1:4], (("c1", 1e3), ("c2", 1e3), ("c3", 1e6)), strict=True
+    ):
+        if not small[name].informed:
+            assert cell == "prior"
+            continue
+        shown, half = (float(part) for part in cell.text.split(" ± "))
+        spread = scale * (small[name].q95 - small[name].q05) / 2
+        assert shown == pytest.approx(scale * small[name].mean, abs=spread / 10)
+        assert half == pytest.approx(spread, rel=0.06)
+    assert table.head[4].title == "condition"
+    (alone,) = page_one.expected(stored, coefficients=False)
+    assert alone.head[0].title == "condition"
 
 
 def test_page_one_of_a_fit_fits_a_screen_in_markdown(stored):

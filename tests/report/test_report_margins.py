@@ -52,10 +52,10 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     loop = computed.summary.loops[0]
     box, _, *figures = gain_lines(computed.summary, alone=True)
     gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
-    assert box.title == "bench: meets its spec"
-    assert (
-        f"Set γ to {gamma:.2f} at most (the file has {loop.compensation_gain:.2f})" in box.text[0]
-    )
+    assert box.title == f"bench: safe at γ = {loop.compensation_gain:g}, meets its spec"
+    assert f"Safe up to γ = {gamma:.2f}: hunts with probability" in box.text[0]
+    assert box.text[0].startswith(f"At the γ = {loop.compensation_gain:g} of the file it hunts in")
+    assert "Of the variance of friction c1, c2 and c3 decide" in box.text[0]
     assert [one.label for one in figures] == ["limit-cycle", "error-headroom"]
     bad = loop.model_copy(
         update={"missed_specs": ("lost_motion", "limit_cycle_probability"),
@@ -63,15 +63,17 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
                 "largest_safe_compensation_gain_why": "all draws hunt"}
     )  # fmt: skip
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (bad,)}), alone=False)
-    assert (
-        line.title == "bench: misses its spec in lost motion of the cable, limit cycle probability"
-    )
-    assert line.text[0] == "No gain γ is safe: all draws hunt."  # and no spec of a number
+    assert line.title == f"bench: not safe at γ = {loop.compensation_gain:g}"
+    assert "No gain γ is safe: all draws hunt." in line.text[0]
+    assert "Misses its spec" not in line.text[0]  # lost motion has no spec of a number
     lost = next(one for one in loop.metrics if one.name == "lost_motion")
     tight = bad.model_copy(update={"metrics": (lost.model_copy(update={"spec": 1e-5}),)})
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
-    assert line.text[0].startswith(f"Lost motion of the cable: {1e3 * lost.interval.q50:.3g} [")
-    assert line.text[0].endswith("]\u202fmm, at most 0.01\u202fmm is asked for. ")
+    assert (
+        f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} ["
+        in (line.text[0])
+    )
+    assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text[0]
 
 
 def test_margins_at_a_prompt_are_drawn(computed):
@@ -123,7 +125,7 @@ def test_a_folder_with_margins_alone_becomes_a_report(computed, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["margins.json"]
     write_report(tmp_path)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
-    assert "Set γ to" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Safe up to γ = " in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_margins_over_another_fit_are_refused(computed, small_fit, tmp_path):

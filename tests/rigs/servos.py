@@ -12,7 +12,7 @@ import pandas as pd
 
 from bayesfric.recording import Axis, Recording, RigConstants
 
-STEP_S = 1e-3
+STEP_S = 2e-4
 COUNT = 2 * np.pi / 4096
 G = 9.80665
 
@@ -24,7 +24,7 @@ class Servo:
     `stiffness` is the controller's gain [N·m/rad], `damping` all that goes with the speed: its
     own, viscous friction and back-EMF [N·m s/rad]. `gravity` is the weight of the arm times its
     length [N·m], at rest at `hangs` [rad]. A payload is held at `arm` [m]. `late_s` passes from a
-    command in the log to what is made of it.
+    command in the log to what is made of it. Friction differs along the path, by `uneven` rms.
     """
 
     stiffness: float = 18.0
@@ -39,6 +39,7 @@ class Servo:
     seconds: float = 30.0
     band_hz: float = 0.8
     amplitude: float = 0.7
+    uneven: float = 0.02
 
     def run(self, seed, payload_kg=0.0):
         """Return times, commands as they were held, and counted positions, (N,) each."""
@@ -54,13 +55,17 @@ class Servo:
         fine = (np.arange(times.size * steps) + 0.5) * step
         told = commands[np.clip(np.floor((fine - self.late_s) * self.rate_hz), 0, None).astype(int)]
         place, speed = float(commands[0]), 0.0
-        rubbed, read = step * self.coulomb / inertia, np.empty(times.size)
+        rub, read = step * self.coulomb / inertia, np.empty(times.size)
+        waves = rng.uniform((6, 0.2, 0), (50, 1, 2 * np.pi), (5, 3)).tolist()
+        high = self.uneven * math.sqrt(2 / sum(size**2 for _, size, _ in waves))
         kept = 1 / (1 + step * self.damping / inertia)
         told = told.reshape(times.size, steps).tolist()
         for sample, of_sample in enumerate(told):
             read[sample] = place
             for goal in of_sample:
                 force = self.stiffness * (goal - place) - weight * math.sin(place - self.hangs)
+                uneven = sum(size * math.sin(rate * place + start) for rate, size, start in waves)
+                rubbed = rub * (1 + high * uneven)
                 pushed = speed + step * force / inertia
                 if abs(pushed) <= rubbed:
                     speed = 0.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from bayesfric.rigs.shared_deviation import NestedDeviations, indicator
+from bayesfric.observation.shared_deviation import NestedDeviations, indicator
 
 GROUP = np.array([0, 0, 1, 1, 1, 2, 3, 3, 3])
 SETUP = np.array([0, 0, 1, 1])

@@ -275,6 +275,7 @@ def test_late_commands_are_called_late_and_nothing_viscous(tmp_path):
     assert number.q50 == pytest.approx(0.010, rel=0.15)
 
 
+@pytest.mark.nightly
 def test_viscous_friction_is_named_with_its_size(tmp_path):
     recording = recorded(tmp_path, seed=6, viscous=0.8, wander=0.02, one_path=True)
     found = bf.diagnose(recording, baseline="coulomb").summary

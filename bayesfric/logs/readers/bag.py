@@ -29,7 +29,7 @@ def read_bag(path: Path) -> Log:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
-        expected = "an installation that reads bags: pip install 'bayesfric[logs]'"
+        expected = 'an installation that reads bags: pip install ".[logs]" in a clone'
         raise InputError([Fault(str(path), expected)]) from error
     tables: dict[str, list[Row]] = {}
     unstamped: set[str] = set()

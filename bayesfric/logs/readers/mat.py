@@ -107,7 +107,7 @@ def _of_version_7(path: Path) -> dict[str, Any]:
     try:
         import h5py
     except ImportError as error:
-        expected = "an installation that reads MAT 7.3: pip install 'bayesfric[logs]'"
+        expected = 'an installation that reads MAT 7.3: pip install ".[logs]" in a clone'
         raise InputError([Fault(path.name, expected)]) from error
     arrays: dict[str, Any] = {}
     with h5py.File(path, "r") as file:

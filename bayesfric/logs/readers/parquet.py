@@ -31,7 +31,7 @@ def read(path: Path, wanted: Collection[str | int] | None = None) -> Log:
         import pyarrow as pa
         import pyarrow.parquet as pq
     except ImportError as error:
-        expected = "an installation that reads parquet: pip install 'bayesfric[logs]'"
+        expected = 'an installation that reads parquet: pip install ".[logs]" in a clone'
         raise InputError([Fault(path.name, expected)]) from error
     columns: dict[str, Cells] = {}
     described = _described(path)

@@ -42,15 +42,15 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     missed = [target.name for target in card.targets if target.met is False]
     kept = sum(target.met is True for target in card.targets)
     judged = kept + len(missed)
-    said = f"{_of(card.accuracy)} verdicts are correct; of {judged} promises that these cases can "
-    said += f"judge, {kept} {'is' if kept == 1 else 'are'} kept"
-    which = f"; missed: {'; '.join(missed)}" if missed else ""
+    said = f"{_of(card.accuracy)} verdicts are correct. {kept} of {judged} promises that these "
+    said += "cases can judge are kept"
+    which = f". Missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
     proof = " The effects were tuned on these seeds: the rates prove nothing." if tuning else ""
     return Notice(
         "attention" if missed else "info" if tuning else "good",
         [f"{said}{which}.{proof} See ", Reference("blind"), "."],
-        title="Data whose effect is withheld",
+        title="Blind test",
     )
 
 
@@ -59,16 +59,21 @@ def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
     yield Heading(1, "Blind test of the diagnosis", label="blind")
     yield Paragraph(
         [
-            f"{len(card.cases)} of {card.planned} cases are done. In each, something is withheld "
-            "from the diagnosis, or nothing; the truth is sealed in a file whose SHA-256 is "
-            "written down before the verdict is computed, and opened after it is written. ",
+            f"{len(card.cases)} of {card.planned} cases are done. In each a recording is made with "
+            "an effect, or with none, and the diagnosis is not told which. The truth is sealed: "
+            "its SHA-256 is written down before the diagnosis begins, and the file is opened once "
+            "the verdict is written. ",
             SOURCES[card.hypotheses],
-            f" Recordings are by: {card.engine}, protocol: {card.design}. ",
+            f" The simulator is {card.engine}, the protocol {card.design}. ",
             *_seeds(card),
-            "A case whose gap without noise, after the baseline is refitted, is below "
-            f"{format_share(card.practical_share)} of rms friction counts as none. An effect "
-            "counts as named where the causes are exactly those withheld, or of a class that the "
-            "diagnosis itself reports as identical on this rig.",
+            "A case counts as empty where its gap, without noise and once the law is refitted, is "
+            f"below {format_share(card.practical_share)} of rms friction. An effect counts as "
+            "named where the verdict names exactly what was withheld, or effects that the "
+            "diagnosis reports as identical to it on this rig. ",
+            Strong("Own form"),
+            ": the effect follows the formula that the diagnosis has for it. ",
+            Strong("Foreign form"),
+            ": another formula of the same effect.",
         ]
     )
     yield _promises(card)
@@ -191,7 +196,7 @@ def _rates(card: ScorecardFile) -> Table:
 def _true_by_verdict(card: ScorecardFile) -> Table:
     """Return how often each kind of verdict comes true, beside its probability."""
     return Table(
-        "How often what a verdict states is so, beside the probability that it gives.",
+        "How often a verdict was right, beside the probability that it gave itself.",
         ["verdict", *right_columns("cases", "said", "came true", "expected")],
         [
             [
@@ -204,8 +209,8 @@ def _true_by_verdict(card: ScorecardFile) -> Table:
             for verdict, stated in card.reliability_by_verdict.items()
         ],
         label="verdicts",
-        note="Said: the mean probability. Expected: the 95 % interval of the share that comes true "
-        "where the probabilities are right; outside of it they are too sure or not sure enough.",
+        note="Said: the mean probability. Expected: where the share should lie, 95 %, if the "
+        "probabilities are right. Below it verdicts are too sure, above it not sure enough.",
     )
 
 
@@ -233,13 +238,15 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
         )
         return
     detected = [
-        f"{name} from {_strength(tries.value)} ({_strength(tries.low)} to {_strength(tries.high)})"
+        f"{name} {_strength(tries.value)} ({_tried(tries.low, tries.high)})"
         for name, tries in by_effect.items()
         if tries.value is not None
     ]
     yield Paragraph(
-        f"{len(detected)} of {len(by_effect)} effects are named in 80 % of the cases at some "
-        f"strength that was tried (95 % interval): {', '.join(detected) or 'none'}."
+        "The weakest strength, of those tried, at which an effect is named in 80\u202f% of its "
+        f"cases (95 % interval): {', '.join(detected) or 'none'}. "
+        f"{len(by_effect) - len(detected)} of {len(by_effect)} effects reach 80\u202f% at no "
+        "strength."
     )
     yield Figure(
         svg_of(named_by_strength, by_effect),
@@ -312,6 +319,12 @@ def _estimate(estimate: Estimate) -> str:
         return MISSING
     low, high = format_fixed(estimate.low, 3), format_fixed(estimate.high, 3)
     return f"{format_fixed(estimate.value, 3)} [{low}, {high}]"
+
+
+def _tried(low: float | None, high: float | None) -> str:
+    """Return an interval of strengths; one without an upper end lies beyond all that were tried."""
+    above = "above all tried" if high is None else f"{high:g}"
+    return f"{_strength(low)} to {above}"
 
 
 def _strength(value: float | None) -> str:

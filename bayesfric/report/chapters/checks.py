@@ -1,11 +1,13 @@
 """Whether the fit predicts its own data: residuals by trial, and coverage."""
 
 from collections.abc import Iterator
+from functools import partial
 
-from bayesfric.plots.residuals import residuals_by_order
+from bayesfric.plots.residuals import residual_charts, residuals_by_order
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.left_out import left_out
+from bayesfric.report.chapters.plain_law import force_unit
 from bayesfric.report.content import (
     Block,
     Column,
@@ -60,6 +62,7 @@ def checks(stored: StoredFit) -> Iterator[Block]:
         "band of the 90 percent interval; dotted lines above and below mark outliers.",
         label="residuals",
         floats=True,
+        charts=partial(residual_charts, stored.predictive, force_unit(stored.fit)),
     )
     yield from left_out(stored)
 
@@ -84,8 +87,8 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         ["", *right_columns("number", "inside", "if made again"), "as expected"],
         rows,
         label="coverage",
-        note="If made again: the share, 5 % to 95 %, that the fit expects of another recording of "
-        "the same design. It is wide since trials that share a scatter move together.",
+        note="If made again: the share that the fit expects of another recording of the same "
+        "design, 90 % interval. It is wide, since trials that share a scatter move together.",
     )
 
 

@@ -6,8 +6,9 @@ of the HTML page.
 """
 
 from collections.abc import Iterator
+from functools import partial
 
-from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
+from bayesfric.plots.diagnosis import RARE, axis_charts, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.labels import axis_words, sizes_of
 from bayesfric.plots.style import svg_of
@@ -22,6 +23,7 @@ from bayesfric.report.chapters.diagnosis_details import (
 )
 from bayesfric.report.chapters.entering import replays
 from bayesfric.report.chapters.joints import joints
+from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import (
     Block,
     Code,
@@ -47,6 +49,8 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
+ALL_BUT = 0.999  # a share is never printed as all of it
+WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 
 
@@ -79,16 +83,14 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
         if "probability" not in record.sentence:  # one number is told once
             title += f" (probability {format_probability(record.verdict_probability)})"
         yield Notice(box(record), record.sentence, title=title)
-    for line in record.attention:
-        yield Notice("attention", line)
     if record.joints:
         yield from joints(record)
     yield _at_a_glance(record)
     yield from replays(stored)
     yield Heading(2, "How large it is")
-    yield gap_words(record)
-    yield _how_far(stored)
+    yield gap_words()
     yield gap_table(record)
+    yield _how_far(stored)
     yield Heading(2, "Which effect")
     yield _which(record)
     yield from causes(record.causes)
@@ -99,7 +101,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
             yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
         yield _where(stored)
     else:
-        yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
+        yield Paragraph("There is no gap, so that no axis explains one.")
     yield from remainder(record)
     yield from asked(record.target)
     yield Heading(2, "What to measure next")
@@ -109,8 +111,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
 def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
-    large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; less "
-    large += f"than {format_share(record.practical_share)} of that counts as no gap"
+    large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and less "
+    large += f"than {format_share(record.practical_share)} of that is no gap"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [
@@ -213,6 +215,8 @@ def _where(stored: StoredDiagnosis) -> Figure:
         + (f"; {blind} did not vary." if blind else "."),
         label="where",
         floats=True,
+        charts=partial(axis_charts, axes, residuals, record.gap.unit) if shapes else None,
+        beside=True,
     )
 
 
@@ -258,12 +262,12 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             " ",
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),
-            "Bars are rms on conditions that the fit has not seen, but for the systematic gap, "
-            "which is the posterior's; lines are 90 % intervals; dashed is the practical share."
+            "Bars: rms on conditions that the fit has not seen, and the posterior of the "
+            "systematic gap. Lines: 90 % intervals. Dashed: the practical share."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
-                if gap.trajectory is not None
+                if gap.trajectory is not None or own_law(record.rigs)
                 else f" No figure in millimetres: {gap.trajectory_why}."
             ),
         ],
@@ -284,9 +288,9 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
 def _tuning(gap: Gap) -> list[str]:
     """Return what recalibration alone does; never mixed with what the effect does."""
     if gap.as_shipped is None:
-        return [f"As shipped: none ({gap.as_shipped_why}). "]
+        return [f"No figure for values as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
-    return [f"Recalibration alone: {shipped} to {before}. "]
+    return [f"Recalibration alone takes the gap from {shipped} to {before}. "]
 
 
 def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
@@ -295,7 +299,7 @@ def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
     if gap.shrink_of_model is None:
         return [f"Shrink by an effect: none ({gap.shrink_of_model_why}). "]
     taken = _percent(gap.shrink_of_model)
-    said = [f"Adding what is named takes {taken} of the squared systematic gap away"]
+    said = [f"Adding what is named removes {taken} of the systematic gap (mean square)"]
     if gap.shrink is not None:
         part = "all" if gap.shrink.q50 >= 1 else _percent(gap.shrink)
         said.append(f", and {part} of what new {groups} show above the floor")
@@ -322,10 +326,13 @@ def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
 
 
 def _percent(number: Interval) -> str:
-    """Write a share as the verdict's own sentence does, to a tenth of a per cent."""
+    """Write a share as the verdict's own sentence does, a wide one to whole per cent."""
+    decimals = 0 if number.q95 - number.q05 >= WIDE else 1
     middle, low, high = (
-        format_fixed(100 * quantile, 1) for quantile in (number.q50, number.q05, number.q95)
+        format_fixed(100 * quantile, decimals) for quantile in (number.q50, number.q05, number.q95)
     )
+    if number.q05 >= ALL_BUT:
+        return f"more than {100 * ALL_BUT:.1f}\u202f%"
     return f"{middle} [{low}, {high}]\u202f%"
 
 

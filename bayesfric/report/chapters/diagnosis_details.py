@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from bayesfric.plots.labels import axis_words
+from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -265,17 +266,13 @@ def share_words(share: Interval | None) -> str:
     return f"{middle} [{low},\u00a0{high}]"
 
 
-def gap_words(diagnosis: DiagnosisFile) -> Paragraph:
-    """Return where every figure of the gap stands, and what contradicts the model."""
-    disagreement = diagnosis.gap.floor_disagreement
+def gap_words() -> Paragraph:
+    """Return where every figure of the gap stands."""
     return Paragraph(
         [
             Reference("gap"),
-            " has every figure on data that the fit has not seen; every parameter is refitted "
-            "both before and after.",
-            ""
-            if disagreement is None
-            else f" Held-out data and the model do not agree: {disagreement}.",
+            " has the gap on data that the fit has not seen. All parameters are fitted anew, "
+            "without and with the causes.",
         ]
     )
 
@@ -307,12 +304,12 @@ def gap_table(diagnosis: DiagnosisFile) -> Table:
         note=[
             "Medians. ",
             "Shrink: (before² − after²) / (before² − floor²). " if diagnosis.causes else "",
-            *_reasons(gap, rows),
+            *_reasons(gap, rows, boards=not own_law(diagnosis.rigs)),
         ],
     ).filled()
 
 
-def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]]) -> list[str]:
+def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]], *, boards: bool) -> list[str]:
     """Return why figures are missing, each reason once; with its rows, where not all lack it.
 
     Reasons that differ in one number are one reason, with the range of the number.
@@ -332,7 +329,9 @@ def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]]) -> list[st
             why = pattern.replace("#", f"{min(numbers, key=float)} to {max(numbers, key=float)}")
         names = [name for name, _ in reasons_of_rows]
         lines.append(f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). ")
-    return lines + ([f"No trajectory: {gap.trajectory_why}. "] if gap.trajectory is None else [])
+    if gap.trajectory is None and boards:
+        lines.append(f"No trajectory: {gap.trajectory_why}. ")
+    return lines
 
 
 def _examined(diagnosis: DiagnosisFile) -> Table:

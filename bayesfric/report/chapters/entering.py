@@ -1,13 +1,17 @@
 """What to enter in a simulator of a joint: a table, and what must be known of it."""
 
+import re
 from collections.abc import Iterator
 
-from bayesfric.export.entered import COLUMNS, entered_remarks, entered_rows
+from bayesfric.export.entered import CALLED, COLUMNS, entered_remarks, entered_rows
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Block, BulletList, Figure, Paragraph, Table
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
+
+ISAAC = "ActuatorBaseCfg."  # stands in the head of a column, which has no room for it in cells
+ISAAC_HEAD = f"{CALLED['isaaclab']}, {ISAAC.rstrip('.')}"
 
 
 def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
@@ -15,13 +19,14 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
     for place, joint in enumerate(diagnosis.joints or (diagnosis,), start=1):
         if not joint.enter:
             continue
-        of = "" if joint.joint is None else f" of the joint {joint.joint}"
-        after = "with the causes" if joint.causes else "of the law"
+        of = "" if joint.joint is None else f" for the joint {joint.joint}"
+        after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
+        if joint.verdict in ("unknown", "unseparated"):
+            after += " They may be biased, since the law misses a force that has no cause yet."
         yield Table(
-            f"What to enter in a simulator{of}: numbers of a refit {after}, with as many digits as "
-            "their errors leave; diagnosis.json has the fields of further simulators.",
-            COLUMNS,
-            entered_rows(joint.enter),
+            f"Enter these numbers in your simulator{of}.{after}",
+            [ISAAC_HEAD if title == CALLED["isaaclab"] else title for title in COLUMNS],
+            [list(map(_shown, row)) for row in entered_rows(joint.enter)],
             label="enter" if not diagnosis.joints else f"enter-{place}",
         )
         remarks = list(entered_remarks(joint.enter))
@@ -29,6 +34,15 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             yield BulletList(remarks)
         if joint.replay is not None:
             yield Paragraph(joint.replay.sentence)
+
+
+def _shown(cell: str) -> str:
+    """Return a cell as it is printed: a true minus, and no prefix that the head has."""
+    return re.sub(r"-(?=\d)", "−", cell.removeprefix(ISAAC))
+
+
+def _listed(joint: DiagnosisFile) -> str:
+    return " and ".join(cause.effect for cause in joint.causes)
 
 
 def replays(stored: StoredDiagnosis) -> Iterator[Block]:

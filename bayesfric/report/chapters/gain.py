@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from bayesfric.margins.terms import chance_of_missing
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
@@ -12,7 +13,8 @@ from bayesfric.plots.margins import (
 )
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Block, Figure, Notice, Reference, from_file
-from bayesfric.report.quantities import format_interval, format_number, format_share
+from bayesfric.report.quantities import format_interval, format_share
+from bayesfric.report.words import sentences
 from bayesfric.schemas import LoopMargins, MarginsFile
 
 SHOWN_UNITS = {
@@ -22,6 +24,10 @@ SHOWN_UNITS = {
     "rad": ("rad", 1.0),
     "deg": ("°", 1.0),
 }
+HUNTS = "limit_cycle_probability"
+NOW = "At the γ = "  # how the sentence of an answer begins that says what happens at the file's γ
+LITTLE = 0.01  # of a variance
+LAW = "c1, c2, c3"  # the group of a variance that the friction law is
 WORDS = {
     "friction_nominal": "friction, eq. (15)",
     "friction_recursive": "friction, pulley by pulley",
@@ -63,9 +69,8 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         yield Notice(
             _kind(loop),
             [
-                *_missed(loop),
-                _gain(loop),
-                " What decides, and what was not examined: ",
+                " ".join([*_gain(loop), *_missed(loop), *_decided(loop)]),
+                " What was not examined: ",
                 Reference("margins"),
                 ".",
             ],
@@ -76,17 +81,18 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
 
 
 def _verdict(loop: LoopMargins) -> str:
-    """Return whether a loop meets its spec, in a few words."""
-    if not loop.missed_specs:
-        return "meets its spec"
-    names = [name.partition(" ")[0] for name in loop.missed_specs]
-    return (
-        f"misses its spec in {', '.join(WORDS.get(name, name.replace('_', ' ')) for name in names)}"
-    )
+    """Return whether a loop is safe at the gain of its file and meets its spec, in a few words."""
+    missed = loop.missed_specs or ()
+    further = [name for name in missed if name != HUNTS]
+    at = "" if loop.compensation_signal == "none" else f" at γ = {loop.compensation_gain:.3g}"
+    if HUNTS in missed:
+        return f"not safe{at}"
+    return f"safe{at}, misses its spec" if further else f"safe{at}, meets its spec"
 
 
 def _missed(loop: LoopMargins) -> Iterator[str]:
-    """Yield each metric that misses its spec, with its 90 % interval and the spec."""
+    """Yield each metric that misses its spec: its 90 % interval, the spec, and how probably."""
+    said = []
     for metric in loop.metrics:
         name = " ".join(filter(None, (metric.name, metric.direction)))
         if name not in (loop.missed_specs or ()) or metric.interval is None or metric.spec is None:
@@ -100,22 +106,39 @@ def _missed(loop: LoopMargins) -> Iterator[str]:
             scale * interval.q50, scale * interval.q05, scale * interval.q95, unit
         )
         asked = f"{metric.sense} {scale * metric.spec:g}\N{NARROW NO-BREAK SPACE}{unit}".rstrip()
-        yield f"{words[:1].upper()}{words[1:]}: {measured}, {asked} is asked for. "
+        chance = chance_of_missing(metric)
+        missed = "" if chance is None else f", missed with probability {chance}"
+        said.append(f"{words} {measured} ({asked} is asked for{missed})")
+    if said:
+        yield f"Misses its spec: {'; '.join(said)}."
 
 
-def _gain(loop: LoopMargins) -> str:
-    """Return which compensation gain to set, in a sentence."""
+def _gain(loop: LoopMargins) -> Iterator[str]:
+    """Yield whether the loop hunts at the gain of its file, and up to which gain it is safe."""
     gamma, most = loop.largest_safe_compensation_gain, loop.limit_cycle_probability_max
-    allowed = f"a probability of {format_share(most)} or less"
+    yield from (said for said in sentences(loop.answer) if said.startswith(NOW))
     if loop.compensation_signal == "none":
-        return "It has no friction compensation whose gain could be set."
-    if gamma is None:
-        return f"No gain γ is safe: {loop.largest_safe_compensation_gain_why}."
-    now = f"the file has {format_number(loop.compensation_gain, 3)}"
-    down = np.floor(100 * gamma) / 100
-    if gamma >= loop.limit_cycle_probability[-1].gamma:
-        return f"Up to γ = {down:g} it hunts with {allowed}; {now}."
-    return f"Set γ to {down:.2f} at most ({now}): up to there it hunts with {allowed}."
+        yield "It has no friction compensation whose gain could be set."
+    elif gamma is None:
+        yield f"No gain γ is safe: {loop.largest_safe_compensation_gain_why}."
+    else:
+        down = np.floor(100 * gamma) / 100
+        all_of_them = gamma >= loop.limit_cycle_probability[-1].gamma
+        up_to = f"{down:g}" if all_of_them else f"{down:.2f}"
+        yield f"Safe up to γ = {up_to}: hunts with probability {100 * most:g}\u202f% at most."
+
+
+def _decided(loop: LoopMargins) -> Iterator[str]:
+    """Yield how much of the variance of friction c1 to c3 decide, and what decides most."""
+    shares = loop.variance_share.get("gamma_necessary") or loop.variance_share.get(
+        "steady_error_servo", {}
+    )
+    if LAW not in shares:
+        return
+    first = max(shares, key=lambda name: shares[name])
+    law = "under 1 %" if shares[LAW] < LITTLE else format_share(shares[LAW])
+    said = f"Of the variance of friction c1, c2 and c3 decide {law}"
+    yield said + ("." if first == LAW else f", {first} {format_share(shares[first])}.")
 
 
 def gain_figures(margins: MarginsFile) -> Iterator[Block]:
@@ -161,7 +184,7 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
             "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "
             "upright line the largest γ within it.",
         ),
-        "A rising line from zero to one for each loop over the compensation gain from zero to "
-        "three.",
+        "A line for each loop over the compensation gain, which rises where the loop begins to "
+        "hunt.",
         label="limit-cycle",
     )

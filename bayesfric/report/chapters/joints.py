@@ -4,8 +4,10 @@ from collections.abc import Iterator
 
 from bayesfric.report.content import Block, Code, Heading, Paragraph, Table
 from bayesfric.report.diagnosed import VERDICTS
-from bayesfric.report.quantities import format_number
+from bayesfric.report.quantities import THIN, error_cells, format_number, format_unit
 from bayesfric.schemas import DiagnosisFile, Interval
+
+NEGLIGIBLE = 1e-6  # of an error: what a file has instead of 0, since it was turned into other axes
 
 
 def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
@@ -29,31 +31,41 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
     )
     if diagnosis.model_error:
         yield Table(
-            "Numbers of the machine's model of which the data tell something: what they are in "
-            "truth, less what the model has.",
-            ["link", "number", "model has", "error", "off"],
+            "How far masses and inertias of your robot's model are off, as far as these data tell.",
+            ["link", "number", "your model", "add to it", "clearly off"],
             [
                 [
                     error.link,
                     error.number,
-                    format_number(error.in_your_model, unit=error.unit),
+                    _of_model(error.in_your_model, error.error, error.unit),
                     _with_error(error.error, error.unit),
-                    "yes" if error.significant else "not surely",
+                    "yes" if error.significant else "no",
                 ]
                 for error in diagnosis.model_error
             ],
             label="model-error",
+            note="Mean ± standard deviation. Clearly off: by more than is usual of a model.",
         )
     yield Paragraph(
         [
-            "All that follows is of the joint ",
+            "The rest of this chapter is of the joint ",
             Code(str(diagnosis.joint)),
-            ", whose verdict is the machine's; ",
+            ". That of the others is under ",
             Code("joints"),
-            ", diagnosis.json, has all the others.",
+            " in ",
+            Code("diagnosis.json"),
+            ".",
         ]
     )
 
 
 def _with_error(number: Interval, unit: str) -> str:
-    return f"{number.mean:.4g} ± {number.sd:.2g} {unit}"
+    mean, error = error_cells(number.mean, number.sd)
+    return f"{mean} ± {error}{THIN}{format_unit(unit)}"
+
+
+def _of_model(value: float, error: Interval, unit: str) -> str:
+    """Return a number of the model; one that is nothing beside its error is 0."""
+    if abs(value) < NEGLIGIBLE * error.sd:
+        value = 0.0
+    return format_number(value, unit=unit)

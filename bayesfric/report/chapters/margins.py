@@ -11,7 +11,7 @@ from bayesfric.margins.terms import (
 )
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.gain import SHOWN_UNITS, WORDS, gain_figures
+from bayesfric.report.chapters.gain import LAW, SHOWN_UNITS, WORDS, gain_figures
 from bayesfric.report.chapters.margins_figures import over_frequency, over_speed
 from bayesfric.report.content import (
     Block,
@@ -41,7 +41,6 @@ from bayesfric.report.words import sentences
 from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
-LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
 
@@ -128,7 +127,7 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the joint follows references that move."""
     following = loop.following
     if following is None:
-        yield Paragraph(f"Errors on references that move: {loop.following_why}.")
+        yield Paragraph(f"No errors on references that move: {loop.following_why}.")
         return
     yield Paragraph(following.answer)
     yield BulletList(
@@ -316,7 +315,10 @@ def _verification(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the figures hold where motor and joint are on an elastic cable."""
     verified = loop.verification
     if verified is None:
-        yield Paragraph(f"Against motor and joint on an elastic cable: {loop.verification_why}.")
+        yield Paragraph(
+            "Not compared with a simulation of motor and joint on an elastic cable: "
+            f"{loop.verification_why}."
+        )
         return
     yield Table(
         [

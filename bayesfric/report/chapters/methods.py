@@ -1,6 +1,7 @@
 """The model in a page."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
@@ -17,7 +18,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
-from bayesfric.report.rig_words import group_words
+from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredResults
 from bayesfric.rules import rules_of
 from bayesfric.schemas import DiagnosisFile, FitFile
@@ -36,11 +37,15 @@ def methods(stored: StoredResults) -> Iterator[Block]:
 
 def thresholds(stored: StoredResults) -> Iterator[Block]:
     """Yield the thresholds of each engine that made these results, a table each."""
-    engines = {
+    engines: dict[str, Any] = {
         "draws, weights and evidences": SAMPLING_RULES if stored.fitted is not None else None,
         "the diagnosis": RULES if stored.diagnosis is not None else None,
         "margins": MARGIN_RULES if stored.margins is not None else None,
     }
+    rigs = [*(stored.fitted.fit.rigs if stored.fitted is not None else ())]
+    rigs += stored.diagnosis.record.rigs if stored.diagnosis is not None else ()
+    for words in map(rig_words, dict.fromkeys(rigs)):
+        engines[f"how a log of a {words.rig} is read"] = words.thresholds
     if any(engines.values()):
         yield Heading(2, "Thresholds of the method")
     for engine, rules in engines.items():

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -9,7 +10,7 @@ import xarray as xr
 from bayesfric.attention import attention_of_all
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
-from bayesfric.plots.posterior import coefficients_relative_to_paper
+from bayesfric.plots.posterior import coefficients_relative_to_paper, ratio_charts
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.blind import scorecard_line
@@ -23,17 +24,24 @@ from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
-from bayesfric.report.chapters.to_use import biased, numbers_to_use
+from bayesfric.report.chapters.to_use import (
+    biased,
+    coefficient_heads,
+    fitted_numbers,
+    numbers_to_use,
+)
 from bayesfric.report.content import (
     Block,
     BulletList,
     Code,
+    Column,
     Figure,
     Inline,
     Notice,
     Paragraph,
     Strong,
     Table,
+    Text,
 )
 from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
 from bayesfric.report.rig_words import counted
@@ -54,13 +62,14 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from convergence(fitted.fit)
     if diagnosed is not None:
         yield verdict_line(diagnosed.record)
-        yield from numbers_to_use(diagnosed.record)
+        alone = fitted is None and stored.pooled is None
+        yield from numbers_to_use(diagnosed.record, alone=alone)
         yield from numbers_to_enter(diagnosed.record)
     if fitted is not None:
-        if diagnosed is not None:
-            yield from biased(diagnosed.record)
+        warned = [] if diagnosed is None else list(biased(diagnosed.record))
+        yield from warned
         yield from in_a_sentence(fitted.fit)
-        yield from expected(fitted)
+        yield from expected(fitted, coefficients=not warned)
         yield from coefficients_figure(fitted)
     pooled = stored.pooled
     if pooled is not None and pooled.pooled is not None:
@@ -120,22 +129,48 @@ def convergence(fit: FitFile) -> Iterator[Notice]:
         )
 
 
-def expected(stored: StoredFit) -> Iterator[Block]:
-    """Yield friction of a run of the recording's own conditions, one a pulley size."""
-    unit = force_unit(stored.fit)
-    rows = [row for rig in rig_tables(stored.predictive)[:1] for row in _conditions(rig, unit)]
-    if rows:
-        yield Table(
-            "What friction to expect of a run, at the recording's own conditions.",
-            ["condition", "friction", "on a new assembly"],
-            rows,
-            label="expected",
-            note="The friction law at the most frequent condition and its middle tension, "
-            "± half of the 90 % interval. On a new assembly: nine runs in ten, scatter included.",
-        )
+def expected(stored: StoredFit, *, coefficients: bool) -> Iterator[Block]:
+    """Yield the coefficients of each pulley size, and friction of a run of usual conditions.
+
+    Parameters
+    ----------
+    stored : StoredFit
+        Whose numbers they are.
+    coefficients : bool
+        Whether they may be used: a law that misses what acts has biased ones.
+    """
+    fit = stored.fit
+    unit = force_unit(fit)
+    runs = dict(
+        pair for rig in rig_tables(stored.predictive)[:1] for pair in _conditions(rig, unit)
+    )
+    numbers = fitted_numbers(fit) if coefficients else {}
+    sizes = ordered_sizes([*runs, *numbers])
+    if not sizes:
+        return
+    of_size: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
+    of_run: list[Column | str] = ["condition", "friction", "on a new assembly"]
+    no_numbers, no_run = [""] * (len(of_size) - 1), [""] * len(of_run)
+    yield Table(
+        "Use these coefficients; friction to expect of a run."
+        if numbers
+        else "What friction to expect of a run, at the recording's own conditions.",
+        [*of_size, *of_run],
+        [
+            [
+                *([size, *numbers.get(size, no_numbers)] if numbers else []),
+                *runs.get(size, no_run),
+            ]
+            for size in sizes
+        ],
+        label="expected",
+        note=("Coefficients: mean ± half of the 90 % interval. " if numbers else "")
+        + "Friction: of the law at the most frequent condition and its middle tension, ± half of "
+        "the 90 % interval. On a new assembly: nine runs in ten, scatter included.",
+    ).filled()
 
 
-def _conditions(rig: RigTable, unit: str) -> Iterator[list[Inline]]:
+def _conditions(rig: RigTable, unit: str) -> Iterator[tuple[str, list[Text]]]:
     """Yield, of each size, the measured trial in the middle of its most frequent condition."""
     if not {*CONDITION, "tension_n", "law_n", "predicted_n"} <= set(rig.table.data_vars):
         return
@@ -148,11 +183,14 @@ def _conditions(rig: RigTable, unit: str) -> Iterator[list[Inline]]:
         middle = np.quantile(tension[at_usual], 0.5, method="nearest")
         row = rig.table.isel({rig.id: int(np.flatnonzero(at_usual & (tension == middle))[0])})
         _, n, angle = usual
-        yield [
-            _condition(int(n), size, angle, float(middle), unit),
-            Strong(f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}"),
-            f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}",
-        ]
+        yield (
+            size,
+            [
+                _condition(int(n), size, angle, float(middle), unit),
+                Strong(f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}"),
+                f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}",
+            ],
+        )
 
 
 def _condition(n: int, size: str, angle: float, tension: float, unit: str) -> str:
@@ -185,6 +223,7 @@ def coefficients_figure(stored: StoredFit) -> Iterator[Figure]:
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",
         label="relative",
+        charts=partial(ratio_charts, stored.predictive, _uninformed(stored.fit)),
     )
 
 

@@ -10,7 +10,12 @@ from bayesfric.report.content import (
     Table,
     decimal_columns,
 )
-from bayesfric.report.quantities import error_cells, format_number, interval_cells
+from bayesfric.report.quantities import (
+    error_cells,
+    format_number,
+    format_unit,
+    interval_cells,
+)
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import FitFile, ParameterSummary
 
@@ -42,7 +47,7 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
     for name, entry in plain_coefficients(fit).items():
         by_prior = "" if entry.informed else " (by its prior alone)"
         number = " ± ".join(error_cells(entry.mean, (entry.q95 - entry.q05) / 2))
-        said = f"{number}\u202f{entry.unit}{by_prior}"
+        said = f"{number}\u202f{format_unit(entry.unit)}".rstrip() + by_prior
         called = _called(name)
         begun = ", " if parts else ""
         parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]

@@ -64,7 +64,7 @@ def _made(
             [seed, Code(str(record.seed))],
             *more,
             ["analysis, SHA-256", Code(record.analysis_sha256)],
-            ["date", record.created or MISSING],
+            *([["date", record.created]] if record.created else []),
             ["versions", ", ".join(f"{name} {text}" for name, text in record.versions.items())],
         ],
         label=label,

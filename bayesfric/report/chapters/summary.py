@@ -69,9 +69,9 @@ def _of_pulleys(fit: FitFile) -> Table:
         ],
         rows,
         label="coefficients",
-        note="As the paper: its own estimator on the same trials, least squares slope by slope, "
-        "without an uncertainty. Inside: whether Table I lies in the 90 % interval; “prior” where "
-        "the recording does not inform the coefficient, so that its prior drives it.",
+        note="As the paper: the paper's own estimator on the same trials, least squares slope by "
+        "slope, which gives no uncertainty. Inside: whether Table I lies in the 90 % interval; "
+        "“prior” where the recording does not inform the coefficient, so that its prior drives it.",
     )
 
 
@@ -96,6 +96,7 @@ MEANINGS = {
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
     "sigma_a": "error of an acceleration without a standard error",
+    "sigma_friction": "noise of a measured friction",
     "sigma_current": "noise of a current without load",
     "load_noise": "noise of a current per load current",
     "row_error": "error of a window's force over what the sensors let expect",

@@ -8,8 +8,8 @@ from bayesfric.analysis import Prior, Priors
 from bayesfric.arrays import Array
 from bayesfric.inference.cosines import cosine_variances, log_variance_slopes
 from bayesfric.inference.priors import log_density
+from bayesfric.observation.linear import NoiseParameter, noise_parameter
 from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
-from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 
 WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES

@@ -12,6 +12,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.observation.coefficients import intercept_of
+from bayesfric.observation.linear import rank
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension, tension_feedback
 from bayesfric.physics.laws import FrictionLaw
@@ -19,7 +20,7 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
-from bayesfric.rigs.linear import pulley_radii, rank
+from bayesfric.rigs.pulley_radii import pulley_radii
 
 PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
 SPACING_M = 0.01  # where the rig does not say

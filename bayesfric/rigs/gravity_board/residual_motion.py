@@ -6,10 +6,10 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.inference.cosines import cosines
+from bayesfric.observation.linear import Run
+from bayesfric.observation.windows import Windows
 from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
 from bayesfric.rigs.gravity_board.rows import GravityRows
-from bayesfric.rigs.linear import Run
-from bayesfric.rigs.windows import Windows
 
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors

@@ -19,6 +19,7 @@ from bayesfric.effects import ActsOn, Effect, Law, Reading
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.smooths import Smooth
+from bayesfric.observation.linear import rms_of
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -31,7 +32,6 @@ from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
-from bayesfric.rigs.linear import rms_of
 
 PRETENDED = 8  # windows of a trial
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")

@@ -8,6 +8,8 @@ import numpy as np
 from bayesfric.analysis import Priors
 from bayesfric.effects import State
 from bayesfric.observation.coefficients import intercept_of
+from bayesfric.observation.linear import NoiseParameter, noise_parameter, rank
+from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import (
@@ -16,10 +18,9 @@ from bayesfric.physics.motor import (
     tension_feedback,
 )
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
 from bayesfric.rigs.motor_board.likelihood import idle_basis
 from bayesfric.rigs.motor_board.places import run_condition
-from bayesfric.rigs.points import LinearReadings
+from bayesfric.rigs.pulley_radii import pulley_radii
 
 SCATTER, ERROR = (1e-4, 1.0), (1e-5, 1.0)  # looked at
 

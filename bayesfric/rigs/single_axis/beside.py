@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bayesfric.arrays import Array, Flags
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
 LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
 MOST = 120  # directions
-ROWS_AN_AMOUNT = 4  # at the least
 NO_LESS = 0.02  # of the rms force, that is left at the least, in a rough estimate
 ROUNDS = 3  # of the size of what is left
 
@@ -110,7 +110,7 @@ def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
     left, size, right = np.linalg.svd(columns, full_matrices=False)
     rms = size / np.sqrt(len(columns))
     whole = float(np.sqrt(np.mean(force**2))) or 1.0
-    count = min(MOST, len(columns) // ROWS_AN_AMOUNT, int(np.sum(rms > LEAST * whole)))
+    count = min(MOST, len(columns) // AXIS_RULES.rows_a_number, int(np.sum(rms > LEAST * whole)))
     rest = float(np.sqrt(np.sum(rms[count:] ** 2))) / whole
     return left[:, :count] * size[:count], Mixing(right[:count], rest)
 

@@ -16,16 +16,14 @@ import pandas as pd
 import scipy
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import rough_shares
 from bayesfric.rigs.single_axis.readings import Readings
-from bayesfric.rigs.single_axis.rough import POWERS, PULLS, places_of, pull_basis
+from bayesfric.rigs.single_axis.rough import POWERS, places_of, pull_basis
 from bayesfric.rigs.single_axis.weak_form import node_weights
 
-ROWS_A_NUMBER = 6  # of a load, that its own pull is told by
 ROUNDS = 3  # of taking off what friction by the load may be
 BINS = 12  # of the path, in which it is looked whether the axis runs both ways
-BOTH = 0.5  # of the rows, that lie where it does
-ALIKE = 0.9  # correlation of work with the order of runs, from which on neither is told apart
 
 
 class Pull(NamedTuple):
@@ -108,7 +106,7 @@ def carried_by(
         key: np.flatnonzero(inside & np.array([other == key for other in keys])[readings.trial])
         for key in dict.fromkeys(keys)
     }
-    if min(rows.size for rows in rows_of.values()) < ROWS_A_NUMBER * (POWERS + 3):
+    if min(rows.size for rows in rows_of.values()) < AXIS_RULES.rows_a_load_number * (POWERS + 3):
         columns, rows_of = (), {(): np.flatnonzero(inside)}
     places = readings.position @ readings.weights
     law = _law(readings, places)
@@ -168,7 +166,7 @@ def _fitted(readings: Readings, places: Array, rows: Whole, others: Array) -> Pu
         pull[:, 0] = 0.0  # what is constant then is Coulomb friction
     both, left = _squares(law, force)
     pulled, less = _squares(np.column_stack([law, pull]), force)
-    if left - less >= PULLS * float(force @ force):
+    if left - less >= AXIS_RULES.pulled * float(force @ force):
         both = pulled
     elif model_force.any():
         pull = pull[:, :0]
@@ -204,7 +202,7 @@ def shows_both_ways(readings: Readings, loads: int) -> bool:
     cell = np.minimum((BINS * (places - places.min()) / span).astype(np.intp), BINS - 1)
     counts = np.stack([np.bincount(cell[readings.way == way], minlength=BINS) for way in (-1, 1)])
     both = (counts > 0).all(axis=0)
-    return loads > 1 or bool(counts[:, both].sum() > BOTH * readings.count)
+    return loads > 1 or bool(counts[:, both].sum() > AXIS_RULES.both_ways * readings.count)
 
 
 def warmth_of(readings: Readings, order: Array) -> Array | None:
@@ -228,7 +226,7 @@ def warmth_of(readings: Readings, order: Array) -> Array | None:
         warm[sequence] = np.cumsum(step)
         if np.ptp(order) == 0 or np.ptp(warm) == 0:
             return None
-        if abs(float(scipy.stats.spearmanr(warm, order)[0])) > ALIKE:
+        if abs(float(scipy.stats.spearmanr(warm, order)[0])) > AXIS_RULES.order_alike:
             return None
     spread = float(np.ptp(warm))
     return np.asarray((warm - warm.mean()) / spread) if spread > 0 else None

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.schemas import Interval, LawNumber
 
 MEASURED = frozenset({"motor", "link", "measured"})
@@ -12,8 +13,6 @@ MEASURED = frozenset({"motor", "link", "measured"})
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
 OF_GAIN = {"link": 0.02, "measured": 0.02}  # of a force sensor's scale
 OF_CONSTANT = 0.1  # of a torque constant, by which currents and commands are a force
-FAR = 4.0  # standard errors, beyond which what is declared is contradicted
-OWN = 0.95  # of what is declared: a number that is known no better is not told by the data
 
 
 def gain_sd(constants: RigConstants) -> float:
@@ -45,7 +44,7 @@ def contradicts(constants: RigConstants, mass: float) -> bool:
     sd = mass_sd_kg(constants)
     if constants.moving_mass_kg is None or sd is None:
         return False
-    return abs(mass - constants.moving_mass_kg) > FAR * sd
+    return abs(mass - constants.moving_mass_kg) > AXIS_RULES.contradicted * sd
 
 
 def doubts(
@@ -85,7 +84,7 @@ def _contradicted(
             continue
         value, error = by_data
         apart = abs(value - declared) / float(np.hypot(error, sd))
-        if apart > FAR:
+        if apart > AXIS_RULES.contradicted:
             yield (
                 f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
                 f"{sd:.2g} {unit}, and they say {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
@@ -96,7 +95,7 @@ def _contradicted(
 
 def _by_the_data(posterior: Interval, declared: float, sd: float) -> tuple[float, float] | None:
     """Return what the data alone say, the declared value taken off; None where that is nothing."""
-    if posterior.sd > OWN * sd:
+    if posterior.sd > AXIS_RULES.own_number * sd:
         return None
     precision = posterior.sd**-2 - sd**-2
     value = (posterior.mean * posterior.sd**-2 - declared * sd**-2) / precision

@@ -15,13 +15,11 @@ import numpy as np
 import scipy
 
 from bayesfric.arrays import Array, Flags
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, smooth_motion
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED, turns_back
 from bayesfric.rigs.single_axis.weak_form import test_function
 from bayesfric.rigs.single_axis.windows import half_samples, position_sd
-
-ANSWERS = 0.5  # correlation of quick forces with quick changes of the position, against them
-LEFT = 0.2  # of the windows that must stay, so that those that dither are left out
 
 
 class Dither(NamedTuple):
@@ -70,7 +68,7 @@ def steady(
         dithering += int(turns_back(dithers, test, centres[one_way]).sum())
     if not dithering:
         return tuple(logs), Dither()
-    enough = total - dithering >= LEFT * total
+    enough = total - dithering >= AXIS_RULES.kept_of_dither * total
     return tuple(marked if enough else logs), Dither(dithering, total, enough)
 
 
@@ -81,7 +79,7 @@ def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Ar
     quick, moved = _quick(log.force, half), _quick(np.diff(log.position, prepend=0.0), half)
     moved[: half + 1] = 0.0  # nothing is known from before the first sample
     size = float(np.linalg.norm(quick) * np.linalg.norm(moved))
-    if not mass > 0 or size == 0 or quick @ moved > -ANSWERS * size:
+    if not mass > 0 or size == 0 or quick @ moved > -AXIS_RULES.answers * size:
         return way, nothing
     kicked = _quick(np.cumsum(quick), half) * log.interval_s / mass
     within = 0.5 * np.abs(quick) * log.interval_s / mass  # from the middle of a step to its end

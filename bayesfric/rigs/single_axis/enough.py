@@ -5,20 +5,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.single_axis.even_log import LEAST_SAMPLES, EvenLog
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings
-from bayesfric.rigs.single_axis.run_rows import FEWEST
 from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_share
 
-ROWS = 8  # windows, twice the numbers of the law and its clocks: below that nothing is told
-AT_EASE = 4 * FEWEST  # samples in a pass: with fewer, few windows run one way all through
+# Samples in a pass: with fewer, few windows run one way all through.
+AT_EASE = 4 * AXIS_RULES.narrowest_at_turns
 STICKS = 0.5  # of rests after which the axis goes on the same way, that show that it sticks
 
 
 def too_short(samples: Sequence[int]) -> Unsupported:
     """Return why no run was taken: all have too few samples."""
     return Unsupported(
-        f"a run takes {LEAST_SAMPLES} samples, and the longest has {max(samples, default=0)}"
+        f"a run takes {AXIS_RULES.least_samples} samples, and the longest has "
+        f"{max(samples, default=0)}"
     )
 
 
@@ -70,9 +71,10 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
 def too_few_windows(readings: Readings | None) -> Unsupported | None:
     """Return why rows do not tell mass and friction; None where there are enough."""
     count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
-    if count >= ROWS:
+    if count >= AXIS_RULES.least_windows:
         return None
     return Unsupported(
-        f"{count} windows of {2 * FEWEST + 1} samples or more in which the axis runs one way, and "
-        f"it takes {ROWS}: record it for longer"
+        f"{count} windows of {2 * AXIS_RULES.narrowest_at_turns + 1} samples or more in which the "
+        "axis runs one way, and "
+        f"it takes {AXIS_RULES.least_windows}: record it for longer"
     )

@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from bayesfric.arrays import Flags, Whole
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import carried_by
 from bayesfric.rigs.single_axis.declared import MEASURED
 from bayesfric.rigs.single_axis.dither import Dither, steady
@@ -21,21 +23,23 @@ from bayesfric.rigs.single_axis.enough import (
 )
 from bayesfric.rigs.single_axis.even_log import EvenLog, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
-from bayesfric.rigs.single_axis.limit import within_limit
+from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
 from bayesfric.rigs.single_axis.rows import varied_columns
-from bayesfric.rigs.single_axis.servo import Servo, servo_of, with_open_stiffness
+from bayesfric.rigs.single_axis.servo import (
+    Servo,
+    servo_of,
+    with_open_delay,
+    with_open_stiffness,
+)
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.simulators import SimulatorCalls
 
 SIZE = "axis"  # in the place of a pulley size
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
-ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
-EARLY = 3.0  # times what two clocks may be off by, that a force may be early
-SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
 
 
 class Entering(NamedTuple):
@@ -56,6 +60,16 @@ class Entering(NamedTuple):
     spikes: float
 
 
+class _Logs(NamedTuple):
+    """Runs on an even grid: where their parts begin, their rows in the tables, and still ones."""
+
+    logs: Sequence[EvenLog]
+    starts: list[Whole]
+    rows: list[dict[str, Any]]
+    runs: list[Mapping[str, object]]
+    still: list[str]
+
+
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> Entering | Unsupported:
@@ -74,90 +88,43 @@ def entering(
     """
     servo = servo_of(axis, constants)
     constants = constants if servo is None else servo.constants
-    parts = max(1, -(-ENOUGH // len(axis.runs)))
-    recorded: list[EvenLog] = []
-    starts, rows, runs = [], [], list[Mapping[str, object]]()
-    by_run = dict(iter(axis.samples.groupby("run", sort=False)))
-    still = []
     machine = machine_of(axis, constants)
-    for _, run in axis.runs.iterrows():
-        log = log_of(by_run[run["run"]], constants)
-        if log is not None and simulator is None:
-            log = machine.around(log, run["run"])
-        if log is None:
-            still.append(str(run["run"]))
-            continue
-        recorded.append(log)
-        runs.append({str(name): value for name, value in run.items()})
-        starts.append(np.arange(parts) * (log.time_s.size // parts))
-        for part in range(parts):
-            name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
-            rows.append({**run.to_dict(), "trial": str(name)})
-    logs: Sequence[EvenLog] = recorded
-    if not logs:
-        return too_short([len(samples) for samples in by_run.values()])
-    resolution = constants.encoder_resolution
-    nothing = without_force(logs) or too_little_motion(logs, resolution)
-    if nothing is not None:
-        return nothing
+    recorded = _even_logs(axis, constants, machine if simulator is None else None)
+    if isinstance(recorded, Unsupported):
+        return recorded
+    logs, resolution = recorded.logs, constants.encoder_resolution
     interval = float(np.median([log.interval_s for log in logs]))
     late_s = 0.0
     if servo is None:  # what a servo is late by is in its log already
-        on_one_clock, late_s = on_time(logs, resolution, EARLY * margin_s(interval))
+        on_one_clock, late_s = on_time(logs, resolution, AXIS_RULES.early * margin_s(interval))
         logs = list(on_one_clock)
-    clips = constants.force_is not in MEASURED
-    limited = within_limit(logs, starts, resolution, clips=clips, declared=constants.force_limit_n)
-    dither = Dither()
-    if limited is not None and servo is None:
-        mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
-        calm, dither = steady(logs, mass, limited[0].half_s, resolution)
-        logs = list(calm)
-        if dither.left_out:
-            limited = within_limit(
-                logs, starts, resolution, clips=clips, declared=constants.force_limit_n
-            )
+    logs, limited, dither = _within_limit(logs, recorded.starts, constants, calm=servo is None)
     too_few = too_few_windows(None if limited is None else limited[0])
     if limited is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = limited
     if servo is not None:
-        readings = with_open_stiffness(readings, servo)
-    sensed = constants.force_is in MEASURED
-    spiky = max((spikes(log.force) for log in recorded), default=0.0) if sensed else 0.0
-    table = pd.DataFrame(rows).assign(**NO_CABLE)
-    measures, beside = measures_of(readings, logs, constants, limit), None
+        readings = with_open_stiffness(with_open_delay(readings), servo)
+    table = pd.DataFrame(recorded.rows).assign(**NO_CABLE)
+    measures = measures_of(readings, logs, constants, limit)
     turns = _turns(readings, table["run"])
-    if simulator is not None:
-
-        def again(logs_within: Sequence[EvenLog]) -> Readings:
-            anew = readings_of(logs_within, starts, resolution)
-            if anew is None:
-                expected = "a simulator that follows the measured motion for some windows"
-                raise InputError([Fault(simulator.name, expected)])
-            return anew
-
-        beside, readings = linearised(
-            simulator, logs, runs, again, measures, readings.half_s, fitting(table)
-        )
-    elif readings.simulated.shape[1]:
-        named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
-        columns = [column for name, column in named.items() if name in logs[0].further]
-        beside = SimulatedBaseline(" and ".join(columns))
-    if "setup" not in table or table["setup"].nunique() < SETUPS:
+    beside, readings = _beside_simulator(
+        simulator, logs, recorded, readings, measures, fitting(table), resolution
+    )
+    if "setup" not in table or table["setup"].nunique() < AXIS_RULES.least_setups:
         table["setup"] = table["trial"]
     inside = measures.limit.within(readings)
     carried = carried_by(readings, inside, table, varied_columns(axis.runs))
     measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
+    sensed = constants.force_is in MEASURED
     moving = np.unique(readings.trial)
-    order = np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")
-    chosen = moving[order]
-    still += [str(run) for run in table["trial"][~table.index.isin(moving)]]
-    table = table.iloc[chosen].reset_index(drop=True)
+    still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
+    chosen = moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")]
     return Entering(
-        table,
+        table.iloc[chosen].reset_index(drop=True),
         readings.of(chosen),
         measures,
-        tuple(still),
+        (*recorded.still, *still),
         interval,
         beside,
         turns,
@@ -166,8 +133,83 @@ def entering(
         dither,
         servo,
         constants,
-        spiky,
+        max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
     )
+
+
+def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> _Logs | Unsupported:
+    """Return the runs in which the axis moves, or why none tells anything.
+
+    What the machine's other joints pull with stands beside the logs, unless it is None.
+    """
+    parts = max(1, -(-AXIS_RULES.few_runs // len(axis.runs)))
+    by_run = dict(iter(axis.samples.groupby("run", sort=False)))
+    moved = _Logs(logs := [], [], [], [], [])
+    for _, run in axis.runs.iterrows():
+        log = log_of(by_run[run["run"]], constants)
+        if log is not None and machine is not None:
+            log = machine.around(log, run["run"])
+        if log is None:
+            moved.still.append(str(run["run"]))
+            continue
+        logs.append(log)
+        moved.runs.append({str(name): value for name, value in run.items()})
+        moved.starts.append(np.arange(parts) * (log.time_s.size // parts))
+        for part in range(parts):
+            name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
+            moved.rows.append({**moved.runs[-1], "trial": str(name)})
+    if not logs:
+        return too_short([len(samples) for samples in by_run.values()])
+    return without_force(logs) or too_little_motion(logs, constants.encoder_resolution) or moved
+
+
+def _within_limit(
+    logs: Sequence[EvenLog], starts: Sequence[Whole], constants: RigConstants, *, calm: bool
+) -> tuple[Sequence[EvenLog], tuple[Readings, Limit] | None, Dither]:
+    """Return windows within what the drive gives, of logs without what shakes the axis.
+
+    What shakes is looked for only where `calm` is asked for.
+    """
+    resolution, clips = constants.encoder_resolution, constants.force_is not in MEASURED
+    declared = constants.force_limit_n
+    limited = within_limit(logs, starts, resolution, clips=clips, declared=declared)
+    if limited is None or not calm:
+        return logs, limited, Dither()
+    mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
+    logs, dither = steady(logs, mass, limited[0].half_s, resolution)
+    if dither.left_out:
+        limited = within_limit(logs, starts, resolution, clips=clips, declared=declared)
+    return list(logs), limited, dither
+
+
+def _beside_simulator(
+    simulator: SimulatorCalls | None,
+    logs: Sequence[EvenLog],
+    recorded: _Logs,
+    readings: Readings,
+    measures: Measures,
+    fits: Flags,
+    resolution: float | None,
+) -> tuple[SimulatedBaseline | None, Readings]:
+    """Return a user's simulator as it stands beside the windows, None without, and the windows.
+
+    It is called, or the log has what it said; `fits` are the trials that fit its parameters.
+    """
+    if simulator is None:
+        if not readings.simulated.shape[1]:
+            return None, readings
+        named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
+        columns = [column for name, column in named.items() if name in logs[0].further]
+        return SimulatedBaseline(" and ".join(columns)), readings
+
+    def again(logs_within: Sequence[EvenLog]) -> Readings:
+        anew = readings_of(logs_within, recorded.starts, resolution)
+        if anew is None:
+            expected = "a simulator that follows the measured motion for some windows"
+            raise InputError([Fault(simulator.name, expected)])
+        return anew
+
+    return linearised(simulator, logs, recorded.runs, again, measures, readings.half_s, fits)
 
 
 def _turns(readings: Readings, runs: pd.Series) -> int:

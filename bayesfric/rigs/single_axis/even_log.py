@@ -8,19 +8,15 @@ import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bayesfric.arrays import Array, Flags
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
-GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
-SURE = 4.0  # standard deviations of a speed's noise
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
 FINE = 0.005  # of the top speed, to which a speed is told well
 QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
-LEAST_SAMPLES = 16
 AROUND = 3  # samples on either side of a reading that may be a spike
 SPIKE = (5.0, 4.0)  # times the spread about it, and times that of the run, by which it is off
-OFTEN = 0.01  # of a run's readings, from which on spikes are a habit of the sensor
 
 
 @dataclass(frozen=True)
@@ -48,9 +44,12 @@ class EvenLog:
         What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
     dithers : ndarray of bool, shape (N,), or None
         Where it turns back between two counts; None where nobody looked.
-    sent : ndarray, shape (N,), or None
-        Of a log of commands, the force that a servo's stiffness makes of them: `force` is that
-        less what it makes of the position. None where a force was logged.
+    sent : WeakForce or None
+        Of a log of commands, the force that a servo's stiffness makes of them: `force` is its
+        value less what the stiffness makes of the position. None where a force was logged.
+    moment : ndarray, shape (N,), or None
+        Of a force that acts as it is until the next: that of an interval about its middle, over
+        the interval; None of one that does not.
     """
 
     time_s: Array
@@ -64,12 +63,13 @@ class EvenLog:
     beside: tuple[WeakForce, ...] = ()
     known_inertia: float = 0.0
     dithers: Flags | None = None
-    sent: Array | None = None
+    sent: WeakForce | None = None
+    moment: Array | None = None
 
     @property
     def delayed(self) -> "EvenLog":
         """The run with what a delay acts on in the place of the force: of a servo, its command."""
-        return self if self.sent is None else replace(self, force=self.sent)
+        return self if self.sent is None else replace(self, force=self.sent.value)
 
 
 def even_grid(
@@ -97,7 +97,7 @@ def even_grid(
     steps : bool
         Whether ``force`` acts as it is until the next, as a command does.
     """
-    if time_s.size < LEAST_SAMPLES:
+    if time_s.size < AXIS_RULES.least_samples:
         return None
     between = np.diff(time_s)
     interval = float(np.median(between))
@@ -105,28 +105,46 @@ def even_grid(
     own = time_s if force_time_s is None else force_time_s
     force = columns["force"]
     columns = {name: values for name, values in columns.items() if name != "force"}
-    if np.abs(between - interval).max() > UNEVEN * interval:
+    if np.abs(between - interval).max() > AXIS_RULES.uneven * interval:
         count = int((time_s[-1] - time_s[0]) / interval) + 1
         grid = time_s[0] + interval * np.arange(count)
         after = np.searchsorted(time_s, grid, side="right").clip(1, time_s.size - 1)
-        is_logged = time_s[after] - time_s[after - 1] <= GAP * interval
+        is_logged = time_s[after] - time_s[after - 1] <= AXIS_RULES.longest_hole * interval
         on_grid = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
     else:
         grid, on_grid = time_s, dict(columns)
+    moment = None
     if steps:
-        force = _mean_of_steps(grid, interval, own, force)
+        force, moment = _steps_of(grid, interval, own, force)
     elif force_time_s is not None or grid is not time_s:
         force = np.interp(grid, own, force)
-    return EvenLog(grid, on_grid.pop("position"), force, is_logged, interval, on_grid)
+    position = on_grid.pop("position")
+    return EvenLog(grid, position, force, is_logged, interval, on_grid, moment=moment)
 
 
-def _mean_of_steps(grid: Array, interval: float, time_s: Array, sent: Array) -> Array:
-    """Return the mean, over an interval about each place of a grid, of what is held, (G,)."""
+def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple[Array, Array]:
+    """Return the mean of what is held over an interval about each place of a grid, and its moment.
+
+    The moment is that about the place, over the interval; both of shape (G,).
+    """
     edges = np.concatenate([[time_s[0] - interval], time_s, [time_s[-1] + interval]])
     lasts = np.concatenate([sent[:1], sent])
-    sums = np.concatenate([[0.0], np.cumsum(lasts * np.diff(edges))])
-    ends = (np.interp(grid + side * interval, edges, sums) for side in (0.5, -0.5))
-    return np.asarray((next(ends) - next(ends)) / interval)
+    lengths = np.diff(edges)
+    sums = np.concatenate([[0.0], np.cumsum(lasts * lengths)])
+    twice = np.concatenate([[0.0], np.cumsum((sums[:-1] + 0.5 * lasts * lengths) * lengths)])
+
+    def until(time: Array) -> tuple[Array, Array]:
+        """Return the integral until some times, and the integral of that."""
+        beyond = time.clip(edges[0], edges[-1])
+        at = (np.searchsorted(edges, beyond, side="right") - 1).clip(0, lasts.size - 1)
+        since = beyond - edges[at]
+        once = np.interp(time, edges, sums)
+        return once, twice[at] + (sums[at] + 0.5 * lasts[at] * since) * since
+
+    high, high_twice = until(grid + 0.5 * interval)
+    low, low_twice = until(grid - 0.5 * interval)
+    moment = 0.5 * interval * (high + low) - (high_twice - low_twice)
+    return (high - low) / interval, moment / interval
 
 
 def spikes(force: Array) -> float:
@@ -148,7 +166,7 @@ def spikes(force: Array) -> float:
     off = np.abs(force - middle)
     usual = NORMAL * float(np.median(off))
     share = float(np.mean((off > SPIKE[0] * spread) & (off > SPIKE[1] * usual)))
-    return share if usual > 0 and share > OFTEN else 0.0
+    return share if usual > 0 and share > AXIS_RULES.often_spiked else 0.0
 
 
 def given(log: EvenLog, limit: float) -> EvenLog:
@@ -219,7 +237,10 @@ def resolving(log: EvenLog, half: int, noise: float) -> int:
     Over a few samples of a coarse encoder nothing seems to move.
     """
     while 8 * half < log.time_s.size:
-        if SURE * _speed_error(log, half, noise) < SLOW * np.abs(_speed(log, half)).max():
+        if (
+            AXIS_RULES.sure_of_way * _speed_error(log, half, noise)
+            < SLOW * np.abs(_speed(log, half)).max()
+        ):
             break
         half += max(1, half // 4)
     return half
@@ -279,7 +300,7 @@ def _surely(log: EvenLog, half: int, noise: float) -> Array:
     a stop moves for as many samples as it reaches, while friction is anything.
     """
     velocity, error = _speed(log, half), _speed_error(log, half, noise)
-    way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
+    way = np.where(np.abs(velocity) > AXIS_RULES.sure_of_way * error, np.sign(velocity), 0.0)
     least = scipy.ndimage.minimum_filter1d(way, 2 * half + 1)
     return np.where(least == scipy.ndimage.maximum_filter1d(way, 2 * half + 1), least, 0.0)
 

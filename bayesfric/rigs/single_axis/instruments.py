@@ -22,18 +22,14 @@ import scipy
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 from bayesfric.schemas import Instrument, InstrumentNumber
 
 BEFORE = 2  # windows, whose motion tells that of the present one
 MOVED = 2  # regressors that are the motion's: acceleration and speed
-FEWEST_PIECES = 12  # stretches of rows, between which errors are independent
-ROWS_A_NUMBER = 4
-WEAK = 10.0  # of the F statistic, below which instruments tell too little (Staiger, Stock 1997)
 ALIKE = 1e-4  # of a column, that those before it leave, below which it is one of them
-SURE = 1e-3  # probability below which the two differ by more than chance
-MATTERS = 0.02  # of a number, below which it does not matter that they do
 UNITS = {"inertia": "kg", "viscous": "N s/m", "coulomb": "N"}
 NAMES = tuple(UNITS)  # of the first columns
 
@@ -77,10 +73,14 @@ class Compared(NamedTuple):
     @property
     def alarms(self) -> bool:
         """Whether least squares are off by more than chance, and by what matters."""
-        if self.p_value >= SURE or self.strength < WEAK:
+        if (
+            self.p_value >= AXIS_RULES.instrument_differs
+            or self.strength < AXIS_RULES.weak_instrument
+        ):
             return False
         off = (
-            abs(self.instrumental[name].value - number.value) > MATTERS * abs(number.value)
+            abs(self.instrumental[name].value - number.value)
+            > AXIS_RULES.instrument_matters * abs(number.value)
             for name, number in self.ordinary.items()
             if name != "viscous"
         )
@@ -186,7 +186,7 @@ def compared(
         acting[column - first]: place for place, column in enumerate(chosen) if column >= first
     }
     columns = columns[:, chosen]
-    if pieces < FEWEST_PIECES or len(force) < ROWS_A_NUMBER * columns.shape[1]:
+    if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * columns.shape[1]:
         return f"{len(force)} windows in {pieces} stretches are too few to tell"
     columns, widths = _scaled(columns)
     own = _scaled(own)[0]

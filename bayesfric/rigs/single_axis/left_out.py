@@ -9,17 +9,12 @@ from bayesfric.arrays import Array
 from bayesfric.errors import Fault
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.tables import Axis, RigConstants
-from bayesfric.rigs.single_axis.even_log import (
-    LEAST_SAMPLES,
-    EvenLog,
-    even_grid,
-    position_noise,
-    smooth_motion,
-)
-from bayesfric.rigs.single_axis.run_rows import NARROWEST, SMOOTHED
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, position_noise, smooth_motion
+from bayesfric.rigs.single_axis.run_rows import SMOOTHED
 
 SAMPLES = "axis_samples.csv"
-WINDOW = 2 * NARROWEST + 1  # samples of the narrowest window
+WINDOW = 2 * AXIS_RULES.narrowest + 1  # samples of the narrowest window
 
 
 def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
@@ -69,7 +64,7 @@ def _of_runs(
     noise = float(np.median(noises)) if noises else 0.0
     for run, log in logs.items():
         if log is None:
-            expected = f"{LEAST_SAMPLES} samples at least of a run that enters"
+            expected = f"{AXIS_RULES.least_samples} samples at least of a run that enters"
             value = f"{len(by_run[run])} samples"
         elif (stretch := _longest(log, noise)) == 0:
             expected = (

@@ -17,12 +17,11 @@ from bayesfric.effects import Effect, State, all_effects
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, NEAR, OWN, REFINED
 from bayesfric.rigs.single_axis.measures import SPREAD, Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import state_of
-
-CLEARLY = 1.05  # times what a load of tied shares takes off the squares, that one of its own does
 
 
 def with_lengths(
@@ -57,7 +56,7 @@ def with_lengths(
         if held == "spring":
             middling = np.array([measures.damping])
             own = rows.own_shares(effect, OWN, best * NEAR, middling)
-            if own.takes > CLEARLY * takes:
+            if own.takes > AXIS_RULES.own_length * takes:
                 best, measures = own.length, replace(measures, mass_over_friction=own.heavy)
                 longest = False
         endless |= {held} if longest else set()

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Flags, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
@@ -22,11 +23,8 @@ LIMITS = 60
 LOW, HIGH = 0.05, 0.998  # of these quantiles
 STATED = 0.02  # relative error of a limit that was declared
 MOST = 1.2  # of what is commanded beyond a limit may be lost
-LEAST_EXPLAINED = 0.5  # of what a line leaves that a kink explains at least; a lag explains a third
-ENOUGH = 10  # rows within the limit, which tell mass and friction roughly
 FINER = 9  # tried between two of them
 LINE = 4  # numbers of the line: by force, constant, by its rate and by speed
-ROWS_A_NUMBER = 4  # of which a number is told
 
 
 class Limit(NamedTuple):
@@ -52,7 +50,7 @@ class Limit(NamedTuple):
     @property
     def there(self) -> bool:
         """Whether the drive has one: it explains what nothing else that bends the line does."""
-        return self.explained > LEAST_EXPLAINED
+        return self.explained > AXIS_RULES.limit_explained
 
     def within(self, readings: Readings) -> Flags:
         """Return whether all of what a row commands lies within the limit, (W,).
@@ -60,7 +58,7 @@ class Limit(NamedTuple):
         All rows do where there is none, or where it leaves too few.
         """
         inside = np.abs(readings.drive).max(axis=1) < self.force
-        return np.asarray(inside | (not self.there or inside.sum() < ENOUGH))
+        return np.asarray(inside | (not self.there or inside.sum() < AXIS_RULES.limit_least_rows))
 
 
 def within_limit(
@@ -107,7 +105,9 @@ def drive_limit(readings: Readings) -> Limit:
     rest = rough_amounts(law, readings.beside, readings.force, every)
     line = np.stack([readings.force - rest, ones, readings.force_rate, speed], axis=1)
     pull = pull_columns(readings.position @ readings.weights, readings.way)
-    line = np.column_stack([line, pull[:, : max(0, readings.count // ROWS_A_NUMBER - LINE)]])
+    line = np.column_stack(
+        [line, pull[:, : max(0, readings.count // AXIS_RULES.rows_a_number - LINE)]]
+    )
     width = np.maximum(np.abs(line).max(axis=0), 1e-300)
 
     def left(limit: float) -> float:

@@ -1,7 +1,6 @@
 """The rows of an axis as information on the numbers of a hypothesis."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from itertools import pairwise
 
 import numpy as np
@@ -9,13 +8,11 @@ import pandas as pd
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array, Flags
-from bayesfric.effects.candidates import on_friction
-from bayesfric.inference.information import Information
-from bayesfric.inference.smooths import Smooth
 from bayesfric.inference.symmetric import eigen_of
-from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run, noise_parameter
+from bayesfric.observation.layout import ModelColumns
+from bayesfric.observation.linear import Evaluated, NoiseParameter, noise_parameter
+from bayesfric.observation.part import ColumnsPart, laid_columns, row_weights, scattering_column
+from bayesfric.observation.windows import Windows
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
     COLUMNS,
@@ -28,7 +25,6 @@ from bayesfric.rigs.single_axis.deviations import (
 )
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
-from bayesfric.rigs.windows import Windows
 
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
@@ -51,7 +47,7 @@ NAMES = (
 IN_TIME = 1.0  # decay of the spectrum in time: that of an exponential correlation
 
 
-class AxisPart:
+class AxisPart(ColumnsPart):
     """Rows of an axis as information on the numbers of a hypothesis.
 
     Parameters
@@ -64,35 +60,20 @@ class AxisPart:
         Of the rig among all.
     """
 
+    rows: "LinearAxis"
+
     def __init__(self, rows: "LinearAxis", model: ModelColumns, place: int) -> None:
-        self.rows, self.layout = rows, model.layout
-        sizes = rows.table["pulley_size"]
-        self._which = model.layout.sizes.index(sizes.iloc[0])
-        self.size = np.full(len(sizes), self._which, dtype=np.intp)
-        self.setup = pd.factorize(rows.table["setup"])[0].astype(np.intp)
+        super().__init__(rows, model)
+        self._which = int(self.size[0])
+        force = model.friction_scale[rows.table["pulley_size"].iloc[0]]
         # Parts of one run share its scatter, as runs of one assembly do.
         alike = min(("setup", "run"), key=lambda name: rows.table[name].nunique())
         self._alike = pd.factorize(rows.table[alike])[0].astype(np.intp)
-        readings, where = rows.readings, rows.covariates()
-        force = model.friction_scale[sizes.iloc[0]]
-
-        def smooth_columns(smooth: Smooth) -> Array:
-            unit = rows.friction_of_row if smooth.relative else force
-            return np.asarray(unit * smooth.columns(where)).T
-
-        columns = model.filled(
-            rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
-        )
-        columns[:, model.layout.nuisance(place)] = rows.nuisance_columns()
-        self.columns = columns * model.scales
+        readings = rows.readings
+        self.columns = laid_columns(rows, model, place)
         self._response = rows.residual()
-        moved: Array = rows.friction_of_row
-        for candidate, amplitude in on_friction(model.scattering):
-            column = rows.candidate_column(candidate)
-            if not isinstance(column, Unsupported):
-                moved = moved + amplitude * column
         # Friction that is missing while it builds up is no better known than when it is whole.
-        moved = np.maximum(moved, rows.friction_of_row)
+        moved = np.maximum(scattering_column(rows, model), rows.friction_of_row)
         began = np.full(len(rows.table), np.inf)
         np.minimum.at(began, readings.trial, readings.time_s)
         since = readings.time_s - began[readings.trial]
@@ -100,8 +81,7 @@ class AxisPart:
         self._deviating = deviating_columns(
             rows.mean(readings.position), moved, rows.friction_of_row, since
         )
-        weight = model.row_weights.get(rows.name, np.ones(readings.count))
-        self._root = np.sqrt(np.asarray(weight, dtype=np.float64))
+        self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
         again = bool(self._alike.max() + 1 < len(rows.table))
         self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
@@ -116,9 +96,7 @@ class AxisPart:
         """Return what the rows say of the numbers; none of its effects has phases."""
         trial = self.rows.readings.trial
         kept = np.ones(trial.size, dtype=bool) if used is None else used[trial]
-        start, end = self.layout.own, self.layout.own + self.layout.candidates
-        whole = self.columns
-        x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
+        x = self.mixed(mixing)
         # A row whose own error has a weight is one of weight 1, times the weight's root.
         root = kept * self._root
         z = np.column_stack([self._deviating, x, self._response]) * root[:, None]
@@ -131,15 +109,11 @@ class AxisPart:
         levels, (spectrum, by_length, by_decay), (in_time, by_time) = self._levels(noise)
         shared = Shared(grams, others, self._alike, levels)
         k = x.shape[1]
-        total = self.layout.total(k)
-        precision, slope = np.zeros((total, total)), np.zeros(total)
-        place = self.layout.spread(k, self._which)
-        precision[np.ix_(place, place)] = shared.rest[:k, :k]
-        slope[place] = shared.rest[:k, k]
         constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept))
         constant += shared.constant - 0.5 * shared.rest[k, k]
         constant += float(np.log(self._root[kept]).sum())
-        information = Information(precision, slope, float(constant))
+        of_size = (self._which, shared.rest[:k, :k], shared.rest[:k, k])
+        information = self.joined([of_size], float(constant))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
@@ -184,12 +158,6 @@ class AxisPart:
         )
         return levels, along, (in_time, by_time)
 
-    def squeezed(self, squeeze: Array, layout: Layout) -> "AxisPart":
-        """Return the rig with mixtures of its columns in their place."""
-        rig = copy(self)
-        rig.layout, rig.columns = layout, self.columns @ squeeze
-        return rig
-
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
         z = np.column_stack([self._deviating, self.columns]) * self._root[:, None]
@@ -206,11 +174,6 @@ class AxisPart:
             return Shared(grams[None, :COLUMNS], others, first, alone).rest
 
         return np.stack([of_trial(trial == place) for place in range(len(self.size))])
-
-    def phase_strength(self, place: int) -> float:
-        """Return 0: what has a phase anew in each run does not enter."""
-        del place
-        return 0.0
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
@@ -261,11 +224,6 @@ class AxisPart:
             },
             counts=min(readings.hop, 1.0) * root**2,
         )
-
-    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return none: a controller keeps the axis on its path whatever friction is."""
-        del noise, numbers
-        return {}
 
 
 def _root(covariance: Array) -> Array:

@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 
 from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import leading
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.late_rates import following
@@ -34,9 +35,7 @@ REACH_S = 1.0  # looked at, either way
 OF_A_RUN = 0.15  # of the shortest run, no more of which is looked at
 STEPS = 40  # tried either way
 LAGS = 12  # time constants that are tried
-CLEARLY = 0.4  # of the squares that are left without, that may be left once it is set right
 ROWS = 1500  # that tell it
-ROWS_A_NUMBER = 4
 
 
 def margin_s(interval_s: float) -> float:
@@ -95,7 +94,7 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     near = np.linspace(max(-margin_s, -reach_s), min(LATEST_S, reach_s), STEPS)
     lags = np.geomspace(0.1 * LATEST_S, squares.reach_s, LAGS)
     otherwise = min(*map(squares.delayed, near), *map(squares.lagging, lags))
-    if not float(nearest.fun) < CLEARLY * otherwise:
+    if not float(nearest.fun) < AXIS_RULES.late_explained * otherwise:
         return OnTime(tuple(logs))
     return OnTime(tuple(_moved(log, late_s) for log in logs), late_s)
 
@@ -149,7 +148,7 @@ class _Squares(NamedTuple):
             modelled = whole - part["way"] * part["force"]
             means.append((log, test.value, part["centre"], part["way"], modelled))
         columns = _columns(parts)
-        if len(columns) < ROWS_A_NUMBER * columns.shape[1]:
+        if len(columns) < AXIS_RULES.rows_a_number * columns.shape[1]:
             return None
         width = np.maximum(np.abs(columns).max(axis=0), 1e-300)
         return cls(tuple(means), np.linalg.qr(columns / width)[0], reach_s)

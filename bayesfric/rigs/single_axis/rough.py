@@ -5,10 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
 POWERS = 6  # of the place, that what pulls towards one is told by
-PULLS = 0.02  # of the squares of the force, from which on something is taken to pull
-ROWS_A_NUMBER = 4  # of which a number is told
 SINGULAR = 1e-6
 HALF_A_TURN = 0.5 * float(np.pi)  # to either side [rad], over which powers follow a sine
 
@@ -82,11 +81,11 @@ def rough_law(
     alone, left = _positive(columns, force)
     if pull is None:
         return _law(alone)
-    pull = pull[:, : max(0, force.size // ROWS_A_NUMBER - columns.shape[1])]
+    pull = pull[:, : max(0, force.size // AXIS_RULES.rows_a_number - columns.shape[1])]
     if not pull.size:
         return _law(alone)
     coefficients, less = _positive(np.column_stack([columns, pull]), force)
-    if left - less < PULLS * float(force @ force):
+    if left - less < AXIS_RULES.pulled * float(force @ force):
         return _law(alone)
     pulls = float(np.sqrt(np.mean((pull @ coefficients[3:]) ** 2)))
     return _law(coefficients, pulls)

@@ -8,6 +8,7 @@ import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.instruments import instruments_of
@@ -15,15 +16,12 @@ from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of, rests_of
 from bayesfric.rigs.single_axis.weak_form import NODES, TestFunction, WeakForce, node_weights
 
-NARROWEST = 8  # samples on either side of a window's middle
-FEWEST = 4  # the same, where the axis turns too soon for so many
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
 LOCAL = 5  # samples over which jumps of the force are averaged
 UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
 OFTEN = 0.2  # of the samples: a force that changes in as many is not one of a few steps
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 A_MOMENT = 0.01  # of a window
-FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
 
 
 def rows_of_run(
@@ -99,7 +97,7 @@ def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array
 
 def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
     """Return position, speed and way of a run, where a simulated one runs alike."""
-    over, quick = max(SMOOTHED, half // 2), half < NARROWEST
+    over, quick = max(SMOOTHED, half // 2), half < AXIS_RULES.narrowest
     position, velocity, way = smooth_motion(log, over, noise, quick=quick)
     if (other := log.further.get("sim_position")) is not None:
         # Where the simulated axis runs the other way its friction says nothing of this motion.
@@ -115,7 +113,7 @@ def _forget_the_start(position: Array, way: Array, stroke: float) -> None:
     it rests, which friction may remember; where it turns later on, that is better known.
     """
     if (way > 0).any() and (way < 0).any():
-        near = np.abs(position - position[0]) < FORGOTTEN * stroke
+        near = np.abs(position - position[0]) < AXIS_RULES.forgotten * stroke
         way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
 
 
@@ -136,6 +134,8 @@ def _forces(
 ) -> dict[str, Array]:
     """Return the force of each window, and what it does in time, in the way's sense."""
     force = test.over(log.force, test.value, centres)
+    if log.sent is not None:
+        force += replace(log.sent, value=np.zeros(log.force.size)).over(test, centres)
     if log.known_force is not None:
         force = force - log.known_force.over(test, centres)
     acting = given(log, limit)

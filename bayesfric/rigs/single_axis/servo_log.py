@@ -7,11 +7,11 @@ the position, and friction is how far the joint stays behind its command.
 
 from dataclasses import replace
 
-import numpy as np
 import pandas as pd
 
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 DELAY_S, DELAY_SD_S = 0.02, 0.015
 """From a command to what the servo makes of it, where nobody says: a bus and a loop."""
@@ -43,7 +43,8 @@ def commanded(log: EvenLog, constants: RigConstants) -> EvenLog:
         Its ``command_gain`` is the stiffness; 1 where nobody says.
     """
     stiffness = constants.command_gain or 1.0
-    # Before its first command a servo is told nothing.
-    known = log.is_known & np.isfinite(log.force)
     sent = stiffness * log.force
-    return replace(log, force=sent - stiffness * log.position, sent=sent, is_known=known)
+    # Of a command that is held over a part of an interval a sum of means says too little.
+    moment = None if log.moment is None else -stiffness * log.moment
+    whole = WeakForce(sent, curvature=log.interval_s**2 / 24 * sent, momentum=moment)
+    return replace(log, force=sent - stiffness * log.position, sent=whole)

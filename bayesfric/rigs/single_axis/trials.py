@@ -21,11 +21,12 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
@@ -61,6 +62,8 @@ WORDS = Words(
     "and position may be off by a little (latency), which no friction is blamed for.",
     "setup",
     "setups",
+    "accelerated",
+    thresholds=AXIS_RULES,
 )
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
@@ -71,9 +74,6 @@ TURNS = {
 """From how many turns on an axis shows what goes with place or direction, apart from time,
 and how a load follows the drive."""
 NO_COULOMB = "law-without-coulomb"
-WELL_KNOWN = 0.05  # of a known force, that its error may be where a gear's gain is to show
-HEAVY = 0.3  # of friction, that a gear carries at the least where the load may matter
-LONG_S = 0.3  # by which rests differ, from which on what friction does after one may show
 OFFERED = ALWAYS | {
     "angle",
     "test",
@@ -99,10 +99,8 @@ class SingleAxis(PlainRig):
     """A mass, or a joint, that one drive moves along or about one axis."""
 
     name: str = "single-axis"
-    regime: Regime = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
-    paper: bool = False
     own_design: OwnDesign = DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
@@ -244,7 +242,7 @@ class AxisRuns(PlainTrials):
         weighed = declared and not doubtful and not self.measures.pull
         if weighed or self._load_is_known:
             offered.add("known-load")
-        if np.ptp(self.readings.dwell_s) > LONG_S:
+        if np.ptp(self.readings.dwell_s) > AXIS_RULES.rests_differ:
             offered.add("dwell")
         if np.ptp(np.asarray(self._state(self._rough).warmth)) > 0:
             offered.add("warmth")
@@ -261,7 +259,7 @@ class AxisRuns(PlainTrials):
         """Whether somebody says the load, well enough to tell a gain of the force from a gear."""
         size = np.sqrt(np.mean((self.readings.known_held + self.readings.known_moved) ** 2))
         stated = self.constants.known_force_sd
-        return stated is not None and stated < WELL_KNOWN * float(size)
+        return stated is not None and stated < AXIS_RULES.load_known * float(size)
 
     @property
     def _carried(self) -> Carried | None:
@@ -271,7 +269,7 @@ class AxisRuns(PlainTrials):
             return None
         held, moved = carried.at(self.readings, self.table)
         size = float(np.sqrt(np.mean((held + moved) ** 2)))
-        return carried if size > HEAVY * self.measures.friction else None
+        return carried if size > AXIS_RULES.heavy_load * self.measures.friction else None
 
     @cached_property
     def _further(self) -> tuple[str, ...]:
@@ -352,6 +350,11 @@ class AxisRuns(PlainTrials):
         """Inertia of a servo whose log has too few samples in a period of its motion."""
         too_slow = self.servo is not None and not self.servo.tells_inertia
         return {"mass": self.servo.no_inertia} if self.servo is not None and too_slow else {}
+
+    @property
+    def scale_share(self) -> float:
+        """That of a servo's stiffness."""
+        return 0.0 if self.servo is None else self.servo.stiffness_sd / self.servo.stiffness
 
     def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         """Return what is doubtful in what was declared, and in the log itself.

@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.rough import pull_columns, rough_law
-from bayesfric.rigs.single_axis.run_rows import FEWEST, NARROWEST, SMOOTHED, rows_of_run
+from bayesfric.rigs.single_axis.run_rows import SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
-QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
-PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
 LATEST_S = 0.05  # of a force, in which its rate is told exactly
 
@@ -23,6 +22,9 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
     moved = float(np.mean([log.known_inertia for log in logs]))
     length = sum(log.time_s.size * log.interval_s for log in logs)
     half_s, longest = _narrowest_and_widest(logs, noise)
+    if any(log.sent is not None for log in logs):
+        # Delay and damping of a servo are told apart by little: its windows are as wide as can be.
+        half_s = longest
     while half_s < longest:
         rows = []
         for log in logs:
@@ -34,7 +36,7 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
         acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
         mass = rough_law(force, acceleration, speed, pull).mass + moved
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
-        if force.size and mass * error < QUIET * float(np.sqrt(np.mean(force**2))):
+        if force.size and mass * error < AXIS_RULES.quiet * float(np.sqrt(np.mean(force**2))):
             break
         half_s *= 1.25
     half_s = min(half_s, longest)
@@ -43,8 +45,11 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
 
 def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:
     interval = max(log.interval_s for log in logs)
-    room_s = pass_s(logs, noise) / (2 * PASSES)
-    narrowest = int(np.clip(room_s / interval, FEWEST, NARROWEST)) * interval
+    room_s = pass_s(logs, noise) / (2 * AXIS_RULES.windows_a_pass)
+    narrowest = (
+        int(np.clip(room_s / interval, AXIS_RULES.narrowest_at_turns, AXIS_RULES.narrowest))
+        * interval
+    )
     return narrowest, max(room_s, narrowest)
 
 
@@ -55,7 +60,7 @@ def widest_half_s(logs: Sequence[EvenLog], noise: float) -> float:
 
 def half_samples(half_s: float, log: EvenLog) -> int:
     """Return half a window in samples of a run."""
-    return max(FEWEST, round(half_s / log.interval_s))
+    return max(AXIS_RULES.narrowest_at_turns, round(half_s / log.interval_s))
 
 
 def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, Priors
+from bayesfric.observation.linear import NoiseParameter, noise_parameter
+from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
-from bayesfric.rigs.linear import NoiseParameter, noise_parameter
-from bayesfric.rigs.points import LinearReadings
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import (
     NAME,

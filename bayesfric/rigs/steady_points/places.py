@@ -6,9 +6,9 @@ import pandas as pd
 from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.terms import small_values
+from bayesfric.observation.linear import rank
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, coulomb_friction
 from bayesfric.rigs.base import Unsupported, why_inert
-from bayesfric.rigs.linear import rank
 from bayesfric.rigs.steady_points.bench import ABSENT, Bench
 
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")

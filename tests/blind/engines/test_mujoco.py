@@ -100,5 +100,5 @@ def test_a_recording_says_nothing_and_is_the_same_again(short):
 
 def test_without_mujoco_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(case, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"pip install 'bayesfric\[mujoco\]'"):
+    with pytest.raises(InputError, match=r'pip install "\.\[mujoco\]" in a clone'):
         case.catalogue_of("mujoco")

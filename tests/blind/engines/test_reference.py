@@ -47,6 +47,7 @@ def test_the_design_is_quick(none):
     assert (trials["mass_drive_kg"] > trials["mass_load_kg"]).all()
 
 
+@pytest.mark.nightly
 def test_one_seed_one_recording_in_another_process_too(pair):
     code = (
         "from bayesfric.blind.engines.reference import Withheld, make; import json;"

@@ -16,7 +16,7 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
-from bayesfric.rigs.unsupported import Unsupported
+from bayesfric.observation.unsupported import Unsupported
 
 COEFFICIENTS = 3  # c1, c2, c3
 

@@ -1,0 +1,327 @@
+"""The summary of a diagnosis: what ``diagnosis.json`` has of it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bayesfric.diagnosis.causes import causes_of, inclusion_of
+from bayesfric.diagnosis.checked import Checked, noise_checked
+from bayesfric.diagnosis.checking import not_followed
+from bayesfric.diagnosis.compared import Compared
+from bayesfric.diagnosis.concluded import Conclusion, Measured
+from bayesfric.diagnosis.entering import numbers_to_enter
+from bayesfric.diagnosis.examined import examined_effects, no_effects
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.instrumental import by_the_instrument
+from bayesfric.diagnosis.judging import Judged
+from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
+from bayesfric.diagnosis.next_experiment import next_experiment
+from bayesfric.diagnosis.question import Question
+from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.shipped import shipped_numbers
+from bayesfric.diagnosis.showing import windows_told
+from bayesfric.diagnosis.simulated import simulator_used
+from bayesfric.diagnosis.strays import far_rows
+from bayesfric.diagnosis.target import friction_at
+from bayesfric.diagnosis.undeclared import undeclared
+from bayesfric.diagnosis.unknown import Unknown
+from bayesfric.diagnosis.verdict import unseparated_of
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.hypothesis import UNKNOWN, Hypothesis, printed
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs.model_amounts import model_errors
+from bayesfric.schemas import (
+    Absorbed,
+    Axis,
+    Cause,
+    DiagnosisFile,
+    FrictionAsked,
+    Interval,
+    LawNumber,
+    Provenance,
+    Unseparated,
+)
+
+NOTHING_TOLD = "these data tell no number of the model"
+PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis
+
+
+@dataclass(frozen=True)
+class Answer:
+    """All that a diagnosis came to.
+
+    Parameters
+    ----------
+    question : Question
+        What was asked.
+    compared : Compared
+        Hypotheses.
+    judged : Judged
+        Effects, sorted.
+    measured : Measured
+        The gap on data held out.
+    conclusion : Conclusion
+        The verdict.
+    law : dict of str to LawNumber
+        Before and after, by the instrument where there is one.
+    where : tuple of Axis
+        Axes of the gap, the largest share first.
+    unexplained : Interval
+        What no axis explains.
+    all_unexplained_because : str
+        Why that is all of it, where it is.
+    """
+
+    question: Question
+    compared: Compared
+    judged: Judged
+    measured: Measured
+    conclusion: Conclusion
+    law: dict[str, LawNumber]
+    where: tuple[Axis, ...]
+    unexplained: Interval
+    all_unexplained_because: str
+
+    @property
+    def search(self) -> Search:
+        """Hypotheses, once held-out data were asked."""
+        return self.conclusion.overruled.search
+
+
+def law_told(
+    compared: Compared,
+    judged: Judged,
+    measured: Measured,
+    conclusion: Conclusion,
+    rng: np.random.Generator,
+) -> dict[str, LawNumber]:
+    """Return the law before and after, by the instrument where there is one.
+
+    Parameters
+    ----------
+    compared, judged, measured, conclusion
+        As of :class:`Answer`.
+    rng : Generator
+        Source of randomness of scatter from run to run.
+    """
+    scatter = scatter_of_runs(compared.model, judged.plain, measured.held_out.inside[2])
+    law = law_of_diagnosis(
+        compared.model, compared.psi, judged.posterior, judged.residuals, scatter, rng
+    )
+    return by_the_instrument(law, conclusion.instrument)
+
+
+class CausesTold(NamedTuple):
+    """Effects by what they are to the gap, each with what is to be said of it."""
+
+    causes: tuple[Cause, ...]
+    present: tuple[Cause, ...]
+    possible: tuple[Cause, ...]
+    considered: tuple[Cause, ...]
+
+
+def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
+    """Return what is said of causes, of what is present or possible, and of what was overruled.
+
+    Parameters
+    ----------
+    answer : Answer
+        With which effects these are.
+    rng : Generator
+        Source of randomness of draws that check evidences.
+    """
+    model, gap = answer.compared.model, answer.measured.gap
+    checks: dict[Hypothesis, Checked] = {}
+
+    def check(hypothesis: Weighed | Unknown) -> Checked:
+        acting = UNKNOWN if isinstance(hypothesis, Unknown) else hypothesis.hypothesis
+        if acting not in checks:
+            checks[acting] = noise_checked(model, answer.search, hypothesis, rng)
+        return checks[acting]
+
+    def causes_named(names: Sequence[str]) -> tuple[Cause, ...]:
+        return causes_of(
+            names,
+            model,
+            answer.search,
+            answer.judged.posterior,
+            answer.question.practical,
+            gap.floor.q50 / gap.friction_rms,
+            check,
+        )
+
+    conclusion, named = answer.conclusion, answer.judged.named
+    causes, present = causes_named(named), causes_named(conclusion.overruled.present)
+    considered: tuple[Cause, ...] = ()
+    if conclusion.contradicted:
+        considered = causes if named else causes_named(conclusion.rivals)
+        causes = ()
+    return CausesTold(causes, present, causes_named(conclusion.overruled.possible), considered)
+
+
+def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> DiagnosisFile:
+    """Return what is stored of a diagnosis.
+
+    Parameters
+    ----------
+    answer : Answer
+        All that it came to.
+    told_of : CausesTold
+        What is said of effects.
+    attributes : Provenance
+        What every file carries.
+    """
+    question, compared, judged = answer.question, answer.compared, answer.judged
+    conclusion, gap, search = answer.conclusion, answer.measured.gap, answer.search
+    model, data, law = compared.model, compared.data, answer.law
+    unseparated = unseparated_of(search.classes, conclusion.together)
+    proposals, no_proposal = next_experiment(model, search, search.probabilities())
+    to_enter, not_entered = numbers_to_enter(
+        model, law, judged.posterior, told_of.causes, gap, judged.residuals
+    )
+    words = sentence_of(_statement(answer, told_of, unseparated))
+    return DiagnosisFile(
+        **attributes.model_dump(),
+        rigs=tuple(rig.rig.name for rig in data.rigs),
+        baseline=question.law.name,
+        simulator=simulator_used(question.own_law, model, judged.settled),
+        fixed=tuple(sorted(question.held)),
+        shipped=question.shipped and shipped_numbers(question.law_shipped, data),
+        stray_trials=compared.stray,
+        attention=_attention(answer, law),
+        practical_share=question.practical,
+        verdict=conclusion.verdict,
+        verdict_probability=conclusion.probability,
+        sentence=f"{words} {held_out_words(gap, told_of.causes or told_of.considered)}",
+        **_hypotheses(answer),
+        **told_of._asdict(),
+        overruled_by=conclusion.why or conclusion.bent,
+        enter=to_enter,
+        enter_why=not_entered,
+        untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},
+        scatter=model.noise.named(judged.settled.psi),
+        law=law,
+        unseparated=unseparated,
+        remainder=conclusion.remainder,
+        where=answer.where,
+        unexplained=answer.unexplained,
+        all_unexplained_because=answer.all_unexplained_because,
+        gap=gap,
+        next_experiment=proposals,
+        next_experiment_why=no_proposal,
+        target=_asked_for(answer, law),
+        **_machine(answer),
+    )
+
+
+def _statement(
+    answer: Answer, told_of: CausesTold, unseparated: tuple[Unseparated, ...]
+) -> Statement:
+    """Return what the sentence is made of."""
+    conclusion, is_open = answer.conclusion, answer.judged.above < RULES.likely
+    return Statement(
+        conclusion.verdict,
+        conclusion.probability,
+        answer.measured.gap,
+        answer.question.practical,
+        told_of.causes,
+        answer.where,
+        unseparated,
+        told_of.present,
+        told_of.considered,
+        conclusion.not_shown if is_open else None,
+        answer.compared.data.rigs[0].other_joints if conclusion.elsewhere else None,
+        conclusion.why,
+        conclusion.unlike_scatter if is_open else None,
+        windows_told(answer.judged.residuals),
+        conclusion.open_because,
+    )
+
+
+def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
+    """Return what a reader should know first, what the data contradict at its head."""
+    question, conclusion, data = answer.question, answer.conclusion, answer.compared.data
+    suspects = [*answer.judged.named, *conclusion.rivals, *conclusion.overruled.possible]
+    return (
+        *(line for rig in data.rigs for line in rig.doubts(law)),
+        *undeclared(
+            question.recording.rig,
+            conclusion.verdict,
+            data.rigs[0].other_joints,
+            suspects,
+            question.examined,
+        ),
+        *far_rows(answer.compared.baseline),
+        *not_followed(question.analysis),
+    )
+
+
+def _hypotheses(answer: Answer) -> dict[str, Any]:
+    """Return how probable hypotheses and effects are, and what is said of each effect."""
+    question, search = answer.question, answer.search
+    return {
+        "probabilities": printed(search.probabilities()),
+        "hypothesis_prior": question.analysis.diagnosis.hypotheses.model_dump(),
+        "prior_sensitivity": {
+            str(none): printed(search.probabilities(none)) for none in PRIORS_OF_NONE
+        },
+        "unvisited_probability": search.unvisited(),
+        "inclusion": inclusion_of(
+            answer.conclusion.overruled.effects_known, answer.judged.posterior, question.practical
+        ),
+        "absorbed": tuple(
+            Absorbed(effect=effect.effect, by=effect.by, bias=effect.bias, unit=effect.unit)
+            for effect in search.classes.absorbed
+        ),
+        "effects": examined_effects(
+            answer.compared.first,
+            [*question.examined, *question.lacking],
+            question.lacking,
+            no_effects(answer.compared.data, question.own_effects),
+        ),
+    }
+
+
+def _machine(answer: Answer) -> dict[str, Any]:
+    """Return which joint of a machine it is, and how wrong the machine's model is."""
+    axis, conclusion = answer.question.recording.axis, answer.conclusion
+    amounts, instrument = conclusion.amounts, conclusion.instrument
+    errors = () if amounts is None else model_errors([amounts])
+    return {
+        "joint": None if axis is None else axis.joint,
+        "joint_in_model": _in_model(answer.question.recording),
+        "other_joints": answer.compared.data.rigs[0].other_joints,
+        "model_error": errors,
+        "model_error_why": None if amounts is None or errors else NOTHING_TOLD,
+        "instrument": None if isinstance(instrument, str) else instrument,
+        "instrument_why": instrument if isinstance(instrument, str) else None,
+    }
+
+
+def _asked_for(answer: Answer, law: Mapping[str, LawNumber]) -> FrictionAsked | None:
+    """Return friction at the conditions at which it was asked for; None where it was not."""
+    question, judged = answer.question, answer.judged
+    if question.target is None:
+        return None
+    return friction_at(
+        question.target,
+        answer.compared.model,
+        question.law,
+        law,
+        judged.posterior,
+        judged.named,
+        question.examined,
+        answer.search.probabilities().get(UNKNOWN, 0.0),
+    )
+
+
+def _in_model(recording: Recording) -> str | None:
+    """Return what the machine's model calls the joint; None without one, or of no joint."""
+    robot = recording.rig.robot
+    if robot is None or recording.axis is None:
+        return None
+    named = recording.axis.joint or next(iter(robot.joints), None)
+    return None if named is None else robot.joints.get(named)

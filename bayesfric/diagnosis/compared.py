@@ -1,0 +1,142 @@
+"""Hypotheses compared: around the baseline first, and the finalists around the leader's law."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.checkpoint import Checkpoint
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.baseline import fitted_baseline
+from bayesfric.diagnosis.classes import classes_of
+from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.forms import other_forms
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.nearby import around_nearby
+from bayesfric.diagnosis.question import Question
+from bayesfric.diagnosis.search import Steps, compare, search
+from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.diagnosis.strays import without_strays
+from bayesfric.diagnosis.unknown import Unknown, unknown_force
+from bayesfric.diagnosis.weighing import Weighed, weigh
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.effects.candidates import Candidate
+from bayesfric.hypothesis import NONE
+from bayesfric.rigs.data import Data
+
+ROUNDS = 2  # of linearising around the law that was fitted with the leader
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Hypotheses compared.
+
+    Parameters
+    ----------
+    data : Data
+        Without trials that stray.
+    stray : tuple of str
+        These trials, with the reason.
+    psi : ndarray
+        Logarithms of the noise of the baseline alone.
+    baseline : LinearModel
+        Around the law that was fitted alone.
+    first : Search
+        Hypotheses in that model, where each effect was weighed.
+    model : LinearModel
+        Around the law that was fitted with the leader.
+    search : Search
+        The finalists in that model.
+    """
+
+    data: Data
+    stray: tuple[str, ...]
+    psi: Array
+    baseline: LinearModel
+    first: Search
+    model: LinearModel
+    search: Search
+
+
+def compare_hypotheses(question: Question, keeping: Checkpoint) -> Compared:
+    """Compare all hypotheses; what takes long is kept.
+
+    Parameters
+    ----------
+    question : Question
+        What is asked.
+    keeping : Checkpoint
+        Where.
+    """
+    climbing = keeping.keep_each_call("climb", At, climb)
+    steps = Steps(
+        keeping.keep_each_call("weigh", Weighed, weigh),
+        keeping.keep_each_call("unknown", Unknown | None, unknown_force),
+    )
+    analysis, held, law = question.analysis, question.held, question.law
+    data, stray, laws, psi = fitted_baseline(
+        question.data, analysis, held, question.law_shipped, law, climbing
+    )
+    candidates = question.candidates
+    whole = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
+
+    def looked_at(model: LinearModel) -> tuple[LinearModel, Search]:
+        around = squeezed(model, psi)
+        return around, _first_look(around, climbing(around, psi, Acting()), steps)
+
+    def with_weights(weights: Mapping[str, Array]) -> tuple[LinearModel, Search]:
+        return looked_at(baseline.full.around(laws, candidates, row_weights=weights))
+
+    baseline, first = looked_at(whole)
+    baseline, first = without_strays(baseline, first, with_weights)
+    return Compared(data, stray, psi, baseline, first, *_finals(baseline, first, steps))
+
+
+def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
+    """Weigh hypotheses around the baseline."""
+    classes = classes_of(model, at.psi)
+    model.merge(classes.members)
+    curvature = curvature_at(model, at, Acting())
+    inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
+    none = steps.weigh(model, (), [at.psi], inverse, 0.0)
+    return search(model, none, inverse, 0.0, classes, steps)
+
+
+def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearModel, Search]:
+    """Compare the finalists alike, around the law that was fitted with the leader."""
+    model = first
+    if searched.probabilities().get(NONE, 0.0) > RULES.sure:
+        # All are compared alike already, and nothing is large enough to have another form.
+        return model, searched
+    for _ in range(ROUNDS):
+        leader = searched.best()
+        acting = model.amplitudes(leader.at, leader.acting)
+        forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, searched))
+        around = around_nearby(
+            model,
+            model.fitted_laws(leader.at),
+            first.candidates,
+            scattering=acting,
+            forms=forms,
+        )
+        around.merge(searched.classes.members)
+        around = squeezed(around, leader.at.psi)
+        model, searched = around, compare(around, searched, steps)
+        if searched.best().names == leader.names:
+            break
+    return model, searched
+
+
+def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, float]]:
+    """Return each effect of the likeliest hypotheses, as the best with it has it."""
+    ranked = sorted(searched.weighed.values(), key=lambda weighed: -searched.worth(weighed))
+    top = searched.worth(ranked[0])
+    acting: dict[str, tuple[Candidate, float]] = {}
+    for weighed in ranked:
+        if searched.worth(weighed) < top - RULES.followed_within:
+            break
+        for candidate, amplitude in model.amplitudes(weighed.at, weighed.acting):
+            acting.setdefault(candidate.effect.name, (candidate, amplitude))
+    return list(acting.values())

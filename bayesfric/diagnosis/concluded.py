@@ -1,0 +1,268 @@
+"""From judged hypotheses to a verdict: held-out data, what they overrule, what is left."""
+
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.checkpoint import Checkpoint
+from bayesfric.diagnosis.causes import implausible
+from bayesfric.diagnosis.compared import Compared
+from bayesfric.diagnosis.held_out import HeldOut, measure_gap
+from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.instrumental import not_held, why_bent
+from bayesfric.diagnosis.judging import Judged
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
+from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
+from bayesfric.diagnosis.question import Question
+from bayesfric.diagnosis.remainder import all_left, remainder_of
+from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
+from bayesfric.diagnosis.stored import gap_of
+from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
+from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
+from bayesfric.rigs.model_amounts import ModelAmounts
+from bayesfric.schemas import Gap, Instrument, Remainder
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The gap on data that are held out.
+
+    Parameters
+    ----------
+    held_out : HeldOut
+        Before and after, fold by fold.
+    gap : Gap
+        As it is stored.
+    left : ndarray or None
+        Draws of what the causes leave of its square, where that is of practical size.
+    """
+
+    held_out: HeldOut
+    gap: Gap
+    left: Array | None
+
+
+def measure(
+    question: Question,
+    compared: Compared,
+    judged: Judged,
+    keeping: Checkpoint,
+    folds: np.random.Generator,
+    bootstrap: np.random.Generator,
+    blocks: np.random.Generator,
+) -> Measured:
+    """Return the gap on data that are held out, before and after the causes are added.
+
+    Parameters
+    ----------
+    question : Question
+        What is asked.
+    compared : Compared
+        The hypotheses.
+    judged : Judged
+        Which effects are causes.
+    keeping : Checkpoint
+        Where what takes long is kept.
+    folds, bootstrap, blocks : Generator
+        Sources of randomness: of folds, of intervals, and of blocks that are left out.
+    """
+    arms, plain, residuals = judged.arms, judged.plain, judged.residuals
+    held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, folds))
+    gap, left = gap_of(
+        held_out,
+        judged.posterior,
+        residuals,
+        arms,
+        question.practical,
+        bootstrap,
+        compared.data.unit,
+    )
+    densities = keeping.record(
+        "held-out-density",
+        BlockDensities | None,
+        lambda: block_densities(compared.model, judged.search, judged.named, blocks),
+    )
+    gap = gap.model_copy(update=share_of_friction(compared.model, residuals, judged.posterior))
+    better = density_of(densities, judged.named, like_clocks=arms.like_clocks(plain))
+    return Measured(held_out, gap.model_copy(update=better), left)
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What is concluded of the effects, and by which rule.
+
+    Parameters
+    ----------
+    overruled : Overruled
+        Hypotheses and effects, once what held-out data contradict counts as an unknown force.
+    rivals : list of str
+        Effects of which one would be a cause.
+    why : str or None
+        By which rule held-out data contradict the causes; None where they do not.
+    bent : str or None
+        Why the loop may have made the causes; None where an instrument holds them.
+    open_because : str or None
+        Why an unknown force is no finding, or causes stay open; None where neither is so.
+    elsewhere : bool
+        Whether other joints may pull so.
+    together : tuple of tuple of str
+        Sets of effects of which one acts.
+    amounts : ModelAmounts or None
+        How wrong the machine's model is.
+    instrument : Instrument or str
+        The law by an instrument, or why there is none.
+    not_shown : str or None
+        Why these data could not have shown a gap.
+    unlike_scatter : str or None
+        What is left that scatter does not explain.
+    remainder : Remainder
+        What the causes leave; of no cause, the unknown force.
+    verdict : str
+        As of :func:`~bayesfric.diagnosis.verdict.decide`.
+    probability : float
+        Of it.
+    """
+
+    overruled: Overruled
+    rivals: list[str]
+    why: str | None
+    bent: str | None
+    open_because: str | None
+    elsewhere: bool
+    together: tuple[tuple[str, ...], ...]
+    amounts: ModelAmounts | None
+    instrument: Instrument | str
+    not_shown: str | None
+    unlike_scatter: str | None
+    remainder: Remainder
+    verdict: Verdict
+    probability: float
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether what would be a cause is only considered."""
+        return self.why is not None or self.bent is not None or self.elsewhere
+
+
+def conclude(
+    question: Question,
+    compared: Compared,
+    judged: Judged,
+    measured: Measured,
+    order: np.random.Generator,
+) -> Conclusion:
+    """Return the verdict, once held-out data have been asked.
+
+    Parameters
+    ----------
+    question, compared, judged
+        As of :func:`measure`.
+    measured : Measured
+        The gap on data held out.
+    order : Generator
+        Source of randomness of residuals in other orders.
+    """
+    model, practical, named = compared.model, question.practical, judged.named
+    gap, posterior, residuals = measured.gap, judged.posterior, judged.residuals
+    best, rig = judged.search.best(), compared.data.rigs[0]
+    gap_share = float(np.median(posterior.gap)) / residuals.friction_rms
+
+    def beside_best() -> Remainder:
+        return remainder_of(model, judged.search, best, gap_share, measured.left)
+
+    remainder = beside_best() if named else None
+    chances = judged.search.probabilities()
+    rivals = list(chain(*sets_of_one(chances, judged.effects_known, named)))
+    amounts, why = amounts_of(model, best), None
+    elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
+    if remainder is not None:
+        why = _why_overruled(model, judged, gap, practical, remainder)
+    acting = model.amplitudes(best.at, best.acting)
+    instrument = rig.instrument(acting)
+    contradicted = why is not None or elsewhere
+    bent = None
+    if not contradicted:
+        whose = {
+            law.effect: candidate.effect.name
+            for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
+        }
+        bent = not_held(instrument, {name: whose.get(name, name) for name in named})
+    apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
+    not_shown = _why_not_shown(model, apart.search, judged, instrument)
+    left_in_order = unlike_scatter(
+        gap, residuals, measured.held_out.inside[1], posterior, practical, order
+    ) or changes_slowly(model.noise.named(judged.settled.psi), practical)
+    chances = apart.search.probabilities()
+    together = () if elsewhere else sets_of_one(chances, apart.effects_known, named)
+    causes = [effect for effect in apart.effects_known if effect.effect in named]
+    verdict, probability = decide(
+        chances,
+        [] if contradicted or bent is not None else causes,
+        judged.above,
+        together,
+        none_before=question.analysis.diagnosis.hypotheses.none,
+        shown=not_shown is None and left_in_order is None,
+    )
+    open_because = bent
+    if verdict == "unknown" and not contradicted and bent is None and rig.along_path:
+        open_because = rig.open_still or few_windows(residuals, along_path=True)
+        if open_because is not None:
+            verdict, probability = "undecided", max(judged.above, 1 - judged.above)
+    if verdict == "unknown" and apart.search.unknown is not None:
+        remainder = all_left(apart.search, apart.search.unknown)
+    elif remainder is None:
+        remainder = beside_best()
+    return Conclusion(
+        apart,
+        rivals,
+        why,
+        bent,
+        open_because,
+        elsewhere,
+        together,
+        amounts,
+        instrument,
+        not_shown,
+        left_in_order,
+        remainder,
+        verdict,
+        probability,
+    )
+
+
+def _why_overruled(
+    model: LinearModel, judged: Judged, gap: Gap, practical: float, remainder: Remainder
+) -> str | None:
+    """Return by which rule held-out data contradict the causes; None where by none."""
+    beyond: list[str] = []
+    if model.data.rigs[0].along_path:
+        beyond = implausible(judged.named, model, judged.search, judged.posterior)
+    return why_overruled(
+        gap, practical, told_as_remainder=remainder.significant, implausible=beyond
+    )
+
+
+def _as_judged(judged: Judged) -> Overruled:
+    """Return hypotheses and effects where nothing is overruled."""
+    return Overruled(judged.search, judged.effects_known, judged.present, judged.possible)
+
+
+def _without_causes(judged: Judged, rivals: list[str]) -> Overruled:
+    """Return hypotheses and effects once causes, or else their rivals, are overruled."""
+    gone = [judged.named] if judged.named else [[name] for name in rivals]
+    return overruled(judged.search, judged.effects_known, gone, judged.above)
+
+
+def _why_not_shown(
+    model: LinearModel, search: Search, judged: Judged, instrument: Instrument | str
+) -> str | None:
+    """Return why these data could not have shown a gap, the first reason of three."""
+    return (
+        why_not_shown(search, judged.residuals, along_path=model.data.rigs[0].along_path)
+        or loosely_known(model, judged.residuals, judged.posterior)
+        or why_bent(instrument)
+    )

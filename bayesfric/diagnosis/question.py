@@ -1,0 +1,116 @@
+"""What a diagnosis is asked: a recording, a law, what is held, and which effects."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.baseline import data_of
+from bayesfric.diagnosis.examined import examinable, widened
+from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_of
+from bayesfric.diagnosis.simulated import own_law_of
+from bayesfric.diagnosis.target import check_target
+from bayesfric.effects import Effect, with_priors
+from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import FrictionLaw
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import with_own_priors
+from bayesfric.rigs.own_law import OwnLaw
+from bayesfric.simulators import SimulatorCalls
+
+
+@dataclass(frozen=True)
+class Question:
+    """A recording, and what is asked of it.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    data : Data
+        Its trials that enter.
+    analysis : Analysis
+        With the priors that the rigs have of their own.
+    law : FrictionLaw
+        Whose gap is looked for.
+    own_law : OwnLaw or None
+        A user's simulator that has its place.
+    shipped : Shipped or None
+        The simulator's values as a user gave them.
+    law_shipped : mapping of str to Coefficients
+        The law with these, by pulley size.
+    held : frozenset of str
+        Numbers that are not fitted.
+    examined : mapping of str to Effect
+        By name.
+    lacking : mapping of str to tuple of str
+        What these data lack for effects that are not.
+    own_effects : tuple of str
+        Names of a user's own.
+    target : DataFrame or None
+        Conditions at which friction is asked for.
+    """
+
+    recording: Recording
+    data: Data
+    analysis: Analysis
+    law: FrictionLaw
+    own_law: OwnLaw | None
+    shipped: Shipped | None
+    law_shipped: Mapping[str, Coefficients]
+    held: frozenset[str]
+    examined: Mapping[str, Effect]
+    lacking: Mapping[str, tuple[str, ...]]
+    own_effects: tuple[str, ...]
+    target: pd.DataFrame | None
+
+    @property
+    def practical(self) -> float:
+        """Share of friction below which nothing is of concern."""
+        return self.analysis.diagnosis.practical_share
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        """Of all effects that are examined."""
+        return [
+            candidate for effect in self.examined.values() for candidate in candidates_of(effect)
+        ]
+
+
+def question_of(
+    recording: Recording,
+    analysis: Analysis,
+    fixed: Collection[str],
+    effects: Collection[Effect],
+    shipped: Shipped | None,
+    baseline: str,
+    simulator: SimulatorCalls | None,
+    target: pd.DataFrame | None,
+) -> Question:
+    """Return what is asked; parameters as of :func:`bayesfric.diagnosis.diagnose`."""
+    data, law = data_of(recording, baseline, simulator)
+    own_law = own_law_of(data)
+    if target is not None:
+        check_target(target, data.rigs[0], data.sizes)
+    analysis = with_own_priors(analysis, data.rigs)
+    law_shipped = shipped_of(shipped, data)
+    held = held_of(fixed, data, law_shipped)
+    examined, lacking = examinable(data, {effect.name: effect for effect in effects})
+    examined = with_priors(examined, analysis.priors.effects)
+    return Question(
+        recording,
+        data,
+        analysis,
+        law,
+        own_law,
+        shipped,
+        law_shipped,
+        held,
+        {name: widened(effect, analysis) for name, effect in examined.items()},
+        lacking,
+        tuple(effect.name for effect in effects),
+        target,
+    )
