@@ -122,22 +122,30 @@ def case(seed):
 
 def figures(cases):
     """Return how predictions came true."""
-    ratios, errors = [], []
+    ratios, errors, loose = [], [], []
     for record in cases:
-        for predicted, told, error in record["numbers"].values():
-            ratios.append(predicted / told)
-            errors.append(error / predicted)
+        for noise, off, law_alone, beside, error in record["numbers"].values():
+            # With an effect the law alone is wrong, and told so: its errors are those beside it.
+            ratios.append(noise / (beside if record["effect"] and record["found"] else law_alone))
+            if record["effect"] is None:
+                errors.append(error / noise)
+                loose.append(error / off)
     near = [1 / WITHIN <= ratio <= WITHIN for ratio in ratios]
     can = [record["found"] for record in cases if record["said"] == "can"]
     cannot = [record["named"] for record in cases if record["said"] == "cannot"]
     return {
         "within_factor": [sum(near), len(near)],
         "median_ratio": float(np.median(ratios)),
-        "rms_error_over_predicted": float(np.sqrt(np.mean(np.square(errors)))),
+        "rms_error_over_predicted": _rms(errors),
+        "rms_error_over_that_of_a_law_that_is_off": _rms(loose),
         "can_found": [sum(can), len(can)],
         "cannot_named": [sum(cannot), len(cannot)],
         "hopeless": sum(record["hopeless"] for record in cases),
     }
+
+
+def _rms(values):
+    return float(np.sqrt(np.mean(np.square(values)))) if values else None
 
 
 def gather(folder):

@@ -19,6 +19,7 @@ FIXED_SEEDS = (0, 1)
 PER_K = " per K"
 LATEST_S = 0.04
 PAYLOAD_KG = 0.3
+NAMES = ("coulomb", "viscous", "gravity", "inertia")
 
 
 def servo(seed):
@@ -111,7 +112,7 @@ def inside(cases, name):
 def figures(cases):
     """Return shares of truths inside, and how far the middles are off, in the median."""
     reported = {}
-    for name in ("coulomb", "viscous", "gravity", "inertia"):
+    for name in NAMES:
         held = inside(cases, name)
         numbers = [record["numbers"][name] for record in cases if name in record["numbers"]]
         off = [abs(middle / truth - 1) for truth, _, middle, _ in numbers if truth]

@@ -7,7 +7,7 @@ weighed on an arm of known length, or an inertia that was written down. Without 
 numbers are told over K.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -31,6 +31,7 @@ SURE = 5.0  # standard errors, from which on a known force tells the stiffness
 OPEN_S = 0.001  # of a delay, by which it is open whatever the rows say
 OPEN = 0.3  # relative, that a stiffness may be off by where the rows themselves tell it
 A_PERIOD = 30.0  # samples in a period of the motion, with fewer of which no inertia is told
+IN_BAND = 0.9  # of the squared speed, that is in the band of a motion
 MASS, COULOMB, VISCOUS, DELAY, OFFSET = range(5)
 NEVER = frozenset({"spring", "commanded-force", "known-load"})
 """Needs of effects that no log of commands shows: curvatures of a force that has the position's
@@ -119,11 +120,11 @@ class Servo(NamedTuple):
             yield f"Inertia is not told: {self.no_inertia}"
 
 
-class _Told(NamedTuple):
+class _Stiffness(NamedTuple):
     """A stiffness, what tells it, its standard error, and by how much the rows leave it open."""
 
     known_by: str
-    stiffness: float
+    value: float
     error: float
     open_by: float | None = None  # as its error
 
@@ -139,11 +140,14 @@ class _Pilot(NamedTuple):
         Of the law, and then of forces that are known.
     errors : ndarray, shape (n,)
         Their standard errors.
+    samples_a_period : float
+        Of the motion.
     """
 
     rows: Readings
     numbers: Array
     errors: Array
+    samples_a_period: float
 
 
 def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
@@ -172,14 +176,15 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
             return Servo(_relative(constants, late_s), late_sd_s=sd_s)
         late_s = max(late_s + float(pilot.numbers[DELAY]), 0.0)
     assert pilot is not None
-    period = _samples_a_period(pilot.rows, interval)
+    period = pilot.samples_a_period
     settled = replace(constants, latency_s=late_s)
-    for told in _stiffnesses(axis, constants, pilot, period):
-        if told.stiffness > SURE * told.error:
-            share = told.error / told.stiffness if told.open_by is None else told.open_by
+    for stiffness in _stiffnesses(axis, constants, pilot, period):
+        if stiffness.value > SURE * stiffness.error:
+            share = stiffness.error / stiffness.value
+            share = share if stiffness.open_by is None else stiffness.open_by
             # How far the stiffness is open is in the rows, and not again in a mass.
-            settled = replace(settled, command_gain=told.stiffness, force_gain_sd=0.0)
-            return Servo(settled, *told[:3], share, sd_s, period)
+            settled = replace(settled, command_gain=stiffness.value, force_gain_sd=0.0)
+            return Servo(settled, *stiffness[:3], share, sd_s, period)
     return Servo(_relative(constants, late_s), late_sd_s=sd_s, samples_a_period=period)
 
 
@@ -257,11 +262,18 @@ def _interval_s(axis: Axis) -> float:
     return float(steps.median()) if len(steps) else 1.0
 
 
-def _samples_a_period(rows: Readings, interval_s: float) -> float:
-    """Return samples in a period of the motion, by rms speed over rms acceleration."""
-    speed = float(np.sqrt(np.mean((rows.speed @ rows.weights) ** 2)))
-    rate = float(np.sqrt(np.mean(rows.acceleration**2))) / speed
-    return float(2 * np.pi / max(rate, 1e-12) / interval_s)
+def _samples_a_period(logs: Sequence[EvenLog]) -> float:
+    """Return samples in a period of the motion's band: most of the speed is slower than that."""
+    rates, powers = [], []
+    for log in logs:
+        speed = np.diff(log.position)
+        spectrum = np.abs(np.fft.rfft(speed * np.hanning(speed.size))) ** 2
+        rates.append(np.fft.rfftfreq(speed.size))  # per sample
+        powers.append(spectrum)
+    rate, power = np.concatenate(rates), np.concatenate(powers)
+    order = np.argsort(rate)
+    share = np.cumsum(power[order]) / power.sum()
+    return float(1 / max(rate[order][np.searchsorted(share, IN_BAND)], 1e-12))
 
 
 def _law(rows: Readings) -> Array:
@@ -278,17 +290,18 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
     for run, samples in axis.samples.groupby("run", sort=False):
         log = log_of(samples.reset_index(drop=True), constants)
         if log is not None and (log.position.max() > log.position.min()):
-            known = _known(log, str(run), machine, constants, masses.get(str(run), 0.0))
-            logs.append(replace(log, forces=tuple(known)))
+            parts = _known_forces(log, str(run), machine, constants, masses.get(str(run), 0.0))
+            logs.append(replace(log, forces=tuple(parts)))
     starts: list[Whole] = [np.zeros(1, dtype=np.intp) for _ in logs]
     rows = readings_of(logs, starts, constants.encoder_resolution) if logs else None
     if rows is None:
         return None
-    pulls = _pulls(rows, constants, machine)
-    return _fitted(rows, np.column_stack([_law(rows), rows.simulated, pulls]), delay)
+    columns = [_law(rows), rows.simulated, _pulls(rows, constants, machine)]
+    numbers, errors = _fitted(rows, np.column_stack(columns), delay)
+    return _Pilot(rows, numbers, errors, _samples_a_period(logs))
 
 
-def _known(
+def _known_forces(
     log: EvenLog, run: str, machine: Machine, constants: RigConstants, mass: float
 ) -> Iterator[WeakForce]:
     """Yield what is known of the force of a run [N or N·m], a payload's in parts by its phase."""
@@ -315,8 +328,8 @@ def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
     return np.stack(pulls, axis=1) * rows.way[:, None]
 
 
-def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> _Pilot:
-    """Return least squares with the delay's prior; errors hang together within stretches."""
+def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple[Array, Array]:
+    """Return least squares, and their errors, with the delay's prior; errors hang together within stretches."""
     force = rows.force
     width = np.abs(columns).max(axis=0)
     width[width == 0] = 1.0  # of a command that never changes
@@ -333,18 +346,18 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> _Pilo
     np.add.at(sums, rows.piece, design * left[:, None])
     inverse = np.linalg.pinv(design.T @ design + prior.T @ prior, rcond=1e-12)
     covariance = inverse @ (sums.T @ sums) @ inverse
-    return _Pilot(rows, numbers / width, np.sqrt(np.diag(covariance)) / width)
+    return numbers / width, np.sqrt(np.diag(covariance)) / width
 
 
 def _stiffnesses(
     axis: Axis, constants: RigConstants, pilot: _Pilot, period: float
-) -> Iterator[_Told]:
+) -> Iterator[_Stiffness]:
     """Yield what tells the stiffness, the best first."""
     gain = constants.command_gain
     if gain is not None:
-        yield _Told("rig.command_gain", gain, gain_sd(constants) * gain)
-    known = slice(LAW, LAW + min(pilot.rows.simulated.shape[1], PHASES))
-    own, errors = pilot.numbers[known], pilot.errors[known]
+        yield _Stiffness("rig.command_gain", gain, gain_sd(constants) * gain)
+    of_known = slice(LAW, LAW + min(pilot.rows.simulated.shape[1], PHASES))
+    own, errors = pilot.numbers[of_known], pilot.errors[of_known]
     size = float(np.linalg.norm(own))
     if own.size and size > 0:
         signed = float(own[0]) if own.size == 1 else size
@@ -352,10 +365,10 @@ def _stiffnesses(
         model = "a model of the machine" if constants.robot else "known_force_n"
         name, is_open = (model, OPEN) if own.size == 1 else ("a payload on rig.payload_arm_m", None)
         if signed > 0:
-            yield _Told(name, 1 / signed, error / signed**2, is_open)
+            yield _Stiffness(name, 1 / signed, error / signed**2, is_open)
     mass = constants.moving_mass_kg
     inertia, error = float(pilot.numbers[MASS]), float(pilot.errors[MASS])
     if mass is not None and inertia > 0 and period >= A_PERIOD:
         own_sd = OF_MASS * mass if constants.mass_sd_kg is None else constants.mass_sd_kg
         value, share = mass / inertia, float(np.hypot(error / inertia, own_sd / mass))
-        yield _Told("rig.moving_mass_kg", value, value * share, OPEN)
+        yield _Stiffness("rig.moving_mass_kg", value, value * share, OPEN)

@@ -1,0 +1,147 @@
+"""Simulated joints of known truth, diagnosed, exported into models, and loaded again.
+
+MuJoCo moves a hinge (``export/hinge.py`` of the tests) beside a user's model: of every second joint
+that model is right already, of the others its friction and armature are a third and less. What
+MuJoCo reads from the exported MJCF and URDF, and the fields of the SDF, are compared with the
+truth; held-out runs say which values are promoted.
+"""
+
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome, rate
+from export.hinge import Hinge, drawn_hinge, recording
+
+from bayesfric.campaign import run_on_processes
+from bayesfric.diagnosis import diagnose
+from bayesfric.export.into import filled_model
+from bayesfric.export.joints import joints_of
+from bayesfric.replaying import held_out_parts, with_replay
+
+FINGERPRINT = ("likelihood.axis", "diagnosis.axis", "whole.axis")
+SEEDS = range(50)
+FIXED_SEEDS = (0, 1)
+WRONG = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)
+NAMES = {"coulomb": "frictionloss", "viscous": "damping", "armature": "armature"}
+SECONDS = 36.0  # of which a third is held out
+ROUNDED = 0.5  # of an error, by which a written number is off at the most
+SDF = """<sdf version="1.9"><model name="one"><link name="base"/><link name="rod"/>
+<joint name="hinge" type="revolute"><parent>base</parent><child>rod</child>
+<axis><xyz>0 1 0</xyz><dynamics><damping>0.05</damping><friction>0.2</friction></dynamics></axis>
+</joint></model></sdf>
+"""
+
+
+def is_right(seed):
+    """Return whether the user's model has the true values already."""
+    return seed % 2 == 0
+
+
+def loaded(folder, joints, own):
+    """Return numbers of the joint as they come out of the exported models, by format."""
+    import mujoco
+
+    models = {"mjcf": own.model(), "urdf": own.urdf(), "sdf": SDF}
+    numbers = {}
+    for kind, text in models.items():
+        path = folder / f"one.{'xml' if kind == 'mjcf' else kind}"
+        path.write_text(text)
+        written = filled_model(path, kind, joints, {}).content.decode()
+        if kind == "sdf":
+            dynamics = ElementTree.fromstring(written).find(".//joint/axis/dynamics")
+            named = {"coulomb": "friction", "viscous": "damping"}
+            numbers[kind] = {name: float(dynamics.findtext(tag)) for name, tag in named.items()}
+            continue
+        model = mujoco.MjModel.from_xml_string(written)
+        numbers[kind] = {
+            "coulomb": float(model.dof_frictionloss[0]),
+            "viscous": float(model.dof_damping[0]),
+        }
+        if kind == "mjcf":
+            numbers[kind]["armature"] = float(model.dof_armature[0])
+    return numbers
+
+
+def case(seed):
+    """Diagnose, replay and export one joint.
+
+    Parameters
+    ----------
+    seed : int
+        Of the joint and its log.
+    """
+    truth = drawn_hinge(seed + 100)
+    own = truth if is_right(seed) else WRONG
+    early, late, what = held_out_parts(recording(truth, seed + 100, own=own, seconds=SECONDS))
+    diagnosed = with_replay(diagnose(early), late, what, seed)
+    summary = diagnosed.summary
+    entered = {number.parameter: number.value for number in summary.enter}
+    joints = joints_of(summary, diagnosed.curves)
+    with tempfile.TemporaryDirectory() as folder:
+        written = loaded(Path(folder), joints, own)
+    numbers = {
+        name: [getattr(truth, field), entered[name].q05, entered[name].q95]
+        for name, field in NAMES.items()
+        if name in entered
+    }
+    as_written = all(
+        abs(value - entered[name].mean) <= ROUNDED * entered[name].sd
+        for values in written.values()
+        for name, value in values.items()
+        if name in entered
+    )
+    return {
+        "seed": seed,
+        "right": is_right(seed),
+        "numbers": numbers,
+        "written": written,
+        "as_written": as_written,
+        "promoted": summary.replay.promoted,
+        "replay": summary.replay.sentence,
+        "verdict": summary.verdict,
+        "named": [cause.effect for cause in summary.causes],
+    }
+
+
+def figures(cases):
+    """Return shares of truths inside, and what was promoted."""
+    held = {
+        name: [low <= truth <= high for truth, low, high in numbers]
+        for name in NAMES
+        if (numbers := [case["numbers"][name] for case in cases if name in case["numbers"]])
+    }
+    right = [record["promoted"] for record in cases if record["right"]]
+    others = [record["promoted"] for record in cases if not record["right"]]
+    return {
+        "inside": {name: [sum(of), len(of)] for name, of in held.items()},
+        "as_written": [sum(record["as_written"] for record in cases), len(cases)],
+        "right_promoted": [sum(right), len(right)],
+        "others_promoted": [sum(others), len(others)],
+    }
+
+
+def gather(folder):
+    """Run the campaign."""
+    cases = {f"{seed:02d}": seed for seed in SEEDS}
+    done = list(run_on_processes(case, cases, folder, workers=2).values())
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures=figures(done),
+        cases=done,
+        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    inside = figures["inside"].values()
+    hits, number = (sum(pair[place] for pair in inside) for place in (0, 1))
+    promoted, of_right = figures["right_promoted"]
+    return [
+        rate("truths inside the intervals", hits, number, least=0.85, most=0.95),
+        rate("models have what was to be entered", *figures["as_written"], least=1),
+        Outcome(f"right values replaced, of {of_right}", promoted, most=0),
+        rate("wrong values replaced", *figures["others_promoted"], least=14 / 15),
+    ]
