@@ -48,10 +48,13 @@ test: setup
 tests: setup
 	$(python) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
+# Options of mypy.
+TYPES ?=
+
 quality: setup
 	$(python) -m ruff check .
 	$(python) -m ruff format --check .
-	$(python) -m mypy
+	$(python) -m mypy $(TYPES)
 	@PYTHONPATH=tests $(python) -m campaigns.evidence
 
 # MOVE="part ..." WHY="reason" writes the numbers of these parts, and a line in CHANGELOG.md.

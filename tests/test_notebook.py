@@ -32,7 +32,7 @@ def desk(small_recording, small_fit, tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("name", ["fit", "load"])
+@pytest.mark.parametrize("name", [pytest.param("fit", marks=pytest.mark.nightly), "load"])
 def test_the_examples_of_the_docstrings_run(desk, monkeypatch, name):
     monkeypatch.chdir(desk)
     (example,) = doctest.DocTestFinder(recurse=False).find(getattr(calls, name), name, module=calls)

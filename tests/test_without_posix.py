@@ -14,9 +14,9 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-design = Protocol({(9, 85.0): 2, (15, 85.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+design = Protocol({(9, 85.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
 recording = simulate_recording(design, seed=4, rigs=("gravity",))
-sampler = Sampler(ensembles=4, steps=100)
+sampler = Sampler(burn=10, steps=50, thin=2, extensions=0)
 result = bf.fit(recording, Analysis(seed=3, sampler=sampler))
 result.write(sys.argv[1])
 print(sorted(result.summary.pulleys))

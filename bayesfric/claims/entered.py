@@ -80,7 +80,7 @@ class Entered:
         moving = (
             name
             for name in self.rigs
-            if self.trials(name).rig.regime == regime and self.trials(name).has_pulleys
+            if self.trials(name).rig.words.regime == regime and self.trials(name).has_pulleys
         )
         return next(moving, None)
 
@@ -91,7 +91,7 @@ class Entered:
 
     def lack(self, regime: Regime) -> str:
         """Return a sentence that says why no rig with data moves in this way."""
-        kinds = [rig for rig in all_rigs().values() if rig.regime == regime]
+        kinds = [rig for rig in all_rigs().values() if rig.words.regime == regime]
         without = [rig for rig in kinds if rig.name in self.left_out]
         if without:
             return f"The {' and the '.join(rig.words.rig for rig in without)} was left out."

@@ -102,7 +102,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
         verdict,
         f"With probability {stated(probability)} all {len(sizes)} conditions agree within "
         f"{share(rules.rig_tolerance)} and most within {share(rules.rig_usual_tolerance)}, the "
-        "calibration of either rig being as uncertain as its priors and these data leave it; "
+        "calibration of each rig as uncertain as its prior and these data leave it; "
         f"the largest median difference is {100 * medians[furthest]:+.2g} % ({furthest}).",
         figures,
         why="the claim rests on a probability",

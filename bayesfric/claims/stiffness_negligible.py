@@ -40,7 +40,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
         verdict,
         f"A stretching cable changes friction by less than {share(rules.stiffness_tolerance)} "
         f"with probability {stated(probability)}; in the median by {share(float(np.median(off)))}. "
-        "The cable is that of the priors: of these data only masses, times and noise enter.",
+        "The stiffness is that of the prior; these data give masses, times and noise alone.",
         {
             "probability": probability,
             "median_change": float(np.median(off)),

@@ -21,7 +21,7 @@ from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
-from bayesfric.diagnosis.structure import unlike_scatter
+from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, Instrument, Remainder
@@ -181,14 +181,21 @@ def conclude(
     elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
     if remainder is not None:
         why = _why_overruled(model, judged, gap, practical, remainder)
-    instrument = rig.instrument(model.amplitudes(best.at, best.acting))
+    acting = model.amplitudes(best.at, best.acting)
+    instrument = rig.instrument(acting)
     contradicted = why is not None or elsewhere
-    bent = None if contradicted else not_held(instrument, named)
+    bent = None
+    if not contradicted:
+        whose = {
+            law.effect: candidate.effect.name
+            for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
+        }
+        bent = not_held(instrument, {name: whose.get(name, name) for name in named})
     apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
     not_shown = _why_not_shown(model, apart.search, judged, instrument)
     left_in_order = unlike_scatter(
         gap, residuals, measured.held_out.inside[1], posterior, practical, order
-    )
+    ) or changes_slowly(model.noise.named(judged.settled.psi), practical)
     chances = apart.search.probabilities()
     together = () if elsewhere else sets_of_one(chances, apart.effects_known, named)
     causes = [effect for effect in apart.effects_known if effect.effect in named]

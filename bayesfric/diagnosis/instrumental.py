@@ -10,7 +10,7 @@ A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach
 robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -38,21 +38,21 @@ def why_bent(instrument: Instrument | str) -> str | None:
     )
 
 
-def not_held(instrument: Instrument | str, named: Collection[str]) -> str | None:
+def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | None:
     """Return which causes an instrument that alarms does not tell; None where it tells all.
 
     Parameters
     ----------
     instrument : Instrument or str
         Beside least squares, or why there is none.
-    named : collection of str
-        The causes by least squares.
+    named : mapping of str to str
+        The causes by least squares, each with the effect whose law it has: itself, or a twin.
     """
     if isinstance(instrument, str) or not instrument.alarms:
         return None
     parts = []
-    for name in named:
-        value = instrument.effects.get(name)
+    for name, whose in named.items():
+        value = instrument.effects.get(whose)
         if value is None:
             parts.append(f"{name} is not told by it")
         elif not _is_told(value):

@@ -87,7 +87,7 @@ class Statement:
             return f"{middle:.3g} {gap.unit} rms"
         if middle < RULES.has_figure * gap.friction_rms:
             return f"less than {RULES.has_figure:.1%} of friction"
-        return f"{middle:.3g} {gap.unit} rms, {middle / gap.friction_rms:.1%} of friction"
+        return f"{middle:.3g} {gap.unit} rms ({middle / gap.friction_rms:.1%} of friction)"
 
     @property
     def acting(self) -> str:

@@ -117,7 +117,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
 
     None where too many are. Rows of the boards of the paper all count alike.
     """
-    if all(trials.rig.paper for trials in model.data.rigs):
+    if all(trials.rig.words.paper for trials in model.data.rigs):
         return {}
     best, own, force = search.best(), model, search.unknown
     at, acting = best.at, best.acting
@@ -132,7 +132,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
     weights = {}
     for place, rig in enumerate(plain.rigs):
         mine = windows.rig == place
-        if not plain.data.rigs[place].rig.paper:
+        if not plain.data.rigs[place].rig.words.paper:
             alone, before, surely = off[mine], None, None
             if alone.size == len(rig.rows.table):
                 # A reading that no other confirms: what an effect follows it by is no agreement.

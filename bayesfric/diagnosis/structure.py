@@ -5,7 +5,7 @@ functions, is taken for scatter by the law's own noise. Scatter is alike in any 
 is not: put in the order of an axis, neighbours have it together. Means over neighbours say so.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.schemas import Gap
 
+SLOW = "slow_axis"
+"""Level of friction's scatter in time within a run."""
 TIME = "time"
 """The order in which windows were recorded, an axis that every recording has."""
 DRAWS = 400
@@ -51,6 +53,24 @@ class Together:
             f"a force of {size} goes together along {self.axis.replace('_', ' ')} (scatter makes "
             f"as much with a probability of {self.p_value:.2g})"
         )
+
+
+def changes_slowly(noise: Mapping[str, float], practical: float) -> str | None:
+    """Return that friction changes slowly in time by what counts; None where it does not.
+
+    Scatter takes that up, whatever makes it: that no effect is like it is no finding of none.
+
+    Parameters
+    ----------
+    noise : mapping of str to float
+        Of the likeliest hypothesis, by name.
+    practical : float
+        Practical share of friction.
+    """
+    share = noise.get(SLOW, 0.0)
+    if share < practical:
+        return None
+    return f"friction changes slowly in time within a run, by {share:.1%} of itself rms"
 
 
 def goes_together(

@@ -80,27 +80,27 @@ class AtRest(Protocol):
 
 
 class ExactModel(Protocol):
-    """What a rig says of its trials under a law and effects."""
+    """What a rig says of its trials under a law and effects.
 
-    @property
-    def trials(self) -> pd.DataFrame:
-        """N rows, those of a group adjacent."""
+    Attributes
+    ----------
+    trials : DataFrame
+        N rows, those of a group adjacent.
+    coefficients : tuple of Parameter
+        Of the friction law.
+    scatter : ScatterLevels
+        Levels of the scatter.
+    further : tuple of Parameter
+        Noise, nuisances and effects.
+    at_rest : AtRest or None
+        Trials that did not move; None without any.
+    """
 
-    @property
-    def coefficients(self) -> tuple[Parameter, ...]:
-        """Of the friction law."""
-
-    @property
-    def scatter(self) -> ScatterLevels:
-        """Levels of the scatter."""
-
-    @property
-    def further(self) -> tuple[Parameter, ...]:
-        """Noise, nuisances and effects."""
-
-    @property
-    def at_rest(self) -> AtRest | None:
-        """Trials that did not move; None without any."""
+    trials: pd.DataFrame
+    coefficients: tuple[Parameter, ...]
+    scatter: ScatterLevels
+    further: tuple[Parameter, ...]
+    at_rest: AtRest | None = None
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return friction by the law and the effects, shape (W, N) [N]."""
@@ -110,6 +110,8 @@ class ExactModel(Protocol):
 
         A number where the rig's scatter has no level of its own for it.
         """
+        del theta
+        return 0.0
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
         """Return what the rows show of each trial's friction."""

@@ -5,16 +5,17 @@ model are laid out they say, given the noise, what the data know of its numbers
 (:class:`LinearRig`). The model holds a tuple of these and asks none for its name.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 import pandas as pd
 
 from bayesfric.analysis import Prior, Priors
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
@@ -178,25 +179,39 @@ class LinearRows(Protocol):
         """Return the rig with the columns of a model, at its place among all."""
 
 
-class LinearRig(Protocol):
-    """Trials of one rig as information on the numbers of a hypothesis."""
+class LinearRig(ABC):
+    """The trials of a rig as information on the numbers of a hypothesis.
 
-    @property
-    def rows(self) -> LinearRows:
-        """The trials."""
+    A rig says what its rows tell at a noise; how sizes share numbers, and what most rigs have
+    none of, is the same for all.
 
-    @property
-    def noise(self) -> tuple[NoiseParameter, ...]:
-        """Its noise parameters, by name."""
+    Parameters
+    ----------
+    rows : LinearRows
+        N trials, linear around a reference law.
+    model : ModelColumns
+        What is made of them.
 
-    @property
-    def size(self) -> Whole:
-        """Place of each trial's pulley size, (N,)."""
+    Attributes
+    ----------
+    layout : Layout
+        Where numbers stand.
+    size, setup : ndarray of int, shape (N,)
+        Place of each trial's pulley size, and its assembly.
+    noise : tuple of NoiseParameter
+        Its noise parameters, by name.
+    """
 
-    @property
-    def setup(self) -> Whole:
-        """Assembly of each trial, (N,)."""
+    rows: LinearRows
+    noise: tuple[NoiseParameter, ...]
 
+    def __init__(self, rows: LinearRows, model: ModelColumns) -> None:
+        self.rows, self.layout = rows, model.layout
+        sizes = rows.table["pulley_size"]
+        self.size = np.array([model.layout.sizes.index(size) for size in sizes], dtype=np.intp)
+        self.setup = pd.factorize(rows.table["setup"])[0].astype(np.intp)
+
+    @abstractmethod
     def evaluate(
         self,
         noise: Mapping[str, float],
@@ -218,23 +233,51 @@ class LinearRig(Protocol):
             Trials that enter; None is all.
         """
 
-    def squeezed(self, squeeze: Array, layout: Layout) -> "LinearRig":
+    @abstractmethod
+    def squeezed(self, squeeze: Array, layout: Layout) -> Self:
         """Return the rig with mixtures of its columns in their place."""
 
+    @abstractmethod
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return the information of each trial alone on the local numbers, (N, q, q)."""
 
-    def phase_strength(self, place: int) -> float:
-        """Return the squared signal over noise of a candidate's phases at unit amplitude."""
-
+    @abstractmethod
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
 
+    @abstractmethod
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows."""
 
+    def phase_strength(self, place: int) -> float:
+        """Return the squared signal over noise of phases at unit amplitude: here none shows."""
+        del place
+        return 0.0
+
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return trials that run freely from their first events; none where nothing runs."""
+        """Return trials that run freely from their first events: none where nothing runs."""
+        del noise, numbers
+        return {}
+
+    def joined(self, of_sizes: Iterable[tuple[int, Array, Array]], constant: float) -> Information:
+        """Return what trials of all sizes say of the numbers of all sizes.
+
+        Parameters
+        ----------
+        of_sizes : iterable of (int, ndarray, ndarray)
+            Place of a size, and precision (k, k) and slope (k,) of its local numbers.
+        constant : float
+            Of all sizes.
+        """
+        parts = list(of_sizes)
+        width = len(parts[0][2])
+        total = self.layout.total(width)
+        precision, slope = np.zeros((total, total)), np.zeros(total)
+        for size, own_precision, own_slope in parts:
+            place = self.layout.spread(width, size)
+            precision[np.ix_(place, place)] += own_precision
+            slope[place] += own_slope
+        return Information(precision, slope, constant)
 
 
 def rms_of(force: Array | Unsupported) -> float:

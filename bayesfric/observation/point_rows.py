@@ -15,6 +15,7 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.linear import NoiseParameter, rms_of
 from bayesfric.observation.unsupported import Unsupported
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
@@ -145,6 +146,15 @@ class PointRows:
         turn = where["wrap_angle"] - REFERENCE_WRAP_ANGLE_DEG
         columns = self.readings(np.stack([n * tension, n, n * tension * turn])).T
         return columns * [name not in self.lacks for name in Coefficients._fields]
+
+    def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
+        """Return what a smooth force adds to each reading, (N, k); `force_n` is its unit, (N,)."""
+        unit = self.friction_n if smooth.relative else force_n
+        return self.readings(unit * smooth.columns(self.covariates())).T
+
+    def nuisance_columns(self) -> Array:
+        """Return what numbers that all readings share add to them, (N, K)."""
+        return self.curve
 
     def scatter_column(self) -> Array:
         """Return the reading of a relative deviation of friction of 1, (N,)."""

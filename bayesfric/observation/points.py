@@ -6,23 +6,18 @@ out group by group.
 """
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from bayesfric.arrays import Array, Flags, Whole
-from bayesfric.effects.candidates import on_friction
-from bayesfric.inference.information import Information
 from bayesfric.inference.priors import LOG_2PI
-from bayesfric.inference.smooths import Smooth
-from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import Evaluated, Run
+from bayesfric.observation.layout import ModelColumns
+from bayesfric.observation.linear import Evaluated
+from bayesfric.observation.part import ColumnsPart, laid_columns, row_weights, scattering_column
 from bayesfric.observation.point_rows import PointRows
 from bayesfric.observation.shared_deviation import NestedDeviations, indicator, second_moments
-from bayesfric.observation.unsupported import Unsupported
 from bayesfric.observation.windows import Windows
 
 
@@ -40,12 +35,12 @@ class _WeightedReadings(NamedTuple):
     nested: NestedDeviations
 
 
-class PointPart:
+class PointPart(ColumnsPart):
     """Readings as information on the numbers of a hypothesis.
 
     Parameters
     ----------
-    rows : PointRows
+    rows : LinearReadings
         The readings, linear around the reference law.
     model : ModelColumns
         What is made of them; trials are kept one by one, whether or not any is left out.
@@ -58,45 +53,29 @@ class PointPart:
         Of the local numbers, in the unit of the readings.
     """
 
-    def __init__(self, rows: PointRows, model: ModelColumns, place: int) -> None:
-        self.rows, self.layout = rows, model.layout
-        sizes = rows.table["pulley_size"]
-        self.size = np.array([model.layout.sizes.index(size) for size in sizes])
-        codes, setups = pd.factorize(rows.table["setup"])
-        self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
+    rows: "LinearReadings"
+
+    def __init__(self, rows: "LinearReadings", model: ModelColumns, place: int) -> None:
+        super().__init__(rows, model)
+        setups = int(self.setup.max()) + 1
         loaded = rows.table.groupby(["setup", *rows.loads], sort=False).ngroup()
         self._load = loaded.to_numpy()
         first = [int(np.argmax(self._load == load)) for load in range(self._load.max() + 1)]
-        self._setup_of_load, self._size_of_load = codes[first], self.size[first]
-        self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
+        setup_of_load, self._size_of_load = self.setup[first], self.size[first]
+        starts = [int(np.argmax(self.setup == setup)) for setup in range(setups)]
+        self._size_of_setup = self.size[starts]
         self._by_load = indicator(np.asarray(self._load, dtype=np.intp), len(first))
-        self._by_setup = indicator(self._setup_of_load, len(setups))
-        force = np.array([model.friction_scale[size] for size in sizes])
-
-        def smooth_columns(smooth: Smooth) -> Array:
-            unit = rows.friction_n if smooth.relative else force
-            return rows.readings(unit * smooth.columns(rows.covariates())).T
-
-        columns = model.filled(
-            rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
-        )
+        self._by_setup = indicator(setup_of_load, setups)
+        self.columns = laid_columns(rows, model, place)
         mine = model.layout.nuisance(place)
-        columns[:, mine] = rows.curve
-        self.columns = columns * model.scales
         self._mine = slice(mine.start - model.layout.local, mine.stop - model.layout.local or None)
         self._still = rows.still_curve * model.scales[mine]
-        self._moved = rows.scatter_column()
-        for candidate, amplitude in on_friction(model.scattering):
-            column = rows.candidate_column(candidate)
-            if not isinstance(column, Unsupported):
-                self._moved = self._moved + amplitude * column
+        self._moved = scattering_column(rows, model)
         # Deviations of a load and of an assembly move friction, and its intercept alone.
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(model.priors)
-        self._weight = np.asarray(
-            model.row_weights.get(rows.name, np.ones(len(sizes))), dtype=np.float64
-        )
+        self._weight = row_weights(rows, model, len(rows.table))
         self._own, *names = (parameter.name for parameter in self.noise)
         rank = len(shared_moves)
         self._by_loads, self._assembly = names[: 2 * rank : 2], names[1 : 2 * rank : 2]
@@ -111,27 +90,24 @@ class PointPart:
     ) -> Evaluated:
         """Return what the readings say; those at rest always enter, and no phases show."""
         rows = self._weighted(noise, mixing, used)
-        total = self.layout.total(rows.x.shape[1])
-        precision, slope = np.zeros((total, total)), np.zeros(total)
+        of_sizes = []
         for which in range(len(self.layout.sizes)):
             mine = rows.size == which
-            place = self.layout.spread(rows.x.shape[1], which)
             weighted = rows.weighted[mine].T
             part, own = weighted @ rows.x[mine], weighted @ rows.y[mine]
             taken = rows.nested.taken_by(self._size_of_load == which, self._size_of_setup == which)
-            precision[np.ix_(place, place)] += part - taken[0]
-            slope[place] += own - taken[1]
+            of_sizes.append((which, part - taken[0], own - taken[1]))
         square = (rows.y**2 / rows.variance).sum()
         constant = -0.5 * (rows.y.size * LOG_2PI + np.log(rows.variance).sum() + square)
         constant += rows.nested.constant + 0.5 * float(np.log(self._weight[rows.runs]).sum())
-        mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
-        still, at_rest = self._still, self.rows.still
+        still, at_rest, curve = self._still, self.rows.still, self._mine
         if at_rest.size:
             sigma = noise[self._errors[0]]
-            precision[mine, mine] += still.T @ still / sigma**2
-            slope[mine] += still.T @ at_rest / sigma**2
             constant -= 0.5 * (LOG_2PI + 2 * np.log(sigma) + (at_rest / sigma) ** 2).sum()
-        information = Information(precision, slope, float(constant))
+        information = self.joined(of_sizes, float(constant))
+        if at_rest.size:  # all sizes share the curve, whose numbers are the last ones alike
+            information.precision[curve, curve] += still.T @ still / sigma**2
+            information.slope[curve] += still.T @ at_rest / sigma**2
         return Evaluated(information, partial(self._gradient, noise, rows))
 
     def _weighted(
@@ -139,9 +115,7 @@ class PointPart:
     ) -> _WeightedReadings:
         """Return the readings that enter, weighted by their variance at a noise."""
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
-        start, end = self.layout.own, self.layout.own + self.layout.candidates
-        whole = self.columns[runs]
-        x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
+        x = self.mixed(mixing)[runs]
         # A row whose own error has a weight is one of weight 1, times the weight's root.
         root = np.sqrt(self._weight[runs])
         x = root[:, None] * x
@@ -213,23 +187,12 @@ class PointPart:
             variance += (noise[name] * scale) ** 2
         return variance
 
-    def squeezed(self, squeeze: Array, layout: Layout) -> "PointPart":
-        """Return the rig with mixtures of its columns in their place."""
-        squeezed = copy(self)
-        squeezed.layout, squeezed.columns = layout, self.columns @ squeeze
-        return squeezed
-
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return the information of each trial alone on the local numbers, (N, q, q)."""
         variance = self._error2(noise) / self._weight
         variance += self.scatter(noise).sum(axis=1) * self._moved**2
         outer = self.columns[:, :, None] * self.columns[:, None, :]
         return np.asarray(outer / variance[:, None, None])
-
-    def phase_strength(self, place: int) -> float:
-        """Return 0: an effect that goes round with the pulleys averages out in a steady run."""
-        del place
-        return 0.0
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
@@ -257,11 +220,6 @@ class PointPart:
             | {"order": np.asarray(self.rows.state.order)},
             counts=self._weight,
         )
-
-    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return none: nothing runs freely."""
-        del noise, numbers
-        return {}
 
 
 class LinearReadings(PointRows):

@@ -28,6 +28,7 @@ EFFECTS = 8  # most probable ones; the table has all
 FEWEST = 4  # effects that are drawn at least
 RARE = 0.02  # further effects are drawn where they are more probable
 KINDS = 8  # ticks along kinds that are named
+FITS = 22  # characters of a label below a panel; a longer one is smaller
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
@@ -208,7 +209,8 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None, kinds: Sequenc
         panel.xaxis.set_major_locator(MaxNLocator(4))
     panel.yaxis.set_major_locator(MaxNLocator(4))
     panel.tick_params(labelsize=6.5)
-    panel.set_xlabel(with_unit(axis_label(axis.axis), axis.unit), fontsize=7.5, labelpad=1.5)
+    words = with_unit(axis_label(axis.axis), axis.unit)
+    panel.set_xlabel(words, fontsize=7.5 if len(words) <= FITS else 6.0, labelpad=1.5)
 
 
 def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:

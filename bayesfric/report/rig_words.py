@@ -52,6 +52,8 @@ def law_words(law: str, rigs: Sequence[str]) -> str:
         On which it was fitted.
     """
     rigs_by_name = all_rigs()
-    if law != DEFAULT or any(name not in rigs_by_name or rigs_by_name[name].paper for name in rigs):
+    if law != DEFAULT or any(
+        name not in rigs_by_name or rigs_by_name[name].words.paper for name in rigs
+    ):
         return law
     return f"{rig_words(rigs[0]).rig}'s own"

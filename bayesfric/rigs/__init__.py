@@ -23,4 +23,4 @@ def all_rigs() -> dict[str, Rig]:
 
 def paper_rigs() -> dict[str, Rig]:
     """Return the paper's own rigs, for which its protocols are laid out."""
-    return {name: rig for name, rig in all_rigs().items() if rig.paper}
+    return {name: rig for name, rig in all_rigs().items() if rig.words.paper}

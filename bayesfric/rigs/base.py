@@ -56,6 +56,10 @@ class Words:
         What its law and its likelihood are, in sentences; nothing where they are the paper's.
     group, groups : str
         What trials of one value of ``setup`` are together, and several of these.
+    regime : str
+        How its trials move.
+    paper : bool
+        Whether it is one of the paper's own, which its protocols are for.
     thresholds : dataclass or None
         By which its log is read, where there are some: fields made by
         :func:`bayesfric.rules.rule`.
@@ -67,6 +71,8 @@ class Words:
     law: str = ""
     group: str = "assembly"
     groups: str = "assemblies"
+    regime: Regime = "steady"
+    paper: bool = False
     thresholds: Any = None
 
 
@@ -78,20 +84,12 @@ class Rig(Protocol):
         """What it is called in commands and files."""
 
     @property
-    def regime(self) -> Regime:
-        """How its trials move."""
-
-    @property
     def words(self) -> Words:
         """What it is called in sentences."""
 
     @property
     def tables(self) -> tuple[str, ...]:
         """Which tables of a recording it reads."""
-
-    @property
-    def paper(self) -> bool:
-        """Whether it is one of the paper's own, which its protocols are for."""
 
     @property
     def own_design(self) -> OwnDesign | None:

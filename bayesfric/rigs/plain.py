@@ -1,7 +1,8 @@
 """What a rig has when it says nothing of its own: no rules, no path, nothing beyond its trials."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from dataclasses import replace
+from typing import Any, Self, cast
 
 import pandas as pd
 import xarray as xr
@@ -11,7 +12,7 @@ from bayesfric.effects import Effect
 from bayesfric.errors import Fault
 from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
+from bayesfric.rigs.base import Predictive, Resting, RigTrials, Simulated, Unsupported
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import Protocol
@@ -52,6 +53,30 @@ class PlainRig:
 
 class PlainTrials(PulleyTrials):
     """Steady trials all of which enter; see :class:`bayesfric.rigs.base.RigTrials`."""
+
+    @property
+    def _own(self) -> RigTrials:
+        """The trials with all that their rig says of them."""
+        return cast(RigTrials, self)
+
+    @property
+    def slowest_speed_m_s(self) -> float:
+        """The least speed of a trial; infinite where nobody says [m/s]."""
+        if "velocity_m_s" not in self._own.table:
+            return float("inf")
+        return float(self._own.table["velocity_m_s"].abs().min())
+
+    def levels(self, name: str) -> int:
+        """Return how many values a column takes; ``tension`` is the nominal one, or the load."""
+        if name == "tension":
+            name = "tension_n" if "tension_n" in self._own.table else self._own.loads[0]
+        return int(self._own.table[name].nunique())
+
+    def select(self, keep: "pd.Series[bool]") -> Self | None:
+        """Return the trials of a mask over the table; None without any."""
+        table = self._own.table[keep].reset_index(drop=True)
+        trials: Self = replace(cast(Any, self), table=table)  # each rig's trials are a dataclass
+        return trials if len(table) else None
 
     @property
     def excluded(self) -> Mapping[str, str] | None:

@@ -8,7 +8,7 @@ from report.diagnosis_sample import diagnosis, interval
 
 from bayesfric.diagnosis import structure
 from bayesfric.diagnosis.sentence import Statement, sentence_of
-from bayesfric.diagnosis.structure import goes_together, unlike_scatter
+from bayesfric.diagnosis.structure import changes_slowly, goes_together, unlike_scatter
 
 COUNT, PRACTICAL = 200, 0.02
 
@@ -115,3 +115,11 @@ def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     said = sentence_of(told)
     assert "a force of 2.8% goes together along trial in setup" in said
     assert "Something else acts, or scatter is not what it is taken for" in said
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.03, True), (0.01, False), (None, False)])
+def test_friction_that_changes_in_time_by_what_counts_is_said(share, told):
+    noise = {} if share is None else {"slow_axis": share}
+    words = changes_slowly(noise, 0.02)
+    assert (words is not None) == told
+    assert not told or "by 3.0% of itself" in words

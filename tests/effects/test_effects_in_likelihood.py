@@ -25,7 +25,7 @@ from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 
-RIGS = {name: rig for name, rig in all_rigs().items() if rig.paper}  # that protocols lay out
+RIGS = {name: rig for name, rig in all_rigs().items() if rig.words.paper}  # that protocols lay out
 GRAVITY = RIGS["gravity"]
 PAIRS = [
     (rig, name, law)

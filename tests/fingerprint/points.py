@@ -165,6 +165,8 @@ NOISE = {
         "run_map_axis": 0.006,
         "map_length_axis": 0.03,
         "map_decay_axis": 1.8,
+        "slow_axis": 0.005,
+        "slow_time_axis": 0.4,
     },
 }
 """Noise of a diagnosis."""

@@ -128,6 +128,18 @@ def test_leave_one_out_is_that_of_the_fit(draws, folder):
     assert (np.abs(pit.to_numpy() - exact.to_numpy()) < 4 * error).all()
 
 
+def test_the_summary_of_the_page_has_digits_that_say_something(draws, folder):
+    page = (ROOT / "docs" / "draws.md").read_text(encoding="utf-8")
+    (call,) = re.findall(r"^azs\.(summary\(.*?\))", page, flags=re.M)
+    summary = eval(f"azs.{call}", {"azs": azs, "data": draws})
+    fit = json.loads((folder / "fit.json").read_text())
+    for size, coefficients in fit["pulleys"].items():
+        for name, entry in coefficients.items():
+            row = summary.loc[f"{name}[{size}]"].astype(float)
+            assert row["mean"] == pytest.approx(entry["mean"], abs=entry["sd"] / 10)
+            assert row["sd"] == pytest.approx(entry["sd"], rel=0.1)
+
+
 @pytest.mark.filterwarnings("ignore:The inplace keyword")  # of pandas, inside the library
 def test_compare_finds_the_worse_model(draws):
     """Of two models, one whose every trial is less likely by 1 nat."""

@@ -161,6 +161,7 @@ def fast(small_recording):
     return by_acceleration(with_trials(small_recording, of_size(small_recording, "small")))
 
 
+@pytest.mark.nightly
 def test_same_seed_same_result(fast):
     first, again, other = (bf.fit(fast, Analysis(seed=seed, sampler=SHORT)) for seed in (5, 5, 6))
     assert again.summary == first.summary

@@ -94,10 +94,8 @@ def test_the_limit_is_just_below_that_of_the_sampled_loop():
             assert (radius < 1) == stable, (place, share, radius)
 
 
-@pytest.mark.parametrize(
-    "cable",
-    [STIFF, *(pytest.param(c, marks=pytest.mark.nightly) for c in ({}, {"cable.length_m": 0.1}))],
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("cable", [STIFF, {}, {"cable.length_m": 0.1}])
 def test_what_is_certified_does_not_hunt_when_simulated(cable):
     """At rest and along, within and beyond the linear piece; encoder steps are not covered."""
     one = loop({**RANDOM, **cable})

@@ -35,13 +35,8 @@ def made(changes, seed, draws=2000):
 
 
 # a whole tuning and 2,000 fresh draws: 4 CPU-seconds, with simulated hunting twice that
-@pytest.mark.parametrize(
-    "signal",
-    [
-        "reference",
-        pytest.param("measured", marks=pytest.mark.nightly),
-    ],
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("signal", ["reference", "measured"])
 def test_of_fresh_draws_a_twentieth_misses_a_spec(signal):
     changes = {"compensation.signal": signal}
     found = tune(made(changes, seed=1), 0.05)

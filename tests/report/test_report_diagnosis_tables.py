@@ -141,8 +141,8 @@ def test_reasons_that_differ_in_a_number_are_one_reason_with_its_range():
 
 def test_tuning_and_effect_are_told_apart_in_the_caption():
     caption = words(figures(stored_diagnosis())["how-far"].caption)
-    assert "Recalibration alone: 0.095 [0.087, 0.103]\u202fN to 0.0523 [0.0480, 0.0566]" in caption
-    assert "takes 98.1 [97.4, 98.8]\u202f% of the squared systematic gap away" in caption
+    assert "takes the gap from 0.095 [0.087, 0.103]\u202fN to 0.0523 [0.0480, 0.0566]" in caption
+    assert "removes 98.1 [97.4, 98.8]\u202f% of the systematic gap (mean square)" in caption
 
 
 def test_no_gap_names_nothing_and_gives_its_reasons():
@@ -155,7 +155,7 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
     assert "does not ask for a further, smooth force" in paragraphs(stored)
     caption = words(figures(stored)["how-far"].caption)
     for reason in (
-        "As shipped: none (the user's simulator has no published values)",
+        "No figure for values as shipped: the user's simulator has no published values",
         "No effect is added.",
         "No figure in millimetres: no trial of the gravity board was held out",
     ):

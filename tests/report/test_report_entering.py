@@ -26,7 +26,14 @@ REPLAY = Replay(
 def stored(replay=REPLAY, curves=None):
     gap = Gap.model_construct(unit="N·m")
     block = DiagnosisFile.model_construct(
-        **PROVENANCE, joint="elbow", joints=(), causes=(), enter=(), gap=gap, replay=replay
+        **PROVENANCE,
+        verdict="no-gap",
+        joint="elbow",
+        joints=(),
+        causes=(),
+        enter=(),
+        gap=gap,
+        replay=replay,
     )
     return StoredDiagnosis(block, curves or xr.DataTree(children={"replay": traces()}))
 
@@ -68,3 +75,14 @@ def test_page_one_says_what_came_of_the_replay():
     assert "Promoted: so." in "".join(
         one for one in inlines(paragraph.text) if isinstance(one, str)
     )
+
+
+def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
+    from export.test_entered import COULOMB
+
+    captions = {}
+    for verdict in ("unknown", "no-gap"):
+        block = stored().record.model_copy(update={"enter": (COULOMB,), "verdict": verdict})
+        captions[verdict] = next(iter(numbers_to_enter(block))).caption
+    assert "They may be biased" in captions["unknown"]
+    assert captions["no-gap"] == "Enter these numbers in your simulator for the joint elbow."

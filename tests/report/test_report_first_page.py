@@ -71,6 +71,25 @@ def test_page_one_says_what_friction_to_expect(stored):
     assert table.rows[0][0].startswith("9 small pulleys, 85°, at ")
 
 
+def test_page_one_has_the_coefficients_unless_they_are_biased(stored):
+    (table,) = page_one.expected(stored, coefficients=True)
+    assert [row[0] for row in table.rows] == ["small", "medium", "large"]
+    small = stored.fit.pulleys["small"]
+    for cell, (name, scale) in zip(
+        table.rows[0][1:4], (("c1", 1e3), ("c2", 1e3), ("c3", 1e6)), strict=True
+    ):
+        if not small[name].informed:
+            assert cell == "prior"
+            continue
+        shown, half = (float(part) for part in cell.text.split(" ± "))
+        spread = scale * (small[name].q95 - small[name].q05) / 2
+        assert shown == pytest.approx(scale * small[name].mean, abs=spread / 10)
+        assert half == pytest.approx(spread, rel=0.06)
+    assert table.head[4].title == "condition"
+    (alone,) = page_one.expected(stored, coefficients=False)
+    assert alone.head[0].title == "condition"
+
+
 def test_page_one_of_a_fit_fits_a_screen_in_markdown(stored):
     text = render_summary(build_document(StoredResults(stored)))
     assert len(text.splitlines()) < 40

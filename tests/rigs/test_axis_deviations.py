@@ -6,6 +6,8 @@ from scipy.stats import multivariate_normal
 
 from bayesfric.rigs.single_axis.deviations import (
     COLUMNS,
+    SHARED,
+    WAVES,
     Levels,
     Shared,
     deviating_columns,
@@ -24,12 +26,15 @@ def rows():
     position = rng.uniform(-0.2, 0.3, RUN.size)
     law = np.full(RUN.size, 1.5)
     effect = np.where(np.arange(RUN.size) % 2, 0.9, 0.0)
-    return deviating_columns(position, law + effect, law), rng.standard_normal((RUN.size, 3))
+    time = rng.uniform(0.0, 5.0, RUN.size)
+    columns = deviating_columns(position, law + effect, law, time)
+    return columns, rng.standard_normal((RUN.size, 3))
 
 
-def levels(run, setup):
+def levels(run, setup, slow=2e-3):
     spectrum = map_spectrum(0.1, 2.0)[0]
-    return Levels(run, setup, 1e-4 * spectrum, 4e-4 * spectrum)
+    in_time = map_spectrum(0.3, 1.0, WAVES)[0]
+    return Levels(run, setup, 1e-4 * spectrum, 4e-4 * spectrum, slow * in_time)
 
 
 def shared(rows, at):
@@ -42,7 +47,8 @@ def shared(rows, at):
 def dense(rows, at):
     """Return the covariance: what all runs have in common is the law's friction alone."""
     columns, _ = rows
-    moved, cosines, law = columns[:, 0], columns[:, 1:-1], columns[:, -1]
+    moved, cosines, law = columns[:, 0], columns[:, 1 : SHARED - 1], columns[:, SHARED - 1]
+    in_time = columns[:, SHARED:]
     same_run = np.equal.outer(RUN, RUN)
     of_row = SETUP[RUN]
     of_runs = at.run * np.eye(5) + at.setup * np.equal.outer(SETUP, SETUP)
@@ -52,6 +58,7 @@ def dense(rows, at):
     found += (cosines * at.machine_map) @ cosines.T + same_run * (
         (cosines * at.run_map) @ cosines.T
     )
+    found += same_run * ((in_time * at.slow) @ in_time.T)
     return found + ERROR**2 * np.eye(RUN.size)
 
 
@@ -73,16 +80,19 @@ def test_the_density_is_that_of_a_dense_normal_whose_common_part_is_the_laws(row
 def test_moments_are_derivatives_of_the_density(rows):
     mixed = np.array([[1.0], [0.0], [0.0]])
 
-    def density(run, setup):
-        found = shared(rows, levels(run, setup))
+    def density(run, setup, slow=2e-3):
+        found = shared(rows, levels(run, setup, slow))
         return 2 * found.constant - float(mixed[:, 0] @ found.rest @ mixed[:, 0])
 
-    run, setup, _, _ = shared(rows, levels(0.03, 0.02)).moments(mixed)
+    run, setup, _, _, slow = shared(rows, levels(0.03, 0.02)).moments(mixed)
     step = 1e-6
     moved = density(0.03 + step, 0.02) - density(0.03 - step, 0.02)
     assert run == pytest.approx(moved / (2 * step), rel=1e-5)
     moved = density(0.03, 0.02 + step) - density(0.03, 0.02 - step)
     assert setup == pytest.approx(moved / (2 * step), rel=1e-5)
+    moved = density(0.03, 0.02, 2e-3 + step) - density(0.03, 0.02, 2e-3 - step)
+    in_time = map_spectrum(0.3, 1.0, WAVES)[0]
+    assert in_time @ slow == pytest.approx(moved / (2 * step), rel=1e-5)
 
 
 def test_rows_without_what_deviates_are_those_of_the_dense_inverse(rows):
@@ -105,11 +115,11 @@ def test_rows_without_what_deviates_are_those_of_the_dense_inverse(rows):
 def test_a_curve_that_all_runs_have_is_no_scatter(rows):
     """However large the scatter is, a curve that runs have in common costs what errors say."""
     columns, _ = rows
-    law, curve = columns[:, -1], columns[:, 0] - columns[:, -1]
+    law, curve = columns[:, SHARED - 1], columns[:, 0] - columns[:, SHARED - 1]
     away = curve - law * (curve @ law) / (law @ law)
     nothing = 0 * map_spectrum(0.1, 2.0)[0]
     for scatter in (1e-4, 1.0, 1e4):
-        at = Levels(scatter, scatter, nothing, nothing)
+        at = Levels(scatter, scatter, nothing, nothing, np.zeros(WAVES))
         rest = shared((columns, np.column_stack([law, curve])), at).rest
         cost = rest[1, 1] - rest[0, 1] ** 2 / rest[0, 0]
         assert cost > 0.9 * (away @ away) / ERROR**2

@@ -46,6 +46,7 @@ def test_friction_that_follows_a_column_of_the_users_own_is_found_along_it(tmp_p
     assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.12
 
 
+@pytest.mark.nightly
 def test_a_force_that_was_measured_has_no_drive_limit(tmp_path):
     """What a load cell reads is what acts: none of it is lost beyond a limit."""
     machine = Machine(control_hz=500.0, bandwidth_hz=5.0, limit=4.0)

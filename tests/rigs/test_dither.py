@@ -11,7 +11,7 @@ AXIS = all_rigs()["single-axis"]
 SHAKEN = {"stiffness": 60.0, "damping": 12.0, "amplitude": 0.2}
 
 
-@pytest.mark.parametrize("count", [1e-3, 2e-3])
+@pytest.mark.parametrize("count", [pytest.param(1e-3, marks=pytest.mark.nightly), 2e-3])
 def test_friction_of_a_joint_that_dithers_is_told_where_it_does_not(count):
     """With all windows Coulomb friction is 8 or 27 % too low, viscous friction 80 or 260 % off."""
     joint = LoopedJoint(count=count, **SHAKEN)
@@ -26,7 +26,9 @@ def test_friction_of_a_joint_that_dithers_is_told_where_it_does_not(count):
     )
 
 
-@pytest.mark.parametrize("force_is", ["commanded", "motor"])
+@pytest.mark.parametrize(
+    "force_is", ["commanded", pytest.param("motor", marks=pytest.mark.nightly)]
+)
 def test_a_force_that_is_held_over_the_kicks_of_a_controller_is_told_by_the_counts(force_is):
     """With one force in five: inertia 0.09 to 0.26, Coulomb friction 0.03 to 0.59."""
     joint = LoopedJoint(count=1e-3, gravity=0.0, force_held=5, **SHAKEN)

@@ -18,7 +18,13 @@ CLIPPED = {
 }
 
 
-@pytest.mark.parametrize("joint", CLIPPED.values(), ids=CLIPPED)
+@pytest.mark.parametrize(
+    "joint",
+    [
+        CLIPPED["beside a weight"],
+        *(pytest.param(CLIPPED[name], marks=pytest.mark.nightly) for name in [*CLIPPED][1:]),
+    ],
+)
 def test_a_limit_is_found_beside_what_grows_with_speed_and_place(joint):
     runs = AXIS.trials(joint.recording())
     assert "limit" in runs.offers

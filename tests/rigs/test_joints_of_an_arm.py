@@ -1,6 +1,7 @@
 """An arm of three joints whose truth is known: each joint's friction beside what moves it."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -46,8 +47,14 @@ def test_a_log_is_parted_with_the_motion_of_all_other_joints():
     assert parted_by_joint(parted["base"]) == {}
 
 
-@pytest.mark.parametrize("joint", arm.JOINTS)
-@pytest.mark.parametrize("kind", ["model", "model that is off", "known force"])
+KINDS = ("model", "model that is off", "known force")
+BY_DAY = [*zip(KINDS, arm.JOINTS, strict=True)]
+BY_NIGHT = [pair for pair in product(KINDS, arm.JOINTS) if pair not in BY_DAY]
+
+
+@pytest.mark.parametrize(
+    ("kind", "joint"), [*BY_DAY, *(pytest.param(*p, marks=pytest.mark.nightly) for p in BY_NIGHT)]
+)
 def test_friction_and_armature_come_back_beside_what_is_known(kind, joint):
     given = {
         "model": {"model_of": arm.robot()},

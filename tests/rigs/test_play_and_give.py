@@ -65,7 +65,9 @@ def test_of_the_package_s_own_axis_it_alone_is_named(name):
     assert [one.effect for one in found.causes] == [name]
 
 
-@pytest.mark.parametrize(("longest", "offered"), [(1e-3, False), (6e-3, True)])
+@pytest.mark.parametrize(
+    ("longest", "offered"), [pytest.param(1e-3, False, marks=pytest.mark.nightly), (6e-3, True)]
+)
 def test_a_spring_that_explains_most_at_its_longest_is_not_examined(
     tmp_path, monkeypatch, longest, offered
 ):

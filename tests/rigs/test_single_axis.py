@@ -63,6 +63,14 @@ def dense(rows, noise, moved, trial, setup):
     maps = cosines @ np.diag(2 * weight / weight.sum()) @ cosines.T
     run = noise["run_map_axis"] ** 2 * np.equal.outer(trial, trial)
     same = same + maps * (noise["map_axis"] ** 2 + run)
+    # Slowly in time within a run: an exponential correlation, by its cosines.
+    began = np.array([rows.readings.time_s[trial == run].min() for run in range(trial.max() + 1)])
+    since = rows.readings.time_s - began[trial]
+    turn = np.pi * np.arange(1, 17)
+    cosines = np.cos(np.outer(since / since.max(), turn))
+    weight = 1 / (1 + (turn * noise["slow_time_axis"] / since.max()) ** 2)
+    slow = cosines @ np.diag(2 * weight / weight.sum()) @ cosines.T
+    same = same + noise["slow_axis"] ** 2 * slow * np.equal.outer(trial, trial)
     return found + same * np.outer(moved, moved)
 
 
@@ -77,6 +85,8 @@ NOISE = {
     "run_map_axis": 0.01,
     "map_length_axis": 0.04,
     "map_decay_axis": 1.7,
+    "slow_axis": 0.015,
+    "slow_time_axis": 0.3,
 }
 
 
@@ -128,7 +138,7 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     uneven = (
         1.2 * along * likelihood.model._rough.coulomb / 1.45
     )  # errors and maps are scaled alike
-    noise = dict(zip(NAMES, (*noise, uneven, length, 2.0), strict=True))
+    noise = dict(zip(NAMES, (*noise, uneven, length, 2.0, 0.0, 1.0), strict=True))
     moved, setup = np.full(readings.count, 1.45), np.arange(len(trials.table))
     covariance = dense(rows, noise, moved, readings.trial, setup[readings.trial])
     off = readings.force - 2.05 * readings.acceleration - 1.45 - 4e-4 * readings.force_rate
@@ -265,6 +275,7 @@ def test_late_commands_are_called_late_and_nothing_viscous(tmp_path):
     assert number.q50 == pytest.approx(0.010, rel=0.15)
 
 
+@pytest.mark.nightly
 def test_viscous_friction_is_named_with_its_size(tmp_path):
     recording = recorded(tmp_path, seed=6, viscous=0.8, wander=0.02, one_path=True)
     found = bf.diagnose(recording, baseline="coulomb").summary

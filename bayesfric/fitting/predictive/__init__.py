@@ -165,7 +165,7 @@ def _prior(
         "friction_n": table["friction_n"].to_numpy(),
     }
     # Friction at constant speed is negative in the table where the motion is.
-    if trials.rig.regime == "steady":
+    if trials.rig.words.regime == "steady":
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)
     rows = rows.groupby(key, sort=False, as_index=False).mean()

@@ -87,8 +87,8 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         ["", *right_columns("number", "inside", "if made again"), "as expected"],
         rows,
         label="coverage",
-        note="If made again: the share, 5 % to 95 %, that the fit expects of another recording of "
-        "the same design. It is wide since trials that share a scatter move together.",
+        note="If made again: the share that the fit expects of another recording of the same "
+        "design, 90 % interval. It is wide, since trials that share a scatter move together.",
     )
 
 

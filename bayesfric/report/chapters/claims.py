@@ -187,13 +187,13 @@ def _rules(judged: ClaimsFile) -> list[str]:
         "the edge of the paper's Table II. It is refuted where the factor is at most "
         f"{format_fixed(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share "
         f"with probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
-        f"better by more than {rule['refute_elpd_errors']:g} standard errors. Both must hold over "
-        "a tenfold change of the width of the rivals' priors, support with a factor of at least "
-        f"{over_width:g}. A claim without rivals is supported "
+        f"better by more than {rule['refute_elpd_errors']:g} standard errors. Either verdict must "
+        "stand while the width of the rivals' priors changes tenfold; for support the factor "
+        f"must then stay at {over_width:g} or more. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
-        f"{rule['refute_probability']:g}; the coefficients only where the joint tail "
-        f"probability of Table I is below {rule['refute_tail_probability']:g} too. All else is "
-        "undecided."
+        f"{rule['refute_probability']:g}. To refute the coefficients, the joint tail "
+        f"probability of Table I must also be below {rule['refute_tail_probability']:g}. All else "
+        "is undecided."
     ]
 
 

@@ -197,7 +197,7 @@ def _clocks(quality: DataQuality) -> list[list[str]]:
     if clocks is None or clocks.late_s is None or clocks.sd_s is None:
         return []
     value, error = error_cells(1e3 * clocks.late_s, 1e3 * clocks.sd_s)
-    return [["by how much the load sensor's clock is late, ms", f"{value} ± {error}"]]
+    return [["delay of the load sensor's clock, ms", f"{value} ± {error}"]]
 
 
 def _z(value: float | None) -> str:

@@ -101,7 +101,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
             yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
         yield _where(stored)
     else:
-        yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
+        yield Paragraph("There is no gap, so that no axis explains one.")
     yield from remainder(record)
     yield from asked(record.target)
     yield Heading(2, "What to measure next")
@@ -111,8 +111,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
 def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
-    large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; less "
-    large += f"than {format_share(record.practical_share)} of that counts as no gap"
+    large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and less "
+    large += f"than {format_share(record.practical_share)} of that is no gap"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [
@@ -262,8 +262,8 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             " ",
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),
-            "Bars are rms on conditions that the fit has not seen, but for the systematic gap, "
-            "which is the posterior's; lines are 90 % intervals; dashed is the practical share."
+            "Bars: rms on conditions that the fit has not seen, and the posterior of the "
+            "systematic gap. Lines: 90 % intervals. Dashed: the practical share."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
@@ -288,9 +288,9 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
 def _tuning(gap: Gap) -> list[str]:
     """Return what recalibration alone does; never mixed with what the effect does."""
     if gap.as_shipped is None:
-        return [f"As shipped: none ({gap.as_shipped_why}). "]
+        return [f"No figure for values as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
-    return [f"Recalibration alone: {shipped} to {before}. "]
+    return [f"Recalibration alone takes the gap from {shipped} to {before}. "]
 
 
 def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
@@ -299,7 +299,7 @@ def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
     if gap.shrink_of_model is None:
         return [f"Shrink by an effect: none ({gap.shrink_of_model_why}). "]
     taken = _percent(gap.shrink_of_model)
-    said = [f"Adding what is named takes {taken} of the squared systematic gap away"]
+    said = [f"Adding what is named removes {taken} of the systematic gap (mean square)"]
     if gap.shrink is not None:
         part = "all" if gap.shrink.q50 >= 1 else _percent(gap.shrink)
         said.append(f", and {part} of what new {groups} show above the floor")

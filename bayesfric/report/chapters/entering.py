@@ -21,6 +21,8 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             continue
         of = "" if joint.joint is None else f" for the joint {joint.joint}"
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
+        if joint.verdict in ("unknown", "unseparated"):
+            after += " They may be biased, since the law misses a force that has no cause yet."
         yield Table(
             f"Enter these numbers in your simulator{of}.{after}",
             [ISAAC_HEAD if title == CALLED["isaaclab"] else title for title in COLUMNS],

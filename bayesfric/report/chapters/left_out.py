@@ -46,10 +46,9 @@ def left_out(stored: StoredFit) -> Iterator[Block]:
 def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> Iterator[Block]:
     yield Paragraph(
         [
-            "Each trial is now left out in turn, and the fit to all others, those of its own "
-            f"{group_words(stored.fit.rigs)[0]} included, says how probable less friction was "
-            "than it had. Of a model that "
-            "is right these probabilities are uniform. ",
+            "Each trial is now left out in turn. The fit to all others, those of its own "
+            f"{group_words(stored.fit.rigs)[0]} included, gives the probability that it has less "
+            "friction than was measured. If the model is right, these probabilities are uniform. ",
             " ".join(map(_uniform, uniformities)),
         ]
     )
@@ -81,11 +80,11 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
 def _uniform(test: Uniformity) -> str:
     words = rig_words(test.rig)
     return (
-        f"The {format_count(test.trials)} {words.trials} of the {words.rig}: p = "
-        f"{format_probability(test.p_value)} of as large a departure by chance; they lie "
-        f"{format_fixed(test.spread, 2)} times as far from their prediction as the model says "
-        f"({format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} if made again, "
-        "5 % to 95 %)."
+        f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, chance alone "
+        f"departs from that as far with p = {format_probability(test.p_value)}. They lie "
+        f"{format_fixed(test.spread, 2)} times as far from their prediction as the model says; "
+        f"{format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} is expected "
+        "(90 %)."
     )
 
 
@@ -93,13 +92,13 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
     group, groups = group_words(stored.fit.rigs)
     yield Paragraph(
         [
-            "What is told of n and of the wrap angle rests on assemblies, which differ by more "
-            "than their trials. "
+            "What the fit says of n and of the wrap angle rests on comparing assemblies, which "
+            "differ more than trials of one assembly do. "
             if stored.fit.pulleys
             else "",
-            f"Each {group} is left out with all its trials, and ",
+            f"Each {group} is left out with all of its trials, and ",
             Reference("assemblies"),
-            " shows where it then lies. ",
+            " compares it with its prediction. ",
             " ".join(map(_assembly, checked)),
         ]
     )
@@ -132,10 +131,10 @@ def _assembly(check: AssemblyCheck) -> str:
         for outlier in check.outlying
     )
     return (
-        f"The {format_count(check.assemblies)} {words.groups} of the {words.rig}: p = "
-        f"{format_probability(check.p_value)}; they lie {format_fixed(check.spread, 2)} times as "
-        f"far from their prediction as the model says ({format_fixed(check.spread_q05, 2)} to "
-        f"{format_fixed(check.spread_q95, 2)} by chance, 5 % to 95 %). "
+        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, p = "
+        f"{format_probability(check.p_value)}. They lie {format_fixed(check.spread, 2)} times as "
+        f"far from their prediction as the model says; {format_fixed(check.spread_q05, 2)} to "
+        f"{format_fixed(check.spread_q95, 2)} is expected (90 %). "
         f"{f'Beyond 3 sd: {far}.' if far else 'None lies beyond 3 sd.'}"
     )
 
@@ -166,9 +165,9 @@ def _densities(predictions: tuple[Prediction, ...]) -> Table:
             for prediction in predictions
         ],
         label="elpd",
-        note="A density of raw data: its level depends on their units and number, and only "
-        "differences between models of the same data mean something. The error is over other "
-        f"groups of the kind.{_limit(predictions)}{' No density: ' if whys else ''}"
+        note="A density of raw data: its level depends on their units and number. Only "
+        "differences between models of the same data have a meaning. ±: standard error over "
+        f"what is left out.{_limit(predictions)}{' No density: ' if whys else ''}"
         f"{'; '.join(sorted(whys))}{'.' if whys else ''}",
     )
 

@@ -34,6 +34,7 @@ from bayesfric.report.content import (
     Block,
     BulletList,
     Code,
+    Column,
     Figure,
     Inline,
     Notice,
@@ -147,26 +148,26 @@ def expected(stored: StoredFit, *, coefficients: bool) -> Iterator[Block]:
     sizes = ordered_sizes([*runs, *numbers])
     if not sizes:
         return
-    none = ["", "", ""]
+    of_size: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
+    of_run: list[Column | str] = ["condition", "friction", "on a new assembly"]
+    no_numbers, no_run = [""] * (len(of_size) - 1), [""] * len(of_run)
     yield Table(
         "Use these coefficients; friction to expect of a run."
         if numbers
         else "What friction to expect of a run, at the recording's own conditions.",
+        [*of_size, *of_run],
         [
-            *(["pulley", *coefficient_heads(fit)] if numbers else []),
-            "condition",
-            "friction",
-            "on a new assembly",
-        ],
-        [
-            [*([size, *numbers.get(size, none)] if numbers else []), *runs.get(size, none)]
+            [
+                *([size, *numbers.get(size, no_numbers)] if numbers else []),
+                *runs.get(size, no_run),
+            ]
             for size in sizes
         ],
         label="expected",
         note=("Coefficients: mean ± half of the 90 % interval. " if numbers else "")
         + "Friction: of the law at the most frequent condition and its middle tension, ± half of "
         "the 90 % interval. On a new assembly: nine runs in ten, scatter included.",
-    )
+    ).filled()
 
 
 def _conditions(rig: RigTable, unit: str) -> Iterator[tuple[str, list[Text]]]:

@@ -34,14 +34,14 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
     yield Heading(2, "Friction of the priors alone")
     yield Paragraph(
         [
-            "Before any data, the priors say of the conditions of this recording what ",
             Reference("prior-friction"),
             " and ",
             Reference("prior-conditions"),
-            " show. Priors that were as narrow as the posterior would have decided it; priors "
-            "whose friction nobody would believe would cost evidence.",
-            " Draws that would not move the board are part of the priors: that the trials were "
-            "recorded at all is what rules them out." * moving,
+            " show the friction that the priors alone expect at the conditions of this recording. "
+            "If they were as narrow as the posterior, they and not the data would have decided "
+            "it; if they held friction that nobody believes, evidences would suffer.",
+            " Draws under which a board would not move are part of the priors. The data rule "
+            "them out, since each trial moved." * moving,
         ]
     )
     sizes = ordered_sizes(table["pulley"].to_numpy())

@@ -69,9 +69,9 @@ def _of_pulleys(fit: FitFile) -> Table:
         ],
         rows,
         label="coefficients",
-        note="As the paper: its own estimator on the same trials, least squares slope by slope, "
-        "without an uncertainty. Inside: whether Table I lies in the 90 % interval; “prior” where "
-        "the recording does not inform the coefficient, so that its prior drives it.",
+        note="As the paper: the paper's own estimator on the same trials, least squares slope by "
+        "slope, which gives no uncertainty. Inside: whether Table I lies in the 90 % interval; "
+        "“prior” where the recording does not inform the coefficient, so that its prior drives it.",
     )
 
 

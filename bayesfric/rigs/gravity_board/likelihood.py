@@ -26,7 +26,7 @@ from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI
 from bayesfric.observation.coefficients import coefficient_parameters
-from bayesfric.observation.exact import Shown
+from bayesfric.observation.exact import ExactModel, Shown
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.along import EffectsAlong
@@ -50,7 +50,7 @@ START_WANDER = 0.02  # of friction, a place to climb from
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
 
 
-class GravityModel:
+class GravityModel(ExactModel):
     """Event times of the gravity board; see :class:`bayesfric.observation.exact.ExactModel`.
 
     Parameters

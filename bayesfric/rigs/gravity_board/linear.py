@@ -12,13 +12,11 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 
 import numpy as np
-import pandas as pd
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
-from bayesfric.inference.information import Information
 from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import Evaluated, Run
+from bayesfric.observation.linear import Evaluated, LinearRig, Run
 from bayesfric.observation.windows import Windows
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
@@ -41,12 +39,12 @@ from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 _Sizes = tuple[OneSize, ...]
 
 
-class GravityPart:
+class GravityPart(LinearRig):
     """Events of the gravity board as information on the numbers of a hypothesis.
 
     Parameters
     ----------
-    rows : GravityRows
+    rows : LinearEvents
         Events, linear around the reference law.
     model : ModelColumns
         What is made of them.
@@ -61,12 +59,10 @@ class GravityPart:
         The phases of candidates that have some, among the columns that scatter.
     """
 
-    def __init__(self, rows: GravityRows, model: ModelColumns, place: int) -> None:
-        self.rows, self.layout = rows, model.layout
-        sizes = rows.table["pulley_size"]
-        self.size = np.array([model.layout.sizes.index(size) for size in sizes])
-        codes, setups = pd.factorize(rows.table["setup"])
-        self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
+    rows: "LinearEvents"
+
+    def __init__(self, rows: "LinearEvents", model: ModelColumns, place: int) -> None:
+        super().__init__(rows, model)
         self._travel = float(rows.covariates()["displacement"].max())
         self._model, self._place = model, place
         self._squeeze: Array | None = None
@@ -81,7 +77,7 @@ class GravityPart:
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
-        block = np.arange(len(codes)) if model.by_trial else self.size
+        block = np.arange(len(self.setup)) if model.by_trial else self.size
         self._sums = trial_sums(rows, self.columns, self.random, block)
         self._views: dict[bytes, _Sizes] = {}
 
@@ -204,16 +200,8 @@ class GravityPart:
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         view = self._view(mixing, chosen, width, used)
         by_size = [Scattered(sums, sd, omega, kappa) for sums in view]
-        columns = self.layout.own + mixing.shape[1] + self.layout.always
-        total = self.layout.total(columns)
-        precision, slope = np.zeros((total, total)), np.zeros(total)
-        for size, scattered in enumerate(by_size):
-            place = self.layout.spread(columns, size)
-            precision[np.ix_(place, place)] += scattered.precision
-            slope[place] += scattered.slope
-        information = Information(
-            precision, slope, sum(scattered.constant for scattered in by_size)
-        )
+        of_sizes = [(size, part.precision, part.slope) for size, part in enumerate(by_size)]
+        information = self.joined(of_sizes, sum(scattered.constant for scattered in by_size))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""

@@ -23,7 +23,7 @@ from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityModel, trial_condition
@@ -52,7 +52,7 @@ STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noi
 DISAGREEING_SHARE = (
     0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
 )
-WORDS = Words("gravity board", "trial", "trials")
+WORDS = Words("gravity board", "trial", "trials", regime="accelerated", paper=True)
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,8 @@ class GravityBoard:
     """A board on which a weight falls and lifts another over n pulleys."""
 
     name: str = "gravity"
-    regime: Regime = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
-    paper: bool = True
     own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":

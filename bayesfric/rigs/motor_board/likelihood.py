@@ -24,7 +24,7 @@ from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
-from bayesfric.observation.exact import Shown
+from bayesfric.observation.exact import ExactModel, Shown
 from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
@@ -63,7 +63,7 @@ def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
     return np.stack(columns, axis=1)
 
 
-class MotorModel:
+class MotorModel(ExactModel):
     """Currents of the motor board; see :class:`bayesfric.observation.exact.ExactModel`.
 
     The scatter of a run is normal: the Student-t option of the analysis is for
@@ -90,8 +90,6 @@ class MotorModel:
         The N runs in the order of every result, those of an assembly adjacent;
         their id is ``trial``.
     """
-
-    at_rest = None
 
     def __init__(
         self,

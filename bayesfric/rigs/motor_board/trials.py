@@ -12,13 +12,12 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
-from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Regime, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.motor_board.linear import motor_rows
@@ -26,24 +25,21 @@ from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
-from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 
 STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
-WORDS = Words("motor board", "run", "runs")
+WORDS = Words("motor board", "run", "runs", paper=True)
 
 
 @dataclass(frozen=True)
-class MotorBoard:
+class MotorBoard(PlainRig):
     """A board on which a motor winds the cable at constant speed."""
 
     name: str = "motor"
-    regime: Regime = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
-    paper: bool = True
-    own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "MotorRuns | None":
         """Return all runs: no rule keeps one out."""
@@ -51,16 +47,6 @@ class MotorBoard:
         if recording.motor is None:
             return None
         return MotorRuns(recording.rig, recording.motor, _by_trial(recording.motor.runs))
-
-    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
-        """Return nothing."""
-        del recording
-        return ()
-
-    def left_out(self, recording: Recording) -> tuple[Fault, ...]:
-        """Return nothing: all runs enter."""
-        del recording
-        return ()
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
@@ -109,16 +95,6 @@ class MotorRuns(PlainTrials):
     def table(self) -> pd.DataFrame:
         """One row a run; its id is ``trial``."""
         return _by_trial(self.motor.runs)
-
-    @property
-    def slowest_speed_m_s(self) -> float:
-        """The least speed of a run [m/s]."""
-        return float(self.motor.runs["velocity_m_s"].abs().min())
-
-    def levels(self, name: str) -> int:
-        """Return how many values a column takes; ``tension`` is the hanging mass."""
-        column = "hanging_mass_kg" if name == "tension" else name
-        return int(self.motor.runs[column].nunique())
 
     def select(self, keep: "pd.Series[bool]") -> "MotorRuns | None":
         """Return the runs of a mask over the table; None without any."""

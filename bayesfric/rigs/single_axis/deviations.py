@@ -6,9 +6,10 @@ machine's own and comes back in every run, and by one that comes back within a r
 is a sum of cosines of the position with normal weights, whose variances fall with the number of
 waves, how early and how fast being parts of the noise:
 
-    relative deviation of row i of run r on assembly j at q =
-        η_j + ε_r + Σ_k (a_k + b_rk) cos(k π (q − q_low) / span) .
+    relative deviation of row i of run r on assembly j at q and t =
+        η_j + ε_r + Σ_k (a_k + b_rk) cos(k π (q − q_low) / span) + Σ_k c_rk cos(k π t / T) .
 
+It also changes slowly in time within a run, as lubricant and temperature do; T is the longest run.
 Weights of runs are integrated out run by run; what is left of the rows then, the columns that
 assemblies and all runs share among them, is small.
 
@@ -24,17 +25,19 @@ import numpy as np
 from bayesfric.arrays import Array, Whole
 
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
-COLUMNS = COSINES + 2  # of deviations: of all friction, along the path, and of the law's alone
+SHARED = COSINES + 2  # of deviations that runs share: of all, along the path, of the law's alone
+WAVES = 16  # in time within a run: half of one is a sixteenth of the longest run at the least
+COLUMNS = SHARED + WAVES  # of deviations
 
 
-def map_columns(position: Array) -> Array:
+def map_columns(position: Array, waves: int = COSINES) -> Array:
     """Return 1 and the cosines of a map at positions, (W, 1 + K)."""
     low, span = float(position.min()), float(np.ptp(position)) or 1.0
-    turns = np.multiply.outer((position - low) / span, np.pi * np.arange(COSINES + 1.0))
+    turns = np.multiply.outer((position - low) / span, np.pi * np.arange(waves + 1.0))
     return np.asarray(np.cos(turns))
 
 
-def deviating_columns(position: Array, moved: Array, law: Array) -> Array:
+def deviating_columns(position: Array, moved: Array, law: Array, time_s: Array) -> Array:
     """Return what relative deviations of 1 add to rows, (W, :data:`COLUMNS`) [N].
 
     Parameters
@@ -43,11 +46,14 @@ def deviating_columns(position: Array, moved: Array, law: Array) -> Array:
         Mean of each row.
     moved, law : ndarray, shape (W,)
         Friction that deviates, of effects too, and of the law alone [N].
+    time_s : ndarray, shape (W,)
+        Of each row since its run began [s].
     """
-    return np.column_stack([moved[:, None] * map_columns(position), law])
+    along = moved[:, None] * map_columns(position)
+    return np.column_stack([along, law, moved[:, None] * map_columns(time_s, WAVES)[:, 1:]])
 
 
-def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
+def map_spectrum(length: float, decay: float, waves: int = COSINES) -> tuple[Array, Array, Array]:
     """Return variances of a map's weights at a mean square of 1, and their slopes.
 
     A wave of k halves has a share (1 + (k π length)²)^−decay: 1 of a process with an exponential
@@ -59,13 +65,15 @@ def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
         Correlation length over the span of the path.
     decay : float
         Half the exponent of the spectrum.
+    waves : int
+        K.
 
     Returns
     -------
     variance, by_length, by_decay : ndarray, shape (K,)
         The latter two are derivatives by the logarithms.
     """
-    turn2 = (np.pi * length * np.arange(1, COSINES + 1)) ** 2
+    turn2 = (np.pi * length * np.arange(1, waves + 1)) ** 2
     log_weight = -decay * np.log1p(turn2)
     weight = np.exp(log_weight - log_weight[0])  # the first is not 0 however steep they fall
     total = weight.sum()
@@ -84,12 +92,15 @@ class Levels:
         Of a run's and an assembly's friction.
     run_map, machine_map : ndarray, shape (K,)
         Of the weights of the cosines.
+    slow : ndarray, shape (:data:`WAVES`,)
+        Of those in time.
     """
 
     run: float
     setup: float
     run_map: Array
     machine_map: Array
+    slow: Array
 
 
 class Shared:
@@ -119,7 +130,7 @@ class Shared:
     def __init__(self, grams: Array, others: Array, setup: Whole, levels: Levels) -> None:
         k = COLUMNS
         self._grams, self._setup, self._levels = grams, setup, levels
-        own = np.concatenate([[levels.run], levels.run_map, [0.0]])
+        own = np.concatenate([[levels.run], levels.run_map, [0.0], levels.slow])
         self._run, log_run = _taken(grams[:, :, :k], own)
         taken_by_run = self._run @ grams
         self._left = left = grams - grams[:, :, :k] @ taken_by_run
@@ -145,7 +156,7 @@ class Shared:
         self.rest: Array = others - of_runs - self._across.T @ self._taken @ self._across
         self.constant = -0.5 * float(log_run.sum() + log_shared.sum())
 
-    def moments(self, mixed: Array) -> tuple[float, float, Array, Array]:
+    def moments(self, mixed: Array) -> tuple[float, float, Array, Array, Array]:
         """Return what a variance more of each level adds to the log evidence, doubled.
 
         Parameters
@@ -160,6 +171,8 @@ class Shared:
             Per variance of a run's, of an assembly's friction.
         run_map, machine_map : ndarray, shape (K,)
             Per variance of each weight.
+        slow : ndarray, shape (:data:`WAVES`,)
+            The same in time.
         """
         k, assemblies = COLUMNS, self._assemblies
         across, shared = self._across, self._shared
@@ -174,8 +187,9 @@ class Shared:
         return (
             float(below[0] + run),
             float(above[:assemblies].sum() + setup),
-            below[1:-1],
+            below[1 : SHARED - 1],
             above[assemblies:-2],
+            below[SHARED:],
         )
 
     def of_rows(self) -> tuple[Array, Array]:
@@ -200,16 +214,16 @@ class Shared:
         assemblies = self._assemblies
         lifted = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
         lifted[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
-        lifted[:, :, assemblies:-2] = columns[:, :, 1:-1]
-        lifted[:, :, -2:] = columns[:, :, [0, -1]]
+        lifted[:, :, assemblies:-2] = columns[:, :, 1 : SHARED - 1]
+        lifted[:, :, -2:] = columns[:, :, [0, SHARED - 1]]
         return lifted
 
     def _summed(self, values: Array) -> Array:
         """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
         sums = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
         np.add.at(sums, self._setup, values[:, 0])
-        sums[self._assemblies : -2] = values[:, 1:-1].sum(axis=0)
-        sums[-2:] = values[:, [0, -1]].sum(axis=0)
+        sums[self._assemblies : -2] = values[:, 1 : SHARED - 1].sum(axis=0)
+        sums[-2:] = values[:, [0, SHARED - 1]].sum(axis=0)
         return sums
 
 

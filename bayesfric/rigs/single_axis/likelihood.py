@@ -26,7 +26,7 @@ from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI
 from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex
-from bayesfric.observation.exact import Shown
+from bayesfric.observation.exact import ExactModel, Shown
 from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.rigs.single_axis.beside import Amounts
 from bayesfric.rigs.single_axis.covariance import Pieces
@@ -42,7 +42,7 @@ FORCE, MASS, COULOMB, VISCOUS, LATENCY, OFFSET = range(6)
 WIDTH = 6  # columns of the law and its clocks, the force among them
 
 
-class AxisModel:
+class AxisModel(ExactModel):
     """Rows of an axis given the law; see :class:`bayesfric.observation.exact.ExactModel`.
 
     Parameters
@@ -59,8 +59,6 @@ class AxisModel:
     trials : DataFrame
         The N trials in the order of every result.
     """
-
-    at_rest = None
 
     def __init__(self, table: pd.DataFrame, rows: AxisRows, measures: Measures) -> None:
         self.trials, size = table, SizeIndex.of(table["pulley_size"])
@@ -178,11 +176,6 @@ class AxisModel:
         density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
         density += self._amounts.log_density(left, scale[:, 0])[:, None] / len(self.trials)
         return beyond, variance, density
-
-    def intercept(self, theta: Mapping[str, Array]) -> float:
-        """Return 0: the intercept has no scatter of its own."""
-        del theta
-        return 0.0
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
         """Return friction beyond the law that each run's rows show."""

@@ -1,7 +1,6 @@
 """The rows of an axis as information on the numbers of a hypothesis."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from itertools import pairwise
 
 import numpy as np
@@ -9,17 +8,16 @@ import pandas as pd
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array, Flags
-from bayesfric.effects.candidates import on_friction
-from bayesfric.inference.information import Information
-from bayesfric.inference.smooths import Smooth
 from bayesfric.inference.symmetric import eigen_of
-from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import Evaluated, NoiseParameter, Run, noise_parameter
+from bayesfric.observation.layout import ModelColumns
+from bayesfric.observation.linear import Evaluated, NoiseParameter, noise_parameter
+from bayesfric.observation.part import ColumnsPart, laid_columns, row_weights, scattering_column
 from bayesfric.observation.windows import Windows
-from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
     COLUMNS,
+    SHARED,
+    WAVES,
     Levels,
     Shared,
     deviating_columns,
@@ -43,10 +41,13 @@ NAMES = (
     "run_map_axis",
     "map_length_axis",
     "map_decay_axis",
+    "slow_axis",
+    "slow_time_axis",
 )
+IN_TIME = 1.0  # decay of the spectrum in time: that of an exponential correlation
 
 
-class AxisPart:
+class AxisPart(ColumnsPart):
     """Rows of an axis as information on the numbers of a hypothesis.
 
     Parameters
@@ -59,43 +60,31 @@ class AxisPart:
         Of the rig among all.
     """
 
+    rows: "LinearAxis"
+
     def __init__(self, rows: "LinearAxis", model: ModelColumns, place: int) -> None:
-        self.rows, self.layout = rows, model.layout
-        sizes = rows.table["pulley_size"]
-        self._which = model.layout.sizes.index(sizes.iloc[0])
-        self.size = np.full(len(sizes), self._which, dtype=np.intp)
-        self.setup = pd.factorize(rows.table["setup"])[0].astype(np.intp)
+        super().__init__(rows, model)
+        self._which = int(self.size[0])
+        force = model.friction_scale[rows.table["pulley_size"].iloc[0]]
         # Parts of one run share its scatter, as runs of one assembly do.
         alike = min(("setup", "run"), key=lambda name: rows.table[name].nunique())
         self._alike = pd.factorize(rows.table[alike])[0].astype(np.intp)
-        readings, where = rows.readings, rows.covariates()
-        force = model.friction_scale[sizes.iloc[0]]
-
-        def smooth_columns(smooth: Smooth) -> Array:
-            unit = rows.friction_of_row if smooth.relative else force
-            return np.asarray(unit * smooth.columns(where)).T
-
-        columns = model.filled(
-            rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
-        )
-        columns[:, model.layout.nuisance(place)] = rows.nuisance_columns()
-        self.columns = columns * model.scales
+        readings = rows.readings
+        self.columns = laid_columns(rows, model, place)
         self._response = rows.residual()
-        moved: Array = rows.friction_of_row
-        for candidate, amplitude in on_friction(model.scattering):
-            column = rows.candidate_column(candidate)
-            if not isinstance(column, Unsupported):
-                moved = moved + amplitude * column
         # Friction that is missing while it builds up is no better known than when it is whole.
-        moved = np.maximum(moved, rows.friction_of_row)
+        moved = np.maximum(scattering_column(rows, model), rows.friction_of_row)
+        began = np.full(len(rows.table), np.inf)
+        np.minimum.at(began, readings.trial, readings.time_s)
+        since = readings.time_s - began[readings.trial]
+        self._longest_s = float(since.max()) or 1.0
         self._deviating = deviating_columns(
-            rows.mean(readings.position), moved, rows.friction_of_row
+            rows.mean(readings.position), moved, rows.friction_of_row, since
         )
-        weight = model.row_weights.get(rows.name, np.ones(readings.count))
-        self._root = np.sqrt(np.asarray(weight, dtype=np.float64))
+        self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
         again = bool(self._alike.max() + 1 < len(rows.table))
-        self.noise = _noise(readings, rows.stroke, force, again)
+        self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
 
     def evaluate(
         self,
@@ -107,9 +96,7 @@ class AxisPart:
         """Return what the rows say of the numbers; none of its effects has phases."""
         trial = self.rows.readings.trial
         kept = np.ones(trial.size, dtype=bool) if used is None else used[trial]
-        start, end = self.layout.own, self.layout.own + self.layout.candidates
-        whole = self.columns
-        x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
+        x = self.mixed(mixing)
         # A row whose own error has a weight is one of weight 1, times the weight's root.
         root = kept * self._root
         z = np.column_stack([self._deviating, x, self._response]) * root[:, None]
@@ -119,18 +106,14 @@ class AxisPart:
         runs = [slice(start, stop) for start, stop in pairwise(ends)]
         grams = np.stack([z[rows, :COLUMNS].T @ lent[rows] for rows in runs])
         others = z[:, COLUMNS:].T @ lent[:, COLUMNS:]
-        levels, (spectrum, by_length, by_decay) = self._levels(noise)
+        levels, (spectrum, by_length, by_decay), (in_time, by_time) = self._levels(noise)
         shared = Shared(grams, others, self._alike, levels)
         k = x.shape[1]
-        total = self.layout.total(k)
-        precision, slope = np.zeros((total, total)), np.zeros(total)
-        place = self.layout.spread(k, self._which)
-        precision[np.ix_(place, place)] = shared.rest[:k, :k]
-        slope[place] = shared.rest[:k, k]
         constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept))
         constant += shared.constant - 0.5 * shared.rest[k, k]
         constant += float(np.log(self._root[kept]).sum())
-        information = Information(precision, slope, float(constant))
+        of_size = (self._which, shared.rest[:k, :k], shared.rest[:k, k])
+        information = self.joined([of_size], float(constant))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
@@ -139,7 +122,7 @@ class AxisPart:
             mixed = np.zeros((k + 1, k + 1))
             mixed[:, 0] = np.append(-m, 1.0)
             mixed[:k, 1:] = _root(v)
-            run, setup, run_map, machine_map = shared.moments(mixed)
+            run, setup, run_map, machine_map, slow = shared.moments(mixed)
             numbers, inverse = shared.of_rows()
             pulled = lent[:, :COLUMNS]
             pulls = lent[:, COLUMNS:] @ mixed
@@ -154,31 +137,35 @@ class AxisPart:
                 NAMES[7]: noise[NAMES[7]] ** 2 * float(spectrum @ run_map),
                 NAMES[8]: 0.5 * float(by_length @ maps),
                 NAMES[9]: 0.5 * float(by_decay @ maps),
+                NAMES[10]: noise[NAMES[10]] ** 2 * float(in_time @ slow),
+                NAMES[11]: 0.5 * noise[NAMES[10]] ** 2 * float(by_time @ slow),
             }
 
         return Evaluated(information, gradient)
 
-    def _levels(self, noise: Mapping[str, float]) -> tuple[Levels, tuple[Array, Array, Array]]:
-        """Return the variances of deviations, and the spectrum of maps with its slopes."""
-        tau, omega, machine, run, length, decay = (noise[name] for name in NAMES[4:])
-        levels = map_spectrum(length / self.rows.stroke, decay)
-        return Levels(tau**2, omega**2, run**2 * levels[0], machine**2 * levels[0]), levels
+    def _levels(
+        self, noise: Mapping[str, float]
+    ) -> tuple[Levels, tuple[Array, Array, Array], tuple[Array, Array]]:
+        """Return the variances of deviations, and the spectra along the path and in time.
 
-    def squeezed(self, squeeze: Array, layout: Layout) -> "AxisPart":
-        """Return the rig with mixtures of its columns in their place."""
-        rig = copy(self)
-        rig.layout, rig.columns = layout, self.columns @ squeeze
-        return rig
+        Each spectrum comes with its slopes.
+        """
+        tau, omega, machine, run, length, decay, slow, time_s = (noise[name] for name in NAMES[4:])
+        along = map_spectrum(length / self.rows.stroke, decay)
+        in_time, by_time, _ = map_spectrum(time_s / self._longest_s, IN_TIME, WAVES)
+        levels = Levels(
+            tau**2, omega**2, run**2 * along[0], machine**2 * along[0], slow**2 * in_time
+        )
+        return levels, along, (in_time, by_time)
 
     def information_by_trial(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
         z = np.column_stack([self._deviating, self.columns]) * self._root[:, None]
         lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
         trial = self.rows.readings.trial
-        levels = self._levels(noise)[0]
-        alone = Levels(
-            levels.run + levels.setup, 0.0, levels.run_map + levels.machine_map, 0 * levels.run_map
-        )
+        levels, *_ = self._levels(noise)
+        both = levels.run_map + levels.machine_map
+        alone = Levels(levels.run + levels.setup, 0.0, both, 0 * both, levels.slow)
         first = np.zeros(1, dtype=np.intp)
 
         def of_trial(rows: Flags) -> Array:
@@ -187,11 +174,6 @@ class AxisPart:
             return Shared(grams[None, :COLUMNS], others, first, alone).rest
 
         return np.stack([of_trial(trial == place) for place in range(len(self.size))])
-
-    def phase_strength(self, place: int) -> float:
-        """Return 0: what has a phase anew in each run does not enter."""
-        del place
-        return 0.0
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
@@ -210,9 +192,11 @@ class AxisPart:
         root = mean @ self._root
         error, moved = (part / np.outer(root, root) for part in (error, moved))
         share = mean @ friction
-        levels = self._levels(noise)[0]
-        deviating = (mean @ self._deviating)[:, 1:-1]
-        moved += (deviating * (levels.run_map + levels.machine_map)) @ deviating.T
+        levels, *_ = self._levels(noise)
+        deviating = mean @ self._deviating
+        along, in_time = deviating[:, 1 : SHARED - 1], deviating[:, SHARED:]
+        moved += (along * (levels.run_map + levels.machine_map)) @ along.T
+        moved += (in_time * levels.slow) @ in_time.T
         covariance, varying = [], []
         for trial in range(len(self.size)):
             mine = np.flatnonzero(row == trial)
@@ -241,11 +225,6 @@ class AxisPart:
             counts=min(readings.hop, 1.0) * root**2,
         )
 
-    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
-        """Return none: a controller keeps the axis on its path whatever friction is."""
-        del noise, numbers
-        return {}
-
 
 def _root(covariance: Array) -> Array:
     """Return a matrix whose product with its transpose is a covariance."""
@@ -254,7 +233,7 @@ def _root(covariance: Array) -> Array:
 
 
 def _noise(
-    readings: Readings, stroke: float, friction: float, again: bool
+    readings: Readings, stroke: float, friction: float, again: bool, longest_s: float
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise of an axis, its priors in the axis' own measures.
 
@@ -299,6 +278,14 @@ def _noise(
             0.1 * stroke,
         ),
         noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
+        noise_parameter(NAMES[10], along, 0.003, SCATTER, 0.005, scatters=True),
+        noise_parameter(
+            NAMES[11],
+            LogNormal(median=0.2 * longest_s, sd_log=0.7),
+            0.2 * longest_s,
+            (0.01 * longest_s, longest_s),
+            0.2 * longest_s,
+        ),
     )
 
 

@@ -11,6 +11,7 @@ from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.linear import rank, rms_of
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
@@ -173,6 +174,15 @@ class AxisRows:
         if self.simulated is not None:
             return self.readings.force - self.simulated.needed(self.readings, self.theta)
         return np.asarray(self.readings.force - self.coefficient_columns() @ np.array(self.law))
+
+    def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
+        """Return what a smooth force adds to each row, (W, k); `force_n` is its unit, (N,)."""
+        unit = self.friction_of_row if smooth.relative else force_n[self.readings.trial]
+        return np.asarray(unit * smooth.columns(self.covariates())).T
+
+    def scatter_column(self) -> Array:
+        """Return what a relative deviation of friction of 1 adds to each row, (W,)."""
+        return self.friction_of_row
 
     def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 adds to each row, (W,)."""

@@ -21,7 +21,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
@@ -62,7 +62,8 @@ WORDS = Words(
     "and position may be off by a little (latency), which no friction is blamed for.",
     "setup",
     "setups",
-    AXIS_RULES,
+    "accelerated",
+    thresholds=AXIS_RULES,
 )
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
@@ -98,10 +99,8 @@ class SingleAxis(PlainRig):
     """A mass, or a joint, that one drive moves along or about one axis."""
 
     name: str = "single-axis"
-    regime: Regime = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
-    paper: bool = False
     own_design: OwnDesign = DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":

@@ -18,7 +18,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
-from bayesfric.observation.exact import Shown
+from bayesfric.observation.exact import ExactModel, Shown
 from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.steady_points.bench import Bench
@@ -26,7 +26,7 @@ from bayesfric.rigs.steady_points.errors import OMEGA, SIGMA, TAU, error_prior, 
 from bayesfric.rigs.steady_points.places import CONDITION, state_of
 
 
-class PointsModel:
+class PointsModel(ExactModel):
     """Readings of friction given the law; see :class:`bayesfric.observation.exact.ExactModel`.
 
     Parameters
@@ -40,8 +40,6 @@ class PointsModel:
     effects : sequence of ActiveEffect
         What acts beside the law, all of it supported.
     """
-
-    at_rest = None
 
     def __init__(
         self,
@@ -81,11 +79,6 @@ class PointsModel:
         if self._effects:
             friction = friction + total(self._effects, theta, state_of(self._bench, law))
         return np.asarray(friction, dtype=np.float64)
-
-    def intercept(self, theta: Mapping[str, Array]) -> float:
-        """Return 0: the intercept has no scatter of its own."""
-        del theta
-        return 0.0
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
         """Return the readings: each shows its friction itself."""

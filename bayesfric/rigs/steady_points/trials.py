@@ -17,7 +17,7 @@ from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
@@ -55,10 +55,8 @@ class SteadyPoints(PlainRig):
     """Anybody's bench, joint or slide on which friction was measured at steady motion."""
 
     name: str = NAME
-    regime: Regime = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("steady_friction.csv",)
-    paper: bool = False
     own_design: OwnDesign = DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "SteadyTrials | None":
@@ -114,10 +112,6 @@ class SteadyTrials(PlainTrials):
     def has_pulleys(self) -> bool:
         """Whether anything is said of pulleys."""
         return self.bench.has_pulleys
-
-    def levels(self, name: str) -> int:
-        """Return how many values a column takes; ``tension`` is the nominal one."""
-        return int(self.table[{"tension": "tension_n"}.get(name, name)].nunique())
 
     def select(self, keep: "pd.Series[bool]") -> "SteadyTrials | None":
         """Return the points of a mask over the table; None without any."""

@@ -5,7 +5,7 @@ A reading is the law's friction, times 1 + η + ε of its assembly and its own, 
 standard error.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -14,7 +14,7 @@ from bayesfric.analysis import HalfNormal
 from bayesfric.effects import State
 from bayesfric.effects.terms import parameters_of, rough_values, total
 from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
-from bayesfric.observation.exact import ExactLikelihood, Shown
+from bayesfric.observation.exact import ExactLikelihood, ExactModel, Shown
 from bayesfric.observation.linear import noise_parameter, rank
 from bayesfric.observation.points import LinearReadings
 from bayesfric.observation.scatter import ScatterLevels
@@ -22,7 +22,7 @@ from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
 from bayesfric.rigs.base import Simulated, Unsupported, Words
-from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import laws_of
 
@@ -38,25 +38,16 @@ def steady(law, table):
 
 
 @dataclass(frozen=True)
-class PullScale:
+class PullScale(PlainRig):
     name: str = "scale"
-    regime: str = "steady"
     words: Words = field(default=Words("pull scale", "reading", "readings"))
     tables: tuple[str, ...] = (FILE,)
-    paper: bool = False
-    own_design: None = None
 
     def trials(self, recording, *, exclude=True):
         if FILE not in recording.further:
             return None
         table = recording.further[FILE].rename(columns={"run": "trial"})
         return Readings(self, table.sort_values("setup", kind="stable", ignore_index=True), table)
-
-    def left_out(self, recording):
-        return ()
-
-    def change(self, effect, design, constants, truth):
-        return None
 
     def simulate(self, design, constants, truth, seed):
         rng = np.random.default_rng([seed, 15])
@@ -84,14 +75,6 @@ class Readings(PlainTrials):
     table: pd.DataFrame
     recorded: pd.DataFrame
     loads: tuple[str, ...] = ("tension_n",)
-    slowest_speed_m_s: float = float("inf")
-
-    def levels(self, name):
-        return int(self.table[{"tension": "tension_n"}.get(name, name)].nunique())
-
-    def select(self, keep):
-        table = self.table[keep].reset_index(drop=True)
-        return replace(self, table=table) if len(table) else None
 
     def supports(self, effect):
         if effect.acts_on == "friction" and not (effect.along_path or effect.components):
@@ -129,9 +112,7 @@ class Readings(PlainTrials):
         )
 
 
-class ReadingsModel:
-    at_rest = None
-
+class ReadingsModel(ExactModel):
     def __init__(self, table, analysis, law, effects) -> None:
         self.trials, self._law, self._effects = table, law, tuple(effects)
         self._size, priors = SizeIndex.of(table["pulley_size"]), analysis.priors
@@ -144,9 +125,6 @@ class ReadingsModel:
         state = steady(law, self.trials)
         friction = self._law.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
         return friction + (total(self._effects, theta, state) if self._effects else 0.0)
-
-    def intercept(self, theta):
-        return 0.0
 
     def shown(self, theta):
         law = self.law(theta)

@@ -1,0 +1,104 @@
+"""Rows of a rig laid out: columns of the numbers of a hypothesis, and what scatters."""
+
+from copy import copy
+from typing import Protocol, Self
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array
+from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.inference.smooths import Smooth
+from bayesfric.observation.layout import Layout, ModelColumns
+from bayesfric.observation.linear import LinearRig
+from bayesfric.observation.unsupported import Unsupported
+
+
+class LaidRows(Protocol):
+    """E rows of N trials around a reference law, of which columns can be made."""
+
+    @property
+    def name(self) -> str:
+        """Of the rig."""
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row a trial."""
+
+    def coefficient_columns(self) -> Array:
+        """Return what c1, c2 and c3 add to each row, (E, 3)."""
+
+    def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
+        """Return what a smooth force adds, in units (N,) unless it is relative, (E, k)."""
+
+    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what an effect of amplitude 1 adds to each row, (E,)."""
+
+    def nuisance_columns(self) -> Array:
+        """Return what the rig's own numbers add to each row, (E, K)."""
+
+    def scatter_column(self) -> Array:
+        """Return what a relative deviation of friction of 1 adds to each row, (E,)."""
+
+
+class ColumnsPart(LinearRig):
+    """The same with the columns of the local numbers, (E, q), kept as they are."""
+
+    columns: Array
+
+    def mixed(self, mixing: Array) -> Array:
+        """Return the columns of a hypothesis whose effects mix candidates, (E, k).
+
+        Parameters
+        ----------
+        mixing : ndarray, shape (candidates, effects)
+            Column of each effect that acts.
+        """
+        start, end = self.layout.own, self.layout.own + self.layout.candidates
+        whole = self.columns
+        return np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], 1)
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> Self:
+        """Return the rig with mixtures of its columns in their place."""
+        squeezed = copy(self)
+        squeezed.layout, squeezed.columns = layout, self.columns @ squeeze
+        return squeezed
+
+
+def laid_columns(rows: LaidRows, model: ModelColumns, place: int) -> Array:
+    """Return the local columns of rows in units of their scales, (E, q).
+
+    Parameters
+    ----------
+    rows : LaidRows
+        E rows.
+    model : ModelColumns
+        What is made of them.
+    place : int
+        Of the rig among all.
+    """
+    force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
+    columns = model.filled(
+        rows.name,
+        rows.coefficient_columns(),
+        lambda smooth: rows.smooth_columns(smooth, force),
+        rows.candidate_column,
+    )
+    columns[:, model.layout.nuisance(place)] = rows.nuisance_columns()
+    columns *= model.scales
+    return columns
+
+
+def scattering_column(rows: LaidRows, model: ModelColumns) -> Array:
+    """Return what a deviation of 1 of friction, with the effects that act, adds, (E,)."""
+    moved = rows.scatter_column()
+    for candidate, amplitude in on_friction(model.scattering):
+        column = rows.candidate_column(candidate)
+        if not isinstance(column, Unsupported):
+            moved = moved + amplitude * column
+    return moved
+
+
+def row_weights(rows: LaidRows, model: ModelColumns, count: int) -> Array:
+    """Return by what the precision of each row's own error is multiplied, (E,)."""
+    return np.asarray(model.row_weights.get(rows.name, np.ones(count)), dtype=np.float64)

@@ -1,0 +1,43 @@
+"""How much a rig says: the members of what it fills, and those that no base fills for it.
+
+The counts may only shrink. A rig whose trials are one reading each writes 20 members, as
+docs/decisions/observation.md has it.
+"""
+
+from bayesfric.observation.exact import ExactModel
+from bayesfric.observation.linear import LinearRig, LinearRows
+from bayesfric.observation.points import LinearReadings, PointPart
+from bayesfric.rigs.base import Rig, RigTrials
+from bayesfric.rigs.plain import PlainRig, PlainTrials
+
+# What a rig fills, and how many members that has.
+SEAM = {Rig: 9, RigTrials: 45, ExactModel: 10, LinearRows: 16, LinearRig: 10}
+MOST = 20  # that a rig of readings writes in all
+
+
+def members(kind):
+    """Return the public members that a class names itself."""
+    return {name for name in (*vars(kind), *kind.__annotations__) if not name.startswith("_")}
+
+
+def filled(kind):
+    """Return the public members that a class has, fields among them."""
+    return set().union(
+        *(members(base) for base in kind.__mro__[:-1] if base.__module__ != "typing")
+    )
+
+
+def test_the_seam_does_not_grow():
+    assert {kind: len(members(kind)) for kind in SEAM} == SEAM
+
+
+def test_a_rig_of_readings_writes_few_of_them():
+    by_default = {name for name in ("at_rest", "intercept") if hasattr(ExactModel, name)}
+    written = [
+        *(members(Rig) - filled(PlainRig)),
+        *(members(RigTrials) - filled(PlainTrials)),
+        *(members(ExactModel) - by_default),
+        *(members(LinearRows) - filled(LinearReadings)),
+        *(members(LinearRig) - filled(PointPart)),
+    ]
+    assert len(written) <= MOST, sorted(written)
