@@ -19,10 +19,12 @@ from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
+from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
 from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
+from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, Instrument, Remainder
 
@@ -207,15 +209,12 @@ def conclude(
         none_before=question.analysis.diagnosis.hypotheses.none,
         shown=not_shown is None and left_in_order is None,
     )
-    open_because = bent
-    if verdict == "unknown" and not contradicted and bent is None and rig.along_path:
-        open_because = rig.open_still or few_windows(residuals, along_path=True)
-        if open_because is not None:
-            verdict, probability = "undecided", max(judged.above, 1 - judged.above)
+    could_be_open = bent is None and not contradicted and verdict == "unknown"
+    open_because = _why_open(rig, residuals) if could_be_open else bent
+    if could_be_open and open_because is not None:
+        verdict, probability = "undecided", max(judged.above, 1 - judged.above)
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
-    elif remainder is None:
-        remainder = beside_best()
     return Conclusion(
         apart,
         rivals,
@@ -228,7 +227,7 @@ def conclude(
         instrument,
         not_shown,
         left_in_order,
-        remainder,
+        remainder or beside_best(),
         verdict,
         probability,
     )
@@ -244,6 +243,13 @@ def _why_overruled(
     return why_overruled(
         gap, practical, told_as_remainder=remainder.significant, implausible=beyond
     )
+
+
+def _why_open(rig: RigTrials, residuals: Residuals) -> str | None:
+    """Return why an unknown force along a path is not sure; None where it is."""
+    if not rig.along_path:
+        return None
+    return rig.open_still or few_windows(residuals, along_path=True)
 
 
 def _as_judged(judged: Judged) -> Overruled:

@@ -329,7 +329,7 @@ def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
 
 
 def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple[Array, Array]:
-    """Return least squares, and their errors, with the delay's prior; errors hang together within stretches."""
+    """Return least squares with the delay's prior, and errors, which hang together in stretches."""
     force = rows.force
     width = np.abs(columns).max(axis=0)
     width[width == 0] = 1.0  # of a command that never changes
