@@ -1,6 +1,8 @@
 """From judged hypotheses to a verdict: held-out data, what they overrule, what is left."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -19,10 +21,13 @@ from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
+from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
 from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, Instrument, Remainder
 
@@ -167,35 +172,20 @@ def conclude(
         Source of randomness of residuals in other orders.
     """
     model, practical, named = compared.model, question.practical, judged.named
-    gap, posterior, residuals = measured.gap, judged.posterior, judged.residuals
-    best, rig = judged.search.best(), compared.data.rigs[0]
-    gap_share = float(np.median(posterior.gap)) / residuals.friction_rms
-
-    def beside_best() -> Remainder:
-        return remainder_of(model, judged.search, best, gap_share, measured.left)
-
+    gap, best, rig = measured.gap, judged.search.best(), compared.data.rigs[0]
+    gap_share = float(np.median(judged.posterior.gap)) / judged.residuals.friction_rms
+    beside_best = partial(remainder_of, model, judged.search, best, gap_share, measured.left)
     remainder = beside_best() if named else None
-    chances = judged.search.probabilities()
-    rivals = list(chain(*sets_of_one(chances, judged.effects_known, named)))
-    amounts, why = amounts_of(model, best), None
+    rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
+    amounts = amounts_of(model, best)
     elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
-    if remainder is not None:
-        why = _why_overruled(model, judged, gap, practical, remainder)
-    acting = model.amplitudes(best.at, best.acting)
-    instrument = rig.instrument(acting)
+    why = None if remainder is None else _why_overruled(model, judged, gap, practical, remainder)
+    instrument = rig.instrument(model.amplitudes(best.at, best.acting))
     contradicted = why is not None or elsewhere
-    bent = None
-    if not contradicted:
-        whose = {
-            law.effect: candidate.effect.name
-            for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
-        }
-        bent = not_held(instrument, {name: whose.get(name, name) for name in named})
+    bent = None if contradicted else not_held(instrument, _laws_of(named, model, best))
     apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
     not_shown = _why_not_shown(model, apart.search, judged, instrument)
-    left_in_order = unlike_scatter(
-        gap, residuals, measured.held_out.inside[1], posterior, practical, order
-    ) or changes_slowly(model.noise.named(judged.settled.psi), practical)
+    left_in_order = _left_in_order(model, judged, measured, practical, order)
     chances = apart.search.probabilities()
     together = () if elsewhere else sets_of_one(chances, apart.effects_known, named)
     causes = [effect for effect in apart.effects_known if effect.effect in named]
@@ -208,10 +198,10 @@ def conclude(
         shown=not_shown is None and left_in_order is None,
     )
     open_because = bent
-    if verdict == "unknown" and not contradicted and bent is None and rig.along_path:
-        open_because = rig.open_still or few_windows(residuals, along_path=True)
-        if open_because is not None:
-            verdict, probability = "undecided", max(judged.above, 1 - judged.above)
+    if verdict == "unknown" and not contradicted and bent is None:
+        open_because = _why_no_finding(rig, judged.residuals)
+    if verdict == "unknown" and open_because is not None:
+        verdict, probability = "undecided", max(judged.above, 1 - judged.above)
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
     elif remainder is None:
@@ -232,6 +222,34 @@ def conclude(
         verdict,
         probability,
     )
+
+
+def _left_in_order(
+    model: LinearModel,
+    judged: Judged,
+    measured: Measured,
+    practical: float,
+    order: np.random.Generator,
+) -> str | None:
+    """Return what scatter does not explain of what is left, or takes up that counts."""
+    left = measured.held_out.inside[1]
+    together = unlike_scatter(
+        measured.gap, judged.residuals, left, judged.posterior, practical, order
+    )
+    return together or changes_slowly(model.noise.named(judged.settled.psi), practical)
+
+
+def _why_no_finding(rig: RigTrials, residuals: Residuals) -> str | None:
+    """Return why a force that no effect explains is no finding; None where it is one."""
+    if not rig.along_path:
+        return None
+    return rig.open_still or few_windows(residuals, along_path=True)
+
+
+def _laws_of(named: Collection[str], model: LinearModel, best: Weighed) -> dict[str, str]:
+    """Return of each cause the effect whose law it has in a hypothesis: itself, or a twin."""
+    whose = {law.effect: model.candidates[law.places[0]].effect.name for law in best.acting.laws}
+    return {name: whose.get(name, name) for name in named}
 
 
 def _why_overruled(
