@@ -31,6 +31,7 @@ from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
 from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.servo import (
     Servo,
+    pull_beside_payloads,
     servo_of,
     with_open_delay,
     with_open_stiffness,
@@ -107,6 +108,8 @@ def entering(
         readings = with_open_stiffness(with_open_delay(readings), servo)
     table = pd.DataFrame(recorded.rows).assign(**NO_CABLE)
     measures = measures_of(readings, logs, constants, limit)
+    if servo is not None and readings.beside.shape[1]:
+        measures = replace(measures, pull=max(measures.pull, pull_beside_payloads(readings)))
     turns = _turns(readings, table["run"])
     beside, readings = _beside_simulator(
         simulator, logs, recorded, readings, measures, fitting(table), resolution

@@ -15,13 +15,15 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.recording.tables import Axis, RigConstants
-from bayesfric.rigs.single_axis.beside import rough_shares
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.beside import rough_amounts, rough_shares
 from bayesfric.rigs.single_axis.declared import OF_MASS, gain_sd
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.payloads import payload_masses
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.rough import pull_columns
 from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
@@ -204,6 +206,29 @@ def with_open_delay(readings: Readings) -> Readings:
     stiffness = float(np.linalg.norm(law[:, DELAY]) / (np.linalg.norm(law[:, VISCOUS]) or 1.0))
     later = law[:, VISCOUS] + damping / (stiffness or 1.0) * law[:, MASS]
     return _with_beside(readings, OPEN_S * (stiffness * later - law[:, DELAY])[:, None])
+
+
+def pull_beside_payloads(readings: Readings) -> float:
+    """Return the rms of what pulls with the place in all runs; 0 where it takes little.
+
+    What a payload adds pulls with the place too: beside it, and not after it, the rest is told.
+
+    Parameters
+    ----------
+    readings : Readings
+        W rows.
+    """
+    place = readings.position @ readings.weights
+    pull = pull_columns(place, readings.way)
+    law = np.column_stack([_law(readings)[:, :DELAY], pull])
+    every = np.ones(readings.count, dtype=np.bool_)
+    rest = readings.force - rough_amounts(law, readings.beside, readings.force, every)
+    width = np.abs(law).max(axis=0)
+    width[width == 0] = 1.0
+    numbers = np.linalg.lstsq(law / width, rest, rcond=1e-6)[0] / width
+    size = float(np.mean((pull @ numbers[DELAY:]) ** 2))
+    is_little = size < AXIS_RULES.pulled * float(np.mean(readings.force**2))
+    return 0.0 if is_little else float(np.sqrt(size))
 
 
 def _with_beside(readings: Readings, columns: Array) -> Readings:
