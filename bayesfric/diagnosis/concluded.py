@@ -19,10 +19,14 @@ from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
+from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
 from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.effects.candidates import Candidate
+from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import Gap, Instrument, Remainder
 
@@ -167,35 +171,24 @@ def conclude(
         Source of randomness of residuals in other orders.
     """
     model, practical, named = compared.model, question.practical, judged.named
-    gap, posterior, residuals = measured.gap, judged.posterior, judged.residuals
-    best, rig = judged.search.best(), compared.data.rigs[0]
-    gap_share = float(np.median(posterior.gap)) / residuals.friction_rms
+    gap, best, rig = measured.gap, judged.search.best(), compared.data.rigs[0]
+    gap_share = float(np.median(judged.posterior.gap)) / judged.residuals.friction_rms
 
     def beside_best() -> Remainder:
         return remainder_of(model, judged.search, best, gap_share, measured.left)
 
     remainder = beside_best() if named else None
-    chances = judged.search.probabilities()
-    rivals = list(chain(*sets_of_one(chances, judged.effects_known, named)))
-    amounts, why = amounts_of(model, best), None
+    rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
+    amounts = amounts_of(model, best)
     elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
-    if remainder is not None:
-        why = _why_overruled(model, judged, gap, practical, remainder)
+    why = None if remainder is None else _why_overruled(model, judged, gap, practical, remainder)
     acting = model.amplitudes(best.at, best.acting)
     instrument = rig.instrument(acting)
     contradicted = why is not None or elsewhere
-    bent = None
-    if not contradicted:
-        whose = {
-            law.effect: candidate.effect.name
-            for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
-        }
-        bent = not_held(instrument, {name: whose.get(name, name) for name in named})
+    bent = None if contradicted else _why_bent(instrument, named, best, acting)
     apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
     not_shown = _why_not_shown(model, apart.search, judged, instrument)
-    left_in_order = unlike_scatter(
-        gap, residuals, measured.held_out.inside[1], posterior, practical, order
-    ) or changes_slowly(model.noise.named(judged.settled.psi), practical)
+    left_in_order = _why_no_scatter(model, judged, measured, practical, order)
     chances = apart.search.probabilities()
     together = () if elsewhere else sets_of_one(chances, apart.effects_known, named)
     causes = [effect for effect in apart.effects_known if effect.effect in named]
@@ -207,15 +200,12 @@ def conclude(
         none_before=question.analysis.diagnosis.hypotheses.none,
         shown=not_shown is None and left_in_order is None,
     )
-    open_because = bent
-    if verdict == "unknown" and not contradicted and bent is None and rig.along_path:
-        open_because = rig.open_still or few_windows(residuals, along_path=True)
-        if open_because is not None:
-            verdict, probability = "undecided", max(judged.above, 1 - judged.above)
+    could_be_open = bent is None and not contradicted and verdict == "unknown"
+    open_because = _why_open(rig, judged.residuals) if could_be_open else bent
+    if could_be_open and open_because is not None:
+        verdict, probability = "undecided", max(judged.above, 1 - judged.above)
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
-    elif remainder is None:
-        remainder = beside_best()
     return Conclusion(
         apart,
         rivals,
@@ -228,7 +218,7 @@ def conclude(
         instrument,
         not_shown,
         left_in_order,
-        remainder,
+        remainder or beside_best(),
         verdict,
         probability,
     )
@@ -244,6 +234,41 @@ def _why_overruled(
     return why_overruled(
         gap, practical, told_as_remainder=remainder.significant, implausible=beyond
     )
+
+
+def _why_no_scatter(
+    model: LinearModel,
+    judged: Judged,
+    measured: Measured,
+    practical: float,
+    order: np.random.Generator,
+) -> str | None:
+    """Return what is left that is no scatter: residuals in order, or friction that changes."""
+    left = measured.held_out.inside[1]
+    return unlike_scatter(
+        measured.gap, judged.residuals, left, judged.posterior, practical, order
+    ) or changes_slowly(model.noise.named(judged.settled.psi), practical)
+
+
+def _why_bent(
+    instrument: Instrument | str,
+    named: list[str],
+    best: Weighed,
+    acting: list[tuple[Candidate, float]],
+) -> str | None:
+    """Return why the loop may have made the causes, whose laws may be those of their twins."""
+    whose = {
+        law.effect: candidate.effect.name
+        for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
+    }
+    return not_held(instrument, {name: whose.get(name, name) for name in named})
+
+
+def _why_open(rig: RigTrials, residuals: Residuals) -> str | None:
+    """Return why an unknown force along a path is not sure; None where it is."""
+    if not rig.along_path:
+        return None
+    return rig.open_still or few_windows(residuals, along_path=True)
 
 
 def _as_judged(judged: Judged) -> Overruled:

@@ -34,7 +34,7 @@ EFFECT = Effect(
         name="angle",
         unit="1",
         meaning="angle to add to the position so that the weight hangs at zero [rad]",
-        prior=Uniform(low=-1.5708, high=1.5708),
+        prior=Uniform(low=-1.7, high=1.7),  # a quarter turn, as where 0 is level, lies inside
         plausible=(-1.5708, 1.5708),
         reference="nobody knows where an encoder's zero is; half a turn more changes the sign",
         typical=0.3,

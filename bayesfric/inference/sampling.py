@@ -1,27 +1,19 @@
-"""Ensemble sampling of a log density with emcee: the moves, ensembles and progress.
+"""Sampling of a log density: proposals, ensembles and progress.
 
-Nothing here knows of friction. Nine moves in ten are independence proposals, from a
-Student-t fitted to the density and with their Hastings ratio; the tenth is differential
-evolution, which explores where the Student-t does not fit.
+Nothing here knows of friction, and nothing of how a sampler moves
+(:mod:`bayesfric.inference.samplers`). Most moves are proposals from a Student-t that is fitted.
 The proposal (:mod:`bayesfric.inference.proposals`) is fitted to an importance sample or,
 where its weights are not to be relied on, to pilot runs, before the first draw that is kept,
 and then left alone. Draws that have not converged are taken as a better pilot, and the
 ensembles are run on for new draws.
-
-References
-----------
-D. Foreman-Mackey et al., "emcee: The MCMC Hammer", PASP 125 (2013).
-L. Tierney, "Markov chains for exploring posterior distributions", Annals of
-Statistics 22 (1994), on independence chains.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bayesfric.analysis import Sampler
+from bayesfric.analysis import Sampler as Settings
 from bayesfric.arrays import Array
 from bayesfric.checkpoint import Arrays, Checkpoint
 from bayesfric.errors import Fault, InputError
@@ -34,21 +26,13 @@ from bayesfric.inference.proposals import (
     StudentT,
     importance_points,
 )
-
-if TYPE_CHECKING:  # it loads scipy.stats, so that each function that draws imports it
-    import emcee
+from bayesfric.inference.samplers import Ensembles, Sampler
 
 Progress = Callable[[int, int], None]
 
 PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to
 PIECE_STEPS = 50  # steps between two checkpoints
 LEAST_WALKERS = 40
-START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
-START_TRIES = 10  # draws of two a walker each
-
-
-class SamplingError(RuntimeError):
-    """The sampler could not start; the message says what it saw."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +65,7 @@ class Draws:
 def sample(
     log_density: LogDensity,
     laplace: Laplace,
-    settings: Sampler,
+    settings: Settings,
     seed: int,
     progress: Progress | None = None,
     checkpoint: Checkpoint | None = None,
@@ -137,7 +121,8 @@ def sample(
             progress(done, total)
 
     keeping = checkpoint or Checkpoint(None, "")
-    runs = _Runs(log_density, settings, walkers, keeping, report)
+    share = settings.independence_share
+    runs = _Runs(lambda step: Ensembles(log_density, walkers, share, step), keeping, report)
 
     def by_importance() -> Arrays:
         rng = np.random.RandomState(np.random.MT19937(of_points))
@@ -172,7 +157,7 @@ def sample(
         total += settings.ensembles * steps
 
 
-def _walkers(settings: Sampler, size: int) -> int:
+def _walkers(settings: Settings, size: int) -> int:
     """Return how many walkers an ensemble has for so many parameters."""
     walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
     if walkers < 2 * size:  # each half of an ensemble is moved along differences of the other
@@ -201,19 +186,19 @@ class _Runs:
 
     def __init__(
         self,
-        log_density: LogDensity,
-        settings: Sampler,
-        walkers: int,
+        sampler_of: Callable[[Callable[[], None]], Sampler],
         checkpoint: Checkpoint,
         report: Callable[[int], None],
     ) -> None:
-        self._log_density = log_density
-        self._settings = settings
-        self._walkers = walkers
+        self._sampler = sampler_of(self._step)
         self._checkpoint = checkpoint
         self._report = report
         self._pieces: dict[str, list[Arrays]] = {}
         self._done = 0
+
+    def _step(self) -> None:
+        self._done += 1
+        self._report(self._done)
 
     def run(
         self, name: str, proposal: Proposal, steps: int, seed: np.random.SeedSequence
@@ -229,8 +214,8 @@ class _Runs:
             stop = min(start + PIECE_STEPS, steps)
 
             def compute(count: int = stop - start) -> Arrays:
-                state = self._goes_on(pieces[-1]) if pieces else self._fresh(proposal, seed)
-                return self._advance(proposal, state, count)
+                last = pieces[-1] if pieces else self._sampler.start(proposal, seed)
+                return self._sampler.advance(proposal, last, count)
 
             pieces.append(self._checkpoint.piece(f"{name}-{start:06d}", compute))
             if self._done != before + stop:  # the piece was there already
@@ -240,67 +225,4 @@ class _Runs:
             "chain": np.concatenate([piece["chain"] for piece in pieces]),
             "log_density": np.concatenate([piece["log_density"] for piece in pieces]),
             "accepted": np.sum([piece["accepted"] for piece in pieces], axis=0),
-        }
-
-    def _fresh(self, proposal: Proposal, seed: np.random.SeedSequence) -> "emcee.State":
-        """Return starts of finite density, wider than the posterior."""
-        import emcee
-
-        rng = np.random.RandomState(np.random.MT19937(seed))
-        starts: list[Array] = []
-        for _ in range(START_TRIES):
-            z, possible = proposal.draw(2 * self._walkers, rng, START_INFLATION)
-            z = z[possible]
-            starts.extend(z[np.isfinite(self._log_density(z))])
-            if len(starts) >= self._walkers:
-                start = np.array(starts[: self._walkers])
-                return emcee.State(start, random_state=rng.get_state())
-        raise SamplingError(
-            f"only {len(starts)} of {2 * self._walkers * START_TRIES} points around "
-            f"{np.array2string(proposal.student.location, precision=4)} have a finite density"
-        )
-
-    def _goes_on(self, last: Arrays) -> "emcee.State":
-        """Return where the piece before ended."""
-        import emcee
-
-        return emcee.State(
-            last["chain"][-1],
-            log_prob=last["log_density"][-1],
-            random_state=(
-                "MT19937",
-                last["random_keys"],
-                *last["random_position"].tolist(),
-                float(last["random_gauss"]),
-            ),
-        )
-
-    def _advance(self, proposal: Proposal, state: "emcee.State", steps: int) -> Arrays:
-        import emcee
-
-        share = self._settings.independence_share
-        moves = [
-            (emcee.moves.MHMove(proposal.propose), share),
-            (emcee.moves.DEMove(), 1 - share),
-        ]
-        sampler = emcee.EnsembleSampler(
-            self._walkers,
-            state.coords.shape[1],
-            self._log_density,
-            moves=moves,
-            vectorize=True,
-        )
-        # emcee's wrapper prints a traceback of whatever ends a call, an interrupt among it.
-        sampler.log_prob_fn = self._log_density
-        for _ in sampler.sample(state, iterations=steps):
-            self._done += 1
-            self._report(self._done)
-        _, keys, position, has_gauss, gauss = sampler.random_state
-        return {
-            "chain": sampler.get_chain(),
-            "log_density": sampler.get_log_prob(),
-            "accepted": np.asarray(sampler.acceptance_fraction * steps),
-            "random_keys": keys,
-            "random_position": np.array([position, has_gauss]),
-            "random_gauss": np.array(gauss),
         }

@@ -114,7 +114,7 @@ class Part:
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
-            yield f"  for {name}: {setting}; its error is then {row['factor']:.0%} of this"
+            yield f"  for {name}: {setting}; this takes its error to {row['factor']:.0%}"
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,8 @@
 Joints whose truth is known; their simulation shares nothing with the package.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,6 +13,7 @@ from rigs.loaded_joints import LoadedJoint
 
 import bayesfric as bf
 from bayesfric.effects import all_effects
+from bayesfric.effects.candidates import candidates_of
 from bayesfric.errors import InputError
 from bayesfric.rigs import all_rigs
 
@@ -59,6 +62,29 @@ def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
     assert weighed or {"gravity-torque", "spring"} <= rivals
     assert found.verdict in ("named", "unseparated")
     assert found.law["inertia"].after.mean == pytest.approx(joint.inertia, rel=0.06)
+
+
+def test_every_place_of_a_weight_lies_within_the_angles_that_are_tried():
+    """An encoder's zero is often where the link is level: a quarter turn from where it hangs."""
+    angles = [candidate.shape for candidate in candidates_of(all_effects(None)["gravity-torque"])]
+    assert min(angles) < -np.pi / 2
+    assert max(angles) > np.pi / 2
+
+
+@pytest.mark.nightly
+def test_a_link_that_is_level_at_zero_has_a_weight_and_no_offset():
+    joint = LoadedJoint(**SMALL, gravity=3.0, noise=0.002)
+    recording = joint.recording()
+    samples = recording.axis.samples
+    level = samples.assign(position_m=samples["position_m"] + np.pi / 2)
+    axis = replace(recording.axis, samples=level)
+    summary = bf.diagnose(replace(recording, axis=axis)).summary
+    (cause,) = summary.causes
+    assert cause.effect == "gravity-torque"
+    assert abs(cause.parameters["torque"].q50) == pytest.approx(3.0, rel=2e-3)
+    assert abs(cause.parameters["angle"].q50) == pytest.approx(np.pi / 2, abs=3e-3)
+    assert abs(summary.law["offset"].after.q50) < 0.005
+    assert summary.law["viscous"].after.q50 == pytest.approx(joint.viscous, rel=0.03)
 
 
 @pytest.mark.nightly

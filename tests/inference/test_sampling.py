@@ -15,7 +15,8 @@ from bayesfric.inference.proposals import (
     importance_points,
     resampled,
 )
-from bayesfric.inference.sampling import SamplingError, sample
+from bayesfric.inference.samplers import SamplingError
+from bayesfric.inference.sampling import sample
 
 SETTINGS = Sampler(walkers=32, burn=100, steps=400, thin=4)
 SHORT = Sampler(walkers=32, burn=50, steps=100, thin=4)  # where no quantile is asked for

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -66,6 +67,13 @@ def test_without_the_library_figures_are_still(monkeypatch):
     page = page_of(figure_of(), (), monkeypatch)
     assert not HELD.search(page)
     assert "<img" in page
+
+
+def test_the_library_can_stand_in_a_page():
+    scripts = live.live_scripts()
+    assert bool(scripts) == (find_spec(live.LIBRARY) is not None)
+    assert not any("</script" in script for script in scripts)
+    assert sum(map(len, scripts)) < 2e6
 
 
 def test_words_of_a_point_are_never_markup(monkeypatch):

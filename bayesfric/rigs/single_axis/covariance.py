@@ -125,7 +125,7 @@ class Pieces:
         force: float,
         wander: float,
         length: float,
-    ) -> Array:
+    ) -> csr_array:
         """Return the covariance of means of rows at a noise, shape (G, G)."""
         whole = sum(self._parts(position, force, wander, length))
         there = self.rows < self.count
@@ -133,7 +133,7 @@ class Pieces:
         row = np.broadcast_to(self.rows[:, :, None], both.shape)[both]
         column = np.broadcast_to(self.rows[:, None, :], both.shape)[both]
         matrix = csr_array((np.asarray(whole)[both], (row, column)), (self.count, self.count))
-        return np.asarray((mean @ matrix @ mean.T).toarray())
+        return csr_array(mean @ matrix @ mean.T)
 
 
 @dataclass(frozen=True)

@@ -190,19 +190,19 @@ class AxisPart(ColumnsPart):
         error = self._pieces.averaged(mean, position, force, 0.0, length)
         moved = self._pieces.averaged(mean, 0.0, 0.0, wander, length)
         root = mean @ self._root
-        error, moved = (part / np.outer(root, root) for part in (error, moved))
         share = mean @ friction
         levels, *_ = self._levels(noise)
         deviating = mean @ self._deviating
         along, in_time = deviating[:, 1 : SHARED - 1], deviating[:, SHARED:]
-        moved += (along * (levels.run_map + levels.machine_map)) @ along.T
-        moved += (in_time * levels.slow) @ in_time.T
         covariance, varying = [], []
         for trial in range(len(self.size)):
             mine = np.flatnonzero(row == trial)
-            covariance.append(error[np.ix_(mine, mine)])
-            unit = np.outer(share[mine], share[mine])
-            varying.append(moved[np.ix_(mine, mine)] / unit)
+            weight = np.outer(root[mine], root[mine])
+            covariance.append(error[mine][:, mine].toarray() / weight)
+            varies = moved[mine][:, mine].toarray() / weight
+            varies += (along[mine] * (levels.run_map + levels.machine_map)) @ along[mine].T
+            varies += (in_time[mine] * levels.slow) @ in_time[mine].T
+            varying.append(varies / np.outer(share[mine], share[mine]))
         where = {name: mean @ at for name, at in self.rows.covariates().items()}
         for axis in ("tension", "n_pulleys", "wrap_angle"):
             del where[axis]  # no cable

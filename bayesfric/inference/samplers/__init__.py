@@ -1,0 +1,6 @@
+"""Samplers, a file each: what :mod:`bayesfric.inference.sampling` runs in pieces."""
+
+from bayesfric.inference.samplers.base import Sampler, SamplingError
+from bayesfric.inference.samplers.ensembles import Ensembles
+
+__all__ = ["Ensembles", "Sampler", "SamplingError"]
