@@ -8,8 +8,10 @@ truth; held-out runs say which values are promoted.
 
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 from campaigns.evidence import Gathered
 from campaigns.promises import Outcome, rate
 from export.hinge import Hinge, drawn_hinge, recording
@@ -18,6 +20,7 @@ from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.export.into import filled_model
 from bayesfric.export.joints import joints_of
+from bayesfric.recording.tables import Axis
 from bayesfric.replaying import held_out_parts, with_replay
 
 FINGERPRINT = ("likelihood.axis", "diagnosis.axis", "whole.axis")
@@ -25,7 +28,7 @@ SEEDS = range(50)
 FIXED_SEEDS = (0, 1)
 WRONG = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)
 NAMES = {"coulomb": "frictionloss", "viscous": "damping", "armature": "armature"}
-SECONDS = 36.0  # of which a third is held out
+SECONDS, RUNS = 48.0, 4  # of each of which a third is held out
 ROUNDED = 0.5  # of an error, by which a written number is off at the most
 SDF = """<sdf version="1.9"><model name="one"><link name="base"/><link name="rod"/>
 <joint name="hinge" type="revolute"><parent>base</parent><child>rod</child>
@@ -64,6 +67,16 @@ def loaded(folder, joints, own):
     return numbers
 
 
+def recorded(seed, own):
+    """Return a log of several runs: what one run alone tells holds for that run."""
+    made = recording(drawn_hinge(seed + 100), seed + 100, own=own, seconds=SECONDS)
+    samples = made.axis.samples
+    run = (samples["time_s"] * RUNS / SECONDS).astype(int).clip(0, RUNS - 1)
+    samples = samples.assign(run=run.map("r{}".format))
+    runs = pd.DataFrame({"run": [f"r{place}" for place in range(RUNS)]})
+    return replace(made, axis=Axis(runs, samples))
+
+
 def case(seed):
     """Diagnose, replay and export one joint.
 
@@ -74,7 +87,7 @@ def case(seed):
     """
     truth = drawn_hinge(seed + 100)
     own = truth if is_right(seed) else WRONG
-    early, late, what = held_out_parts(recording(truth, seed + 100, own=own, seconds=SECONDS))
+    early, late, what = held_out_parts(recorded(seed, own))
     diagnosed = with_replay(diagnose(early), late, what, seed)
     summary = diagnosed.summary
     entered = {number.parameter: number.value for number in summary.enter}
