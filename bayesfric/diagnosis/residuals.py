@@ -268,9 +268,14 @@ def shared_columns(model: LinearModel) -> tuple[int, ...]:
 
 
 def columns_beside(model: LinearModel) -> tuple[int, ...]:
-    """Return the local columns of forces beside the law: no clock's, and none of the law's own."""
+    """Return the local columns of forces beside the law of a joint: its machine's, no clock's.
+
+    Those of a board are of its sensors, such as an idle motor's current.
+    """
     columns: list[int] = []
     for place, (rig, linear) in enumerate(zip(model.data.rigs, model.rigs, strict=True)):
+        if not rig.along_path:
+            continue
         own = {*linear.rows.clock_nuisances, *(at for at, _ in rig.shared_numbers.values())}
         mine = model.layout.nuisance(place)
         columns += [at for at in range(mine.start, mine.stop) if at - mine.start not in own]
