@@ -9,6 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
 
 MIDDLE_TENSION_N = 16.5  # of Table II's range
+SLACK = 1e-3  # of that: a tension below it is none
 
 
 def _quadratic(p: Mapping[str, Array], state: State) -> Array:
@@ -25,7 +26,8 @@ def _apart_from_wrap(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _power(p: Mapping[str, Array], state: State) -> Array:
-    ratio = np.asarray(state.tension_n) / MIDDLE_TENSION_N
+    # A law far from a board's trials may leave its cable slack: no power of that is a number.
+    ratio = np.maximum(np.asarray(state.tension_n) / MIDDLE_TENSION_N, SLACK)
     grown = np.expm1(p["curvature"] * np.log(ratio))
     return np.asarray(state.tension_friction_n) * grown
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bayesfric.effects import all_effects
+from bayesfric.effects import State, all_effects
 from bayesfric.errors import InputError
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, coulomb_acceleration
@@ -132,3 +132,13 @@ def test_amplitudes_have_the_sign_of_the_strength_and_grow_with_it(name, recordi
 def test_an_unknown_effect_is_refused(recording):
     with pytest.raises(InputError, match="air-drag"):
         amplitude("phlogiston", recording)
+
+
+@pytest.mark.parametrize("curvature", [-0.3, 0.3])
+def test_a_power_of_a_slack_cable_is_a_number(curvature):
+    """A law far from a board's trials pulls its cable below nothing; at 16.5 N the effect is 0."""
+    tension = np.array([-40.0, 0.0, 16.5])
+    state = State.of(Coefficients(0.02, 0.03, 1e-4), 2, 85.0, tension, 0.1)
+    force = all_effects()["tension-curvature"].laws["power"]({"curvature": curvature}, state)
+    assert np.isfinite(force).all()
+    assert force[2] == pytest.approx(0.0, abs=1e-12)
