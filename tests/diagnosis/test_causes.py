@@ -9,6 +9,7 @@ from diagnosis.boards import model_of
 from bayesfric.diagnosis.causes import causes_of
 from bayesfric.diagnosis.checked import Checked
 from bayesfric.effects import all_effects
+from bayesfric.hypothesis import NONE, Hypothesis
 
 CLOCK, LENGTH = "clock-scale", "length-scale"
 DRAWS = np.linspace(0.01, 0.03, 201)
@@ -32,12 +33,12 @@ def test_a_twins_law_has_the_twins_parameters(model, law, parameter):
     )
     search = SimpleNamespace(
         weighed={
-            CLOCK: SimpleNamespace(names=(CLOCK,), acting=acting, log_evidence=5.0),
-            "none": SimpleNamespace(names=(), log_evidence=1.0),
+            Hypothesis((CLOCK,)): SimpleNamespace(names=(CLOCK,), acting=acting, log_evidence=5.0),
+            NONE: SimpleNamespace(names=(), log_evidence=1.0),
         },
         worth=lambda one: one.log_evidence,
         unknown=None,
-        probabilities=lambda: {CLOCK: 0.98, "none": 0.02},
+        probabilities=lambda: {Hypothesis((CLOCK,)): 0.98, NONE: 0.02},
     )
     posterior = SimpleNamespace(
         amplitudes={CLOCK: DRAWS}, shapes={}, strengths={CLOCK: DRAWS}, left={CLOCK: 0.02}

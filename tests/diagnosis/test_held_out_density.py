@@ -18,6 +18,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import residuals_of, spread_numbers
 from bayesfric.diagnosis.shipped import shipped_of
 from bayesfric.effects.candidates import candidates_of
+from bayesfric.hypothesis import Hypothesis
 from bayesfric.rigs.opening import with_own_priors
 
 
@@ -36,8 +37,9 @@ def points_model(folder, viscous):
 
 
 def search_of(acting, at):
-    one = SimpleNamespace(names=("viscous",), acting=acting, at=at)
-    return SimpleNamespace(weighed={"viscous": one}, worth=lambda _: 0.0)
+    acts = Hypothesis(("viscous",))
+    weighed = SimpleNamespace(hypothesis=acts, names=acts.names, acting=acting, at=at)
+    return SimpleNamespace(weighed={acts: weighed}, worth=lambda _: 0.0)
 
 
 def test_a_block_has_the_density_of_a_normal_given_the_others(tmp_path, monkeypatch):
@@ -87,8 +89,7 @@ def test_assemblies_are_held_out_whole_in_twenty_blocks_at_most(assemblies, coun
 
 
 def test_three_assemblies_tell_no_error(monkeypatch):
-    names = {"viscous": SimpleNamespace(names=("viscous",), acting=Acting(), at=None)}
-    search = SimpleNamespace(weighed=names, worth=lambda _: 0.0)
+    search = search_of(Acting(), None)
     model = SimpleNamespace(rigs=[SimpleNamespace(setup=np.arange(3))])
     monkeypatch.setattr(held_out_density, "_one_by_one", lambda model, best: (model, best.acting))
     assert block_densities(model, search, ["viscous"], np.random.default_rng(0)) is None

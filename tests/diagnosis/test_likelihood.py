@@ -83,7 +83,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
     weights, _ = wander_weights(NOISE["wander_length"], part._travel)
     columns = part.columns @ model.layout.mixed(mixing)
     total, rows_of = 0.0, list(part.rows.rows_of_trials())
-    for setup in range(len(part.setups)):
+    for setup in range(part.setup.max() + 1):
         residual, blocks, all_of_it, intercepts = [], [], [], []
         for trial in np.flatnonzero(part.setup == setup):
             rows = rows_of[trial]

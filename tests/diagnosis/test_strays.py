@@ -134,7 +134,9 @@ def test_rows_of_an_axis_with_weights_have_so_much_less_error(tmp_path):
 
 def test_rows_of_the_papers_boards_count_alike_and_are_not_looked_at(monkeypatch):
     monkeypatch.setattr(strays, "residuals_of", None)  # which takes as long as all hypotheses
-    boards = [SimpleNamespace(rig=SimpleNamespace(paper=True)) for _ in range(2)]
+    boards = [
+        SimpleNamespace(rig=SimpleNamespace(words=SimpleNamespace(paper=True))) for _ in range(2)
+    ]
     whole = SimpleNamespace(row_weights={})
     model = SimpleNamespace(data=SimpleNamespace(rigs=boards), full=whole)
     assert strays.without_strays(model, "hypotheses", None) == (model, "hypotheses")

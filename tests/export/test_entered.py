@@ -46,7 +46,9 @@ def test_a_number_below_zero_is_not_passed_over():
 
 
 def test_terminal_and_page_one_say_the_same():
-    found = DiagnosisFile.model_construct(joint="elbow", joints=(), causes=(), enter=(COULOMB,))
+    found = DiagnosisFile.model_construct(
+        joint="elbow", joints=(), verdict="named", causes=(), enter=(COULOMB,)
+    )
     lines = list(entered_lines(found))
     assert lines[0].startswith("To enter in a simulator for the joint elbow")
     table, remarks = numbers_to_enter(found)
