@@ -133,3 +133,14 @@ def test_with_an_effect_of_the_users_own_nothing_is_kept(recording, counted, tmp
             checkpoint=tmp_path / "c",
         )
     assert not (tmp_path / "c").exists()
+
+
+@pytest.mark.nightly
+def test_a_resumed_diagnosis_has_the_shapes_of_the_whole_one(counted, tmp_path):
+    """What hypotheses had asked of the data rounded what was asked of them for the draws."""
+    recording = simulate_recording("quick", seed=11, effects={"stribeck": 1.0}, rigs=("motor",))
+    whole = diagnose(recording, Analysis(seed=3))
+    counted.done.clear()
+    start(recording, tmp_path / "c", counted, ("where_it_lies", 0))
+    resumed = diagnose(recording, Analysis(seed=3), checkpoint=tmp_path / "c")
+    assert json_bytes(resumed.summary) == json_bytes(whole.summary)
