@@ -67,6 +67,16 @@ def test_a_contradiction_that_is_told_is_an_answer_and_one_that_is_not_is_none()
 ODD = {
     "no force": Drive(force="none"),
     "a constant force": Drive(force="constant"),
+    "a constant force beside a simulator": Drive(
+        samples=300,
+        sampled_hz=50.0,
+        force="constant",
+        gravity=40.0,
+        lost=0.5,
+        columns=("order", "sim_force_n", "role", "sim_position_m", "setup"),
+        covariates=("payload_kg",),
+        seed=1,
+    ),
     "at rest": Drive(motion="still"),
     "one way": Drive(motion="one way"),
     "ten samples": Drive(samples=10),

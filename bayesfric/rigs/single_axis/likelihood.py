@@ -236,7 +236,9 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         forms, determinants = integrated(grams, variance)
         form = forms.sum(axis=0)
         curvatures = np.diag(form)[:-1]
-        information = form[:-1, :-1] + NOTHING * curvatures.max() * np.eye(columns.shape[1])
+        # Of a simulator in the law's place and a constant force nothing is left to be told.
+        ridge = NOTHING * (float(curvatures.max()) or 1.0)
+        information = form[:-1, :-1] + ridge * np.eye(columns.shape[1])
         square = form[-1, -1] - form[-1, :-1] @ np.linalg.solve(information, form[:-1, -1])
         determinant = solved.log_determinant(every) + determinants.sum()
         return 0.5 * float(square + determinant + z @ z)
