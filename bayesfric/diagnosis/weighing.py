@@ -17,6 +17,7 @@ from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 from bayesfric.hypothesis import Hypothesis
 
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
+FLATTEST = 0.01  # curvature of a logarithm: a noise that is known to a factor of e^10
 SETTLED = 0.05  # of a shape, in normal quantiles
 # Along speed alone too, as an unknown force may be: that has no price of other axes.
 FORM_SHARES = (
@@ -202,8 +203,11 @@ def _same(first: Acting, other: Acting) -> bool:
 
 
 def log_volume(curvature: Array) -> float:
-    """Return the log integral of a normal density's shape, by its negative Hessian."""
-    values = np.linalg.eigvalsh(curvature)
+    """Return the log integral of a normal density's shape, by its negative Hessian.
+
+    A direction that bends the other way, or hardly, is as wide as one that nothing tells.
+    """
+    values = np.maximum(np.linalg.eigvalsh(curvature), FLATTEST)
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
 
 
