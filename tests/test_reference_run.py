@@ -11,7 +11,7 @@ import bayesfric as bf
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.campaign import processes
 from bayesfric.claims.entered import Entered
-from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.resources import bundled_recording, reference_folder
@@ -30,7 +30,7 @@ def weighted():
     """Draws of the same posterior by importance sampling, by name; and their error."""
     analysis = Analysis()
     data = Entered.of(bf.read_recording(bundled_recording())).data["gravity"]
-    model = model_of(data, analysis, Hypothesis(), {})
+    model = model_of(data, analysis, LawWithEffects(), {})
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     evidence, drawn = importance_draws(model.log_posterior, laplace, 1, chart_of(model))
     return model.by_name(model.natural(drawn)), evidence.error

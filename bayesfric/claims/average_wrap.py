@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
 from bayesfric.effects import Effect, EffectParameter, State
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 MIDDLE_TENSION_N, SPAN_DEG = 15.0, 50.0
 
@@ -50,5 +50,5 @@ CLAIM = Claim(
     judge=compare,
     regime="accelerated",
     effects=(SPREAD,),
-    rivals=tuple(Hypothesis(effects=(("wrap-spread", law),)) for law in SPREAD.laws),
+    rivals=tuple(LawWithEffects(effects=(("wrap-spread", law),)) for law in SPREAD.laws),
 )

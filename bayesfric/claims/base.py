@@ -11,7 +11,7 @@ from bayesfric.arrays import Array
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task
 from bayesfric.effects import Effect, all_effects
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Regime
 
@@ -91,7 +91,7 @@ class Claim:
     effects : tuple of Effect
         Of the rivals, where they are none of :func:`bayesfric.effects.all_effects`: other forms
         of the law, which a diagnosis does not look for.
-    rivals : tuple of Hypothesis
+    rivals : tuple of LawWithEffects
         What it is compared with; of the paper's law where it is named, else as it is.
     levels : mapping of str to int
         How many different values a column of the trials must have for the rivals to
@@ -114,7 +114,7 @@ class Claim:
     instead: Regime | None = None
     beside: Regime | None = None
     effects: tuple[Effect, ...] = ()
-    rivals: tuple[Hypothesis, ...] = ()
+    rivals: tuple[LawWithEffects, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
     speeds: int = 1
     by_size: bool = True
@@ -132,7 +132,7 @@ class Claim:
                 return regime
         return self.regime
 
-    def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
+    def against(self, entered: Entered) -> tuple[LawWithEffects, ...]:
         """Return the rivals; effects of a rival on the paper's law are added to the claimed law."""
         return tuple(
             replace(rival, law=entered.law) if rival.law == PAPER else rival

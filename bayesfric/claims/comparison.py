@@ -10,7 +10,7 @@ from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.inference.evidence import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
@@ -58,7 +58,7 @@ def _against_rivals(
     claim: Claim,
     case: Case,
     name: str,
-    weighed: Mapping[Hypothesis, Studied],
+    weighed: Mapping[LawWithEffects, Studied],
     lacking: Sequence[str],
 ) -> Finding:
     """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
@@ -123,7 +123,7 @@ def _difference_of_prediction(own: Studied, best: Studied) -> Difference:
     return difference(own.prediction, best.prediction)
 
 
-def _upper_bounds(rivals: Mapping[Hypothesis, Studied]) -> dict[str, float]:
+def _upper_bounds(rivals: Mapping[LawWithEffects, Studied]) -> dict[str, float]:
     """Return the 95 % upper bound of each rival's effect, as a share of friction."""
     return {
         rival.label: float(np.quantile(studied.size, 0.95))
@@ -146,7 +146,7 @@ def _over_width(curve: Array) -> tuple[float, float]:
 
 
 def verdicts_over_widths(
-    case: Case, rivals: Mapping[Hypothesis, Studied], log10: Array, elpd_errors: float
+    case: Case, rivals: Mapping[LawWithEffects, Studied], log10: Array, elpd_errors: float
 ) -> list[Verdict]:
     """Return the verdict at each width of the rivals' priors.
 
@@ -157,7 +157,7 @@ def verdicts_over_widths(
     ----------
     case : Case
         For rules and priors.
-    rivals : mapping of Hypothesis to Studied
+    rivals : mapping of LawWithEffects to Studied
         All with an evidence.
     log10 : ndarray, shape (len(WIDTHS),)
         Log10 Bayes factor at each width.
@@ -185,7 +185,7 @@ def verdicts_over_widths(
     return verdicts
 
 
-def could_be_found(case: Case, rivals: Mapping[Hypothesis, Studied]) -> dict[str, Any]:
+def could_be_found(case: Case, rivals: Mapping[LawWithEffects, Studied]) -> dict[str, Any]:
     """Return the smallest effect that these data would have shown, by rival.
 
     It is the share of friction, where the effect matters most, that is favoured over the
@@ -195,7 +195,7 @@ def could_be_found(case: Case, rivals: Mapping[Hypothesis, Studied]) -> dict[str
     ----------
     case : Case
         For rules and priors.
-    rivals : mapping of Hypothesis to Studied
+    rivals : mapping of LawWithEffects to Studied
         All with an evidence.
     """
     threshold = -case.analysis.claims.refute_log10_bayes_factor * LN10

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations
 
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Regime, RigTrials
@@ -61,9 +61,9 @@ class Entered:
         return cls(data, tuple(name for name in there if name not in data), law)
 
     @property
-    def claimed(self) -> Hypothesis:
+    def claimed(self) -> LawWithEffects:
         """The law, and nothing beside it."""
-        return Hypothesis(self.law)
+        return LawWithEffects(self.law)
 
     @property
     def rigs(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 CLAIM = Claim(
     name="linear-in-tension",
@@ -13,7 +13,7 @@ CLAIM = Claim(
     regime="accelerated",
     instead="steady",
     rivals=tuple(
-        Hypothesis(effects=(("tension-curvature", law),)) for law in ("quadratic", "power")
+        LawWithEffects(effects=(("tension-curvature", law),)) for law in ("quadratic", "power")
     ),
     levels={"tension": 3},
 )

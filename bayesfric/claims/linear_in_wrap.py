@@ -2,7 +2,7 @@
 
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 CLAIM = Claim(
     name="linear-in-wrap",
@@ -15,10 +15,10 @@ CLAIM = Claim(
     regime="accelerated",
     instead="steady",
     rivals=(
-        Hypothesis(effects=(("wrap-curvature", "quadratic"),)),
-        Hypothesis(effects=(("wrap-intercept", "linear"),)),
-        Hypothesis("no-wrap"),
-        Hypothesis("bearing-load"),
+        LawWithEffects(effects=(("wrap-curvature", "quadratic"),)),
+        LawWithEffects(effects=(("wrap-intercept", "linear"),)),
+        LawWithEffects("no-wrap"),
+        LawWithEffects("bearing-load"),
     ),
     levels={"wrap_angle_deg": 3},
 )

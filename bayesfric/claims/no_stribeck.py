@@ -5,7 +5,7 @@ from dataclasses import replace
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import compare
 from bayesfric.claims.studies import slowest_speed
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
@@ -31,5 +31,7 @@ CLAIM = Claim(
     regime="accelerated",
     instead="steady",
     speeds=2,
-    rivals=tuple(Hypothesis(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")),
+    rivals=tuple(
+        LawWithEffects(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")
+    ),
 )

@@ -2,7 +2,7 @@
 
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 CLAIM = Claim(
     name="no-viscous-gravity",
@@ -12,6 +12,6 @@ CLAIM = Claim(
     judge=compare,
     regime="accelerated",
     rivals=tuple(
-        Hypothesis(effects=(("viscous", law),)) for law in ("constant", "tension", "wrap")
+        LawWithEffects(effects=(("viscous", law),)) for law in ("constant", "tension", "wrap")
     ),
 )

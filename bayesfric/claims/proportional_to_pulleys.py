@@ -2,7 +2,7 @@
 
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 CLAIM = Claim(
     name="proportional-to-pulleys",
@@ -13,8 +13,8 @@ CLAIM = Claim(
     regime="accelerated",
     instead="steady",
     rivals=(
-        Hypothesis(effects=(("fixed-drag", "constant"),)),
-        Hypothesis(effects=(("pulley-count-curvature", "power"),)),
+        LawWithEffects(effects=(("fixed-drag", "constant"),)),
+        LawWithEffects(effects=(("pulley-count-curvature", "power"),)),
     ),
     levels={"n_pulleys": 2},
 )

@@ -16,7 +16,7 @@ from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
-from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
 from bayesfric.inference.evidence import (
     ELPD,
@@ -55,12 +55,12 @@ class Task(NamedTuple):
     data : str
         Name of the data: that of a rig; of a rig and one pulley size as in ``RIG/small``;
         or of two rigs that may differ as in ``RIG+OTHER``.
-    hypothesis : Hypothesis
+    hypothesis : LawWithEffects
         What is assumed.
     """
 
     data: str
-    hypothesis: Hypothesis
+    hypothesis: LawWithEffects
 
     @property
     def whole(self) -> bool:
@@ -196,7 +196,7 @@ Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
 
 
 def _mode(
-    data: Data, analysis: Analysis, law: Hypothesis, effects: dict[str, Effect]
+    data: Data, analysis: Analysis, law: LawWithEffects, effects: dict[str, Effect]
 ) -> dict[str, float]:
     """Return the mode of a law without effects; the climbs of all hypotheses start there.
 
@@ -309,7 +309,7 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
 
 
 def _start(
-    model: Model, hypothesis: Hypothesis, effects: dict[str, Effect], near: dict[str, float]
+    model: Model, hypothesis: LawWithEffects, effects: dict[str, Effect], near: dict[str, float]
 ) -> Array:
     """Return a point to climb from: the best of a few amplitudes and shapes of the effects."""
     rough = model.start()
@@ -329,7 +329,7 @@ def _start(
 
 
 def prior_ratios(
-    theta: Mapping[str, Array], hypothesis: Hypothesis, effects: Mapping[str, Effect]
+    theta: Mapping[str, Array], hypothesis: LawWithEffects, effects: Mapping[str, Effect]
 ) -> Array:
     """Return the log ratio of the amplitude's prior at another width to that at its own.
 
@@ -337,7 +337,7 @@ def prior_ratios(
     ----------
     theta : mapping of str to ndarray of shape (S,)
         Draws with an effect.
-    hypothesis : Hypothesis
+    hypothesis : LawWithEffects
         Its first effect is the one whose prior changes.
     effects : mapping of str to Effect
         By name.
@@ -356,7 +356,7 @@ def prior_ratios(
 
 
 def _over_widths(
-    theta: Mapping[str, Array], hypothesis: Hypothesis, effects: dict[str, Effect]
+    theta: Mapping[str, Array], hypothesis: LawWithEffects, effects: dict[str, Effect]
 ) -> Array:
     """Return how the log evidence changes with the width of the amplitude's prior.
 
@@ -375,7 +375,7 @@ def _over_widths(
 def _size_at_edge(
     data: Data,
     theta: Mapping[str, Array],
-    hypothesis: Hypothesis,
+    hypothesis: LawWithEffects,
     effects: dict[str, Effect],
 ) -> Array:
     """Return the share of friction that the effect makes where it matters most, shape (S,)."""

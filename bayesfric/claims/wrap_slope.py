@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
 from bayesfric.effects import Effect, EffectParameter, State
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 
 MIDDLE_PULLEYS, MIDDLE_TENSION_N, MIDDLE_WRAP_DEG, SPAN_DEG = 9.0, 15.0, 85.0, 50.0
 
@@ -58,6 +58,6 @@ CLAIM = Claim(
     regime="accelerated",
     instead="steady",
     effects=(DEPARTURE,),
-    rivals=tuple(Hypothesis(effects=(("wrap-slope", law),)) for law in DEPARTURE.laws),
+    rivals=tuple(LawWithEffects(effects=(("wrap-slope", law),)) for law in DEPARTURE.laws),
     levels={"wrap_angle_deg": 2, "n_pulleys": 2},
 )

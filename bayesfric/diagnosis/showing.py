@@ -90,9 +90,8 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
 
 
 def windows_told(residuals: Residuals) -> str:
-    """Return how much was recorded, in words."""
-    runs = len(residuals.names)
-    return f"{residuals.independent} windows of {runs} run{'' if runs == 1 else 's'}"
+    """Return how many windows there are, those that overlap counted as what they cover."""
+    return f"{residuals.independent} window{'' if residuals.independent == 1 else 's'}"
 
 
 def _numbers(residuals: Residuals) -> int:

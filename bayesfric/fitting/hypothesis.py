@@ -14,7 +14,7 @@ LAWS = BASELINES | RIVAL_LAWS
 
 
 @dataclass(frozen=True)
-class Hypothesis:
+class LawWithEffects:
     """A law, and one law of each effect that acts.
 
     Parameters
@@ -36,7 +36,7 @@ class Hypothesis:
 
 
 def model_of(
-    data: Data, analysis: Analysis, hypothesis: Hypothesis, effects: dict[str, Effect]
+    data: Data, analysis: Analysis, hypothesis: LawWithEffects, effects: dict[str, Effect]
 ) -> Model:
     """Return the posterior of a hypothesis.
 
@@ -46,7 +46,7 @@ def model_of(
         Of one rig or several.
     analysis : Analysis
         Priors and the form of the scatter.
-    hypothesis : Hypothesis
+    hypothesis : LawWithEffects
         What is assumed.
     effects : dict of str to Effect
         Where the effects of the hypothesis are found by name.

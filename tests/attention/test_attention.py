@@ -120,8 +120,9 @@ def test_a_law_that_is_biased_without_the_causes_is_told():
 def test_numbers_that_are_biased_alike_are_one_remark():
     """The worst is told with its figures, 68 % off; the others, a tenth off, by their names."""
     numbers = {name: law(0.011, 0.010, 1e-4) for name in ("c1[large]", "c3[large]")}
-    found = diagnosis(causes=(cause("viscous"),), law=numbers | {"c2[small]": law(0.0439, 0.0261)})
-    (line,) = [line for line in of_diagnosis(found) if "Fitted without viscous" in line]
+    worst = {"c2[small]": law(0.0439, 0.0261)}
+    biased = diagnosis(causes=(cause("viscous"),), law=numbers | worst)
+    (line,) = [line for line in of_diagnosis(biased) if "Fitted without viscous" in line]
     assert "has c2[small] at 0.0439 N" in line
     assert "Also wrong: c1[large], c3[large]." in line
 

@@ -17,7 +17,7 @@ from bayesfric.campaign import run_on_processes
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Task, study_all
 from bayesfric.effects import all_effects
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.inference.priors import draw
 from bayesfric.simulate import AppliedEffect, simulate_recording
 
@@ -71,7 +71,7 @@ def case(given):
     truth, acts = draw_case(analysis, effect, law, rng)
     number = int(rng.integers(2**32))
     recording = simulate_recording("quick", seed=number, truth=truth, rigs=("gravity",))
-    hypotheses = Hypothesis(), Hypothesis(effects=((name, law),))
+    hypotheses = LawWithEffects(), LawWithEffects(effects=((name, law),))
     tasks = [Task("gravity", one) for one in hypotheses]
     data = Entered.of(recording).data
     studied = study_all(tasks, data, analysis, {name: effect}, None)

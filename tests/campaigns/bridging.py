@@ -1,11 +1,10 @@
 """Actual errors of bridge sampling beside those that it reports."""
 
 import numpy as np
-from campaigns.evidence import Gathered
+from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import Outcome
 from inference import densities
 
-from bayesfric.campaign import run_on_processes
 from bayesfric.inference.evidence import bridge_evidence
 
 FINGERPRINT = ("evidence",)
@@ -47,14 +46,7 @@ def calibration(cases):
 
 def gather(folder):
     """Run the campaign."""
-    cases = {f"{seed:04d}": seed for seed in SEEDS}
-    done = list(run_on_processes(case, cases, folder, workers=2).values())
-    return Gathered(
-        seeds=[SEEDS.start, SEEDS.stop - 1],
-        figures=calibration(done),
-        cases=done,
-        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
-    )
+    return gathered_over_seeds(case, SEEDS, calibration, FIXED_SEEDS, folder)
 
 
 def promises(figures):

@@ -11,11 +11,10 @@ from pathlib import Path
 
 import numpy as np
 from campaigns.axis import EFFECTS
-from campaigns.evidence import Gathered
+from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import Outcome, rate
 from rigs.driven_mass import Machine, simulate, write
 
-from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.readiness import readiness_of
 from bayesfric.recording import read_recording
@@ -87,7 +86,7 @@ def case(seed):
         return record | {"hopeless": True, "numbers": {}, "said": None, "false": []}
     summary = diagnose(recording).summary
     named = [cause.effect for cause in summary.causes]
-    found = [*named, *(cause.effect for cause in summary.present)]
+    reported = [*named, *(cause.effect for cause in summary.present)]
     can, cannot = part.effects
     sizes = part.power.effects["smallest"]
     smallest = max(
@@ -104,15 +103,17 @@ def case(seed):
         if number is not None and row["informed"]:
             off = float(row.get("sd_where_law_is_off", row["sd"]))
             truth = {"mass": MACHINE.mass, "coulomb": MACHINE.coulomb, "viscous": VISCOUS}[name]
-            told = [number.before.sd, number.after.sd, number.after.mean - truth]
-            numbers[name] = [float(row["sd"]), off, *told]
-    alike = {effect}.union(*(one.effects for one in summary.unseparated if effect in one.effects))
+            diagnosed = [number.before.sd, number.after.sd, number.after.mean - truth]
+            numbers[name] = [float(row["sd"]), off, *diagnosed]
+    alike = {effect}.union(
+        *(group.effects for group in summary.unseparated if effect in group.effects)
+    )
     return record | {
         "hopeless": False,
         "numbers": numbers,
         "said": said,
         "named": bool(alike & set(named)),
-        "found": bool(alike & set(found)),
+        "found": bool(alike & set(reported)),
         "false": sorted(set(named) - alike - {None}),
         "verdict": summary.verdict,
         "amplitude": amplitude,
@@ -150,14 +151,7 @@ def _rms(values):
 
 def gather(folder):
     """Run the campaign."""
-    cases = {f"{seed:02d}": seed for seed in SEEDS}
-    done = list(run_on_processes(case, cases, folder, workers=2).values())
-    return Gathered(
-        seeds=[SEEDS.start, SEEDS.stop - 1],
-        figures=figures(done),
-        cases=done,
-        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
-    )
+    return gathered_over_seeds(case, SEEDS, figures, FIXED_SEEDS, folder)
 
 
 def promises(figures):

@@ -15,11 +15,14 @@ import json
 import subprocess
 import sys
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from fingerprint import stored
+
+from bayesfric.campaign import run_on_processes
 
 ROOT = Path(__file__).resolve().parents[2]
 EVIDENCE = ROOT / "reports" / "evidence"
@@ -60,6 +63,20 @@ class Gathered:
     fixed: Any = field(default_factory=list)
     command: str = COMMAND
     complete: bool = True
+
+
+def gathered_over_seeds(
+    case: Callable[[int], Any],
+    seeds: range,
+    figures: Callable[[list[Any]], dict[str, Any]],
+    fixed_seeds: range,
+    folder: Path,
+) -> Gathered:
+    """Run a case of each seed on two processes, and gather their figures."""
+    cases = {f"{seed:04d}": seed for seed in seeds}
+    done = list(run_on_processes(case, cases, folder, workers=2).values())
+    fixed = [record for record in done if record["seed"] in fixed_seeds]
+    return Gathered([seeds.start, seeds.stop - 1], figures(done), done, fixed)
 
 
 def version():

@@ -12,11 +12,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
-from campaigns.evidence import Gathered
+from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import Outcome, rate
 from export.hinge import Hinge, drawn_hinge, recording
 
-from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.export.into import filled_model
 from bayesfric.export.joints import joints_of
@@ -137,14 +136,7 @@ def figures(cases):
 
 def gather(folder):
     """Run the campaign."""
-    cases = {f"{seed:02d}": seed for seed in SEEDS}
-    done = list(run_on_processes(case, cases, folder, workers=2).values())
-    return Gathered(
-        seeds=[SEEDS.start, SEEDS.stop - 1],
-        figures=figures(done),
-        cases=done,
-        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
-    )
+    return gathered_over_seeds(case, SEEDS, figures, FIXED_SEEDS, folder)
 
 
 def promises(figures):

@@ -7,7 +7,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
-from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.inference.evidence import bridge_evidence, importance_draws, in_one_place
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
@@ -22,9 +22,9 @@ LARGEST_DIFFERENCE = 3.0  # errors
 LARGEST_K = 0.7
 FIXED = "paper"  # what the nightly job repeats
 HYPOTHESES = {
-    "paper": Hypothesis(),
-    "viscous": Hypothesis(effects=(("viscous", "constant"),)),
-    "tension-curvature": Hypothesis(effects=(("tension-curvature", "quadratic"),)),
+    "paper": LawWithEffects(),
+    "viscous": LawWithEffects(effects=(("viscous", "constant"),)),
+    "tension-curvature": LawWithEffects(effects=(("tension-curvature", "quadratic"),)),
 }
 
 

@@ -7,12 +7,11 @@ package: motor and joint on an elastic cable that rubs at both ends, in small st
 from itertools import pairwise
 
 import numpy as np
-from campaigns.evidence import Gathered
+from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import rate
 from margins import two_masses
 from margins.loops import loop, posterior
 
-from bayesfric.campaign import run_on_processes
 from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.describing import effective_damping, natural_frequency, steady_error
@@ -246,14 +245,7 @@ def figures(cases):
 
 def gather(folder):
     """Run the campaign."""
-    cases = {f"{seed:04d}": seed for seed in SEEDS}
-    done = list(run_on_processes(case, cases, folder, workers=2).values())
-    return Gathered(
-        seeds=[SEEDS.start, SEEDS.stop - 1],
-        figures=figures(done),
-        cases=done,
-        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
-    )
+    return gathered_over_seeds(case, SEEDS, figures, FIXED_SEEDS, folder)
 
 
 def promises(figures):

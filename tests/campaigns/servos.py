@@ -6,11 +6,10 @@ The simulation is ``rigs/servos.py`` of the tests, which shares no code with the
 """
 
 import numpy as np
-from campaigns.evidence import Gathered
+from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import Outcome, rate
 from rigs.servos import Servo
 
-from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 
 FINGERPRINT = ("likelihood.axis", "diagnosis.axis", "whole.axis")
@@ -76,19 +75,19 @@ def case(seed):
         "viscous": given.damping / over,
         "gravity": given.gravity / over,
     }
-    told = {name: number.after for name, number in summary.law.items()}
+    intervals = {name: number.after for name, number in summary.law.items()}
     units = {name: number.unit for name, number in summary.law.items()}
     for cause in summary.causes:
         if cause.effect == "gravity-torque":
-            told["gravity"] = cause.parameters["torque"]
+            intervals["gravity"] = cause.parameters["torque"]
             units["gravity"] = cause.parameters["torque"].unit
     return {
         "seed": seed,
         "loaded": is_loaded(seed),
         "numbers": {
-            name: [truth, told[name].q05, told[name].q50, told[name].q95]
+            name: [truth, intervals[name].q05, intervals[name].q50, intervals[name].q95]
             for name, truth in truths.items()
-            if name in told
+            if name in intervals
         },
         "relative": all(own.endswith(PER_K) for own in units.values()),
         "absolute": not any(own.endswith(PER_K) for own in units.values()),
@@ -129,14 +128,7 @@ def figures(cases):
 
 def gather(folder):
     """Run the campaign."""
-    cases = {f"{seed:02d}": seed for seed in SEEDS}
-    done = list(run_on_processes(case, cases, folder, workers=2).values())
-    return Gathered(
-        seeds=[SEEDS.start, SEEDS.stop - 1],
-        figures=figures(done),
-        cases=done,
-        fixed=[record for record in done if record["seed"] in FIXED_SEEDS],
-    )
+    return gathered_over_seeds(case, SEEDS, figures, FIXED_SEEDS, folder)
 
 
 def promises(figures):

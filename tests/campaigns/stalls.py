@@ -12,7 +12,7 @@ from campaigns.promises import Outcome
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.campaign import run_on_processes
-from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
@@ -63,7 +63,7 @@ def case(seed):
 
 def posterior(trials, seed):
     """Return mean less truth and sd of each coefficient, and the Pareto k of any weights."""
-    model = model_of(Data((trials,)), Analysis(), Hypothesis(), {})
+    model = model_of(Data((trials,)), Analysis(), LawWithEffects(), {})
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     weighed = importance_draws(model.log_posterior, laplace, seed, chart_of(model), DRAWS)
     if weighed is None:  # weights with heavy tails: chains, as the claims take them

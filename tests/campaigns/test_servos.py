@@ -34,8 +34,8 @@ def test_shares_are_of_the_intervals_that_were_told():
         }
         for seed in (0, 1)
     ]
-    found = servos.figures(cases)
-    assert found["numbers"]["coulomb"] == {"inside": 1, "of": 2, "median_off": pytest.approx(0.02)}
-    outcomes = {outcome.promise: outcome.met for outcome in servos.promises(found)}
+    shares = servos.figures(cases)
+    assert shares["numbers"]["coulomb"] == {"inside": 1, "of": 2, "median_off": pytest.approx(0.02)}
+    outcomes = {outcome.promise: outcome.met for outcome in servos.promises(shares)}
     assert outcomes["without a payload all is over K"]
     assert not outcomes["truths of coulomb inside"]

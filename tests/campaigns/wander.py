@@ -1,12 +1,11 @@
 """Recovery of wander along the travel from simulated recordings: one case, and coverage."""
 
 import numpy as np
-from campaigns.evidence import Gathered
+from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import rate
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
-from bayesfric.campaign import run_on_processes
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.model import Model
@@ -50,10 +49,7 @@ def figures(done):
 
 def gather(folder):
     """Run the campaign."""
-    cases = {f"{seed:04d}": seed for seed in SEEDS}
-    done = list(run_on_processes(case, cases, folder, workers=2).values())
-    fixed = [one for one in done if one["seed"] in FIXED_SEEDS]
-    return Gathered([SEEDS.start, SEEDS.stop - 1], figures(done), done, fixed)
+    return gathered_over_seeds(case, SEEDS, figures, FIXED_SEEDS, folder)
 
 
 def promises(figures):

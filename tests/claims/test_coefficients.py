@@ -9,7 +9,7 @@ from bayesfric.claims import check_claims
 from bayesfric.claims.base import Case
 from bayesfric.claims.coefficients import CLAIM, decide, largest_difference
 from bayesfric.claims.entered import Entered
-from bayesfric.fitting.hypothesis import Hypothesis, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, model_of
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
 from bayesfric.paper import table1
@@ -67,7 +67,7 @@ def one_cell():
 
 def test_a_single_cell_supports_nothing(one_cell):
     analysis, entered = Analysis(seed=1), Entered.of(one_cell)
-    model = model_of(entered.data["gravity"], analysis, Hypothesis(), {})
+    model = model_of(entered.data["gravity"], analysis, LawWithEffects(), {})
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     drawn = sample(model.log_posterior, laplace, SHORT, 1).z.reshape(-1, laplace.mode.size)
     posterior = {"gravity": model.by_name(model.natural(drawn))}

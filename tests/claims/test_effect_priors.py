@@ -9,7 +9,7 @@ from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.errors import InputError
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.simulate import simulate_recording
 
 
@@ -43,7 +43,7 @@ def test_a_prior_ten_times_wider_favours_the_claim_by_a_factor_of_ten():
     entered = Entered.of(simulate_recording("quick", seed=4, rigs=("gravity",)))
     prior = all_effects()["viscous"].amplitude.prior
     wide = {"viscous": {"slope": HalfNormal(scale=10 * prior.scale)}}
-    task = Task("gravity/small", Hypothesis(effects=(("viscous", "constant"),)))
+    task = Task("gravity/small", LawWithEffects(effects=(("viscous", "constant"),)))
     narrow, broad = (
         study_all([task], entered.data, Analysis(), effects, None)[task].evidence
         for effects in (all_effects(), with_priors(all_effects(), wide))

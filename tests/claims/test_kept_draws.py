@@ -8,7 +8,7 @@ import xarray as xr
 from bayesfric.claims import check_claims
 from bayesfric.claims.kept_draws import NOT_BEST, models_kept
 from bayesfric.claims.studies import Kept, Studied, Task
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.results import read_tree
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
@@ -25,10 +25,10 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
     law, rival, third, fourth = (
         Task("gravity", one)
         for one in (
-            Hypothesis(),
-            Hypothesis(effects=(("viscous", "constant"),)),
-            Hypothesis(effects=(("slip", "constant"),)),
-            Hypothesis(effects=(("viscous", "tension"),)),
+            LawWithEffects(),
+            LawWithEffects(effects=(("viscous", "constant"),)),
+            LawWithEffects(effects=(("slip", "constant"),)),
+            LawWithEffects(effects=(("viscous", "tension"),)),
         )
     )
     groups = models_kept(
@@ -37,7 +37,7 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
             rival: Studied(None, kept=Kept(theta, setups, density - 0.5)),
             third: Studied(None, "separate places"),
             fourth: Studied(None, kept=Kept(theta, setups, density)),
-            Task("gravity/small", Hypothesis()): Studied(None),
+            Task("gravity/small", LawWithEffects()): Studied(None),
         },
         [law, rival],
     )

@@ -10,10 +10,10 @@ from bayesfric.claims.comparison import same_around, verdicts_over_widths
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import WIDTHS, Studied, prior_ratios
 from bayesfric.effects import all_effects, with_priors
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.inference.evidence import Evidence
 
-RIVAL = Hypothesis(effects=(("viscous", "constant"),))
+RIVAL = LawWithEffects(effects=(("viscous", "constant"),))
 SCALE = 0.15
 PRIORS = Priors(effects={"viscous": {"slope": HalfNormal(scale=SCALE)}})
 MIDDLE = len(WIDTHS) // 2

@@ -13,7 +13,7 @@ from bayesfric.claims import registered
 from bayesfric.claims.checking import rival_effects
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Task, study_all
-from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.resources import bundled_recording
 
 SUBJECT = "motor/small"
@@ -25,7 +25,7 @@ def data():
 
 
 def test_the_arc_is_sampled_in_square_roots(data):
-    model = model_of(data[SUBJECT], Analysis(), Hypothesis(), {})
+    model = model_of(data[SUBJECT], Analysis(), LawWithEffects(), {})
     z = np.random.default_rng(1).standard_normal((5, len(model.parameters)))
     chart, theta = chart_of(model), model.natural(z)
     for name in ("tau_motor", "load_noise"):
@@ -37,7 +37,7 @@ def test_the_arc_is_sampled_in_square_roots(data):
 @pytest.mark.nightly
 def test_every_hypothesis_has_an_evidence_whatever_the_seed(data):
     claim = next(one for one in registered() if one.name == "no-viscous-motor")
-    tasks = [Task(SUBJECT, one) for one in (Hypothesis(), *claim.rivals)]
+    tasks = [Task(SUBJECT, one) for one in (LawWithEffects(), *claim.rivals)]
     first, second = (
         study_all(tasks, data, analysis, rival_effects(analysis), None)
         for analysis in (Analysis(seed=2015), Analysis(seed=7))

@@ -9,11 +9,11 @@ from bayesfric.analysis import Analysis, ClaimRules, Normal
 from bayesfric.claims.comparison import could_be_found
 from bayesfric.claims.studies import Studied
 from bayesfric.effects import all_effects, with_priors
-from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.inference.power import smallest_found
 
 PRIOR = Normal(mean=0.0, sd=0.5)
-RIVAL = Hypothesis(effects=(("wrap-intercept", "linear"),))
+RIVAL = LawWithEffects(effects=(("wrap-intercept", "linear"),))
 SHARE = 0.7  # of friction at the edge, an amplitude of 1
 
 
@@ -22,7 +22,7 @@ def found(draws, odds=-1.0):
     analysis = Analysis(claims=ClaimRules(refute_log10_bayes_factor=odds))
     case = SimpleNamespace(analysis=analysis, effects=effects)
     studied = Studied(None, theta={"wrap-intercept.slope": draws}, size=SHARE * np.abs(draws))
-    return could_be_found(case, {RIVAL: studied, Hypothesis("no-wrap"): Studied(None)})
+    return could_be_found(case, {RIVAL: studied, LawWithEffects("no-wrap"): Studied(None)})
 
 
 def test_it_is_that_of_the_error_times_what_a_unit_makes_of_friction():

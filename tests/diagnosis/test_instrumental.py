@@ -67,7 +67,7 @@ def of_backlash(ordinary, instrumental, se):
 
 
 @pytest.mark.parametrize(
-    ("told", "alarmed", "why"),
+    ("backlash", "alarmed", "why"),
     [
         ((0.5, 0.4, 0.05), True, None),
         ((-0.5, -0.4, 0.05), True, None),
@@ -77,11 +77,11 @@ def of_backlash(ordinary, instrumental, se):
         ((0.5, -0.4, 0.05), True, "backlash is -0.4 ± 0.05 by it"),
     ],
 )
-def test_a_cause_that_an_instrument_does_not_tell_is_not_held(told, alarmed, why):
-    beside = of_backlash(*told).model_copy(update={"alarms": alarmed})
-    found = not_held(beside, {"backlash": "backlash"})
-    assert (found is None) == (why is None)
-    assert why is None or why in found
+def test_a_cause_that_an_instrument_does_not_tell_is_not_held(backlash, alarmed, why):
+    beside = of_backlash(*backlash).model_copy(update={"alarms": alarmed})
+    reason = not_held(beside, {"backlash": "backlash"})
+    assert (reason is None) == (why is None)
+    assert why is None or why in reason
 
 
 def test_a_cause_with_the_law_of_its_twin_is_held_by_that():

@@ -144,10 +144,10 @@ def test_an_unknown_force_beside_an_effect_is_as_rare_as_the_effect_is():
         weighed, {}, None, Classes(effects, (), {}), analysis.hypotheses, np.eye(1), 0.0
     )
     alone, beside = (Unknown((Wide(0.1, None),), np.zeros(1), v, AT, own) for v in (-70.0, 0.0))
-    found = search.with_unknown(alone, beside, Hypothesis(["effect 3"])).probabilities()
+    chances = search.with_unknown(alone, beside, Hypothesis(["effect 3"])).probabilities()
     # One of ten of unknown forces, 0.3 / 0.4 / 20 of which are beside this very effect.
     odds = 0.1 * 0.1 * (0.3 / 0.4 / 20) / (0.3 / 20)
-    assert found[UNKNOWN] == pytest.approx(odds / (1 + odds))
+    assert chances[UNKNOWN] == pytest.approx(odds / (1 + odds))
 
 
 @pytest.mark.parametrize(("with_causes", "kept"), [(5.0, False), (-5.0, True)])

@@ -38,7 +38,7 @@ def search(unknown, best=0.0):
         (5, -3.0, "5 windows of motion for 2 numbers of the law, and 6 are needed"),
         (1, -3.0, "1 window of motion for 2 numbers"),
         (60, None, "nothing varied along which a force could show"),
-        (60, -0.5, "60 windows of 3 runs do not tell an unknown force from none"),
+        (60, -0.5, "60 windows do not tell an unknown force from none"),
         (60, 2.0, r"(Bayes factor 7.4)"),
     ],
 )

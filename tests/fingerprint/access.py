@@ -36,7 +36,7 @@ from bayesfric.effects import Effect, all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.effects.candidates import prior_moments as candidate_moments
 from bayesfric.fitting.drawing import draw_posterior
-from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.hypothesis import printed
 from bayesfric.inference import priors as inference_priors
 from bayesfric.inference.diagnostics import diagnose_all
@@ -99,7 +99,7 @@ def model(
     """Return the posterior of a law and effects given the recording of a rig."""
     data = data_of(rig, recorded)
     analysis = with_own_priors(analysis_of(settings or {}), data.rigs)
-    return model_of(data, analysis, Hypothesis(law, tuple(effects)), suited(data))
+    return model_of(data, analysis, LawWithEffects(law, tuple(effects)), suited(data))
 
 
 def suited(data: Data) -> dict[str, Any]:
@@ -293,7 +293,7 @@ def claims(rig: str) -> Sequence[Any]:
 def bayes_factor(rig: str, rival: Effects, recorded: Recording | None) -> tuple[float, float]:
     """Return the log10 Bayes factor of the paper's law against a rival, and its error."""
     data = data_of(rig, recorded)
-    tasks = [Task(rig, Hypothesis()), Task(rig, Hypothesis(effects=tuple(rival)))]
+    tasks = [Task(rig, LawWithEffects()), Task(rig, LawWithEffects(effects=tuple(rival)))]
     studied = study_all(tasks, {rig: data}, analysis_of({"seed": 479}), suited(data), None)
     return claims_factor(studied[tasks[0]], [studied[tasks[1]]])
 

@@ -13,7 +13,7 @@ from bayesfric.analysis import Analysis, LogNormal, Priors
 from bayesfric.cli import app
 from bayesfric.effects import all_effects
 from bayesfric.errors import InputError
-from bayesfric.fitting.hypothesis import Hypothesis, model_of
+from bayesfric.fitting.hypothesis import LawWithEffects, model_of
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.power import log_bayes_factor
 from bayesfric.planning import power
@@ -45,7 +45,7 @@ def made(seed, slope=0.0):
 def known_of(recording, effects=()):
     """Return mode and sd of each parameter by the exact likelihood, in their units."""
     data = Data(open_rigs(recording, ["gravity"]))
-    model = model_of(data, ANALYSIS, Hypothesis(effects=effects), all_effects(None))
+    model = model_of(data, ANALYSIS, LawWithEffects(effects=effects), all_effects(None))
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     step = 1e-3 * np.sqrt(np.diag(laplace.covariance))
     ends = model.natural(laplace.mode + np.array([-1.0, 1.0])[:, None, None] * np.diag(step))
