@@ -65,7 +65,8 @@ def recorded(seed):
     acting = {name: scaled(value, strength) for name, value in EFFECTS.get(effect, {}).items()}
     machine = Machine(viscous=VISCOUS, **acting)
     table, samples = simulate(machine, runs=runs, seconds=seconds, seed=seed)
-    samples = samples.groupby("run", sort=False).nth[::every].reset_index(drop=True)
+    is_kept = samples.groupby("run", sort=False).cumcount() % every == 0
+    samples = samples[is_kept].reset_index(drop=True)
     with tempfile.TemporaryDirectory() as folder:
         return read_recording(write(Path(folder) / "axis", machine, table, samples))
 

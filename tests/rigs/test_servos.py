@@ -158,8 +158,10 @@ def test_a_payload_makes_numbers_that_are_exported(tmp_path):
     from bayesfric.diagnosis import diagnose
 
     recording = SERVO.recording(3, (0.0, 0.3, 0.0, 0.3), payload_arm_m=SERVO.arm)
-    told = diagnose(recording).summary
-    assert told.law["coulomb"].unit == "N·m"
-    assert told.law["coulomb"].after.q05 < SERVO.coulomb < told.law["coulomb"].after.q95
-    fields = {number.parameter: number.fields["mujoco"] for number in told.enter}
+    summary = diagnose(recording).summary
+    coulomb = summary.law["coulomb"]
+    assert coulomb.unit == "N·m"
+    # One seed: three errors. How often 90 % intervals hold is for the campaign `servos` to say.
+    assert coulomb.after.mean == pytest.approx(SERVO.coulomb, abs=3 * coulomb.after.sd)
+    fields = {number.parameter: number.fields["mujoco"] for number in summary.enter}
     assert fields["coulomb"].field == "joint/@frictionloss"
