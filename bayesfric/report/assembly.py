@@ -22,6 +22,7 @@ from bayesfric.report.chapters.posteriors import further_posteriors, posteriors
 from bayesfric.report.chapters.predictions import further_predictions, predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import summary
+from bayesfric.report.chapters.to_use import biased
 from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
@@ -78,7 +79,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
     yield from page_one(stored)
     fitted, pooled = stored.fitted, stored.pooled
     if fitted is not None:
-        yield from summary(fitted)
+        diagnosed = stored.diagnosis
+        yield from summary(fitted, () if diagnosed is None else biased(diagnosed.record))
     if pooled is not None and pooled.pooled is not None:
         yield from boards(pooled, pooled.pooled)
     if stored.diagnosis is not None:
