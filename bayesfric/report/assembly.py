@@ -13,9 +13,9 @@ from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnosis import diagnosis
 from bayesfric.report.chapters.diagnosis_details import appendix as diagnosis_tables
 from bayesfric.report.chapters.diagnostics import diagnostics, further_diagnostics
-from bayesfric.report.chapters.left_out import further_left_out
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.chapters.methods import methods, thresholds
+from bayesfric.report.chapters.one_left_out import further_left_out
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.chapters.posteriors import further_posteriors, posteriors

@@ -194,7 +194,11 @@ def _dampings(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Iterator
     """Yield viscous friction in the unit that a simulator takes, for each pulley size."""
     for cause in causes:
         slope = cause.parameters.get("slope")
-        sizes = ordered_sizes(sizes_of(law))
+        sizes = [
+            size
+            for size in ordered_sizes(sizes_of(law))
+            if {f"c1[{size}]", f"c2[{size}]"} <= {*law}
+        ]
         if cause.effect != "viscous" or cause.law != "constant" or slope is None or not sizes:
             continue
         damping = [f"{_of_a_pulley(law, size) * slope.q50:.2g} ({size})" for size in sizes]
