@@ -30,8 +30,9 @@ class Fitted:
         Columns whose outer product is the covariance of the local numbers.
     refit : Refit or None
         How the law follows the windows; None where it does not.
-    further : ndarray, shape (R, k)
-        Forces of unit variance that the numbers beside the law are uncertain by [N].
+    further : ndarray
+        Forces of unit variance that the numbers beside the law are uncertain by, and with them
+        the law, in each window that was left out, (left out, k) [N].
     """
 
     local: Array
@@ -179,4 +180,5 @@ class Arms:
         spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)
         spread[:, :COEFFICIENTS] += moved
         local = recalibrated(refit, residuals, held(at.mean))
-        return Fitted(local, refit.chance2(residuals, further), spread, refit, further)
+        chance2 = refit.chance2(residuals, further)
+        return Fitted(local, chance2, spread, refit, refit.kept(further)[out])

@@ -204,10 +204,8 @@ def _by_chance(
     for number, arm in enumerate(after):
         rows = fold == number
         assert arm.refit is not None
-        moved = arm.refit.smoothing @ drawn
-        normals = rng.standard_normal((arm.further.shape[1], DRAWS))
-        off = arm.further[rows] - arm.refit.design[rows] @ (arm.refit.smoothing @ arm.further)
-        left = drawn[rows] - arm.refit.design[rows] @ moved + off @ normals
+        left = drawn[rows] - arm.refit.design[rows] @ (arm.refit.smoothing @ drawn)
+        left += arm.further @ rng.standard_normal((arm.further.shape[1], DRAWS))
         expected = (scatter2 - arm.chance2)[rows, None]
         squares += residuals.weight[rows] @ (left**2 + expected)
     return squares

@@ -21,7 +21,6 @@ from bayesfric.inference.cosines import cosines
 from bayesfric.inference.information import Information
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.gravity_board import rows
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
@@ -160,7 +159,11 @@ def test_long_trials_whose_scatter_is_all_that_they_show(model):
     far[TRIAL] = 1e4
     part._squeeze = 1e4 * np.eye(model.layout.local)
     part._sums = trial_sums(
-        part.rows, part.columns_of, lambda rows: part.random_of(rows) * far, part._sums.block
+        part.rows,
+        part.layout,
+        part.columns_of,
+        lambda rows: part.random_of(rows) * far,
+        part._sums.block,
     )
     random = part.random_of(part.rows) * far
     part._views = {}
@@ -233,7 +236,7 @@ def test_some_trials_at_a_time_have_the_columns_of_all(model, monkeypatch):
     """Of each model a part of the rows at a time: as many as there are, or a trial alone."""
     part = model.rigs[0]
     for rows_at_once, most in ((1, 1), (200, len(part.setup) - 1)):
-        monkeypatch.setattr(rows, "ROWS_AT_ONCE", rows_at_once)
+        monkeypatch.setattr("bayesfric.rigs.gravity_board.rows.ROWS_AT_ONCE", rows_at_once)
         parts = list(part.rows.parts())
         sizes = [trials.stop - trials.start for trials, _ in parts]
         assert sum(sizes) == len(part.setup)

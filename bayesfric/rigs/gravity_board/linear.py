@@ -37,6 +37,7 @@ from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 
+VIEWS = 2  # sums of hypotheses that are kept: those of one with all candidates are large
 _Sizes = tuple[OneSize, ...]
 
 
@@ -69,7 +70,7 @@ class GravityPart(LinearRig):
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
         block = np.stack([self.size, model.together.get(rows.name, np.zeros_like(self.size))])
         block = np.unique(block, axis=1, return_inverse=True)[1].ravel()
-        self._sums = trial_sums(rows, self.columns_of, self.random_of, block)
+        self._sums = trial_sums(rows, self.layout, self.columns_of, self.random_of, block)
         self._views: dict[bytes, _Sizes] = {}
 
     def random_of(self, rows: GravityRows) -> Array:
@@ -150,10 +151,12 @@ class GravityPart(LinearRig):
         weights = mixing[entering]
         alone = np.array_equal(weights, np.eye(entering.size))  # each a number by itself
 
+        def mixed_parts(own: Array, candidates: Array, always: Array) -> Array:
+            those = candidates[..., entering]
+            return np.concatenate([own, those if alone else those @ weights, always], axis=-1)
+
         def mixed(values: Array) -> Array:
-            those = values[..., start + entering]
-            parts = [values[..., :start], those if alone else those @ weights, values[..., end:]]
-            return np.concatenate(parts, axis=-1)
+            return mixed_parts(*np.split(values, [start, end], axis=-1))
 
         def of_size(size: int) -> OneSize:
             mine = np.flatnonzero(used & (self.size == size))
@@ -167,7 +170,7 @@ class GravityPart(LinearRig):
                 mixed(beyond.slope[mine].sum(axis=0)),
                 float(beyond.square[mine].sum()),
                 sums.triangle[np.ix_(mine, np.arange(width), chosen)],
-                mixed(sums.across[mine, :width]),
+                mixed_parts(*(part[mine, :width] for part in sums.across)),
                 sums.right[mine, :width],
                 float(sums.constant[mine].sum()),
                 float(sums.freedom[mine].sum()),
@@ -175,7 +178,7 @@ class GravityPart(LinearRig):
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None:
-            if len(self._views) > 3:
+            if len(self._views) >= VIEWS:
                 self._views.clear()
             self._views[key] = view
         return view
@@ -235,7 +238,7 @@ class GravityPart(LinearRig):
         squeezed = copy(self)
         squeezed.layout = layout
         squeezed._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
-        squeezed._sums = self._sums.squeezed(squeeze)
+        squeezed._sums = self._sums.squeezed(squeeze, self.layout, layout)
         squeezed._views = {}
         return squeezed
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import LOG_2PI
+from bayesfric.observation.layout import Layout
 from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
@@ -55,8 +56,8 @@ class TrialSums:
         Which trials are summed together.
     triangle : ndarray, shape (N, r, r)
         The r columns that scatter, in an orthonormal basis of theirs.
-    across : ndarray, shape (N, r, q)
-        The columns of the numbers along that basis.
+    across : tuple of ndarray, shapes (N, r, own), (N, r, candidates) and (N, r, always)
+        The columns of the numbers along that basis, as a layout has them.
     right : ndarray, shape (N, r)
         The residual along it.
     beyond : mapping of int to Beyond
@@ -69,23 +70,30 @@ class TrialSums:
 
     block: Whole
     triangle: Array
-    across: Array
+    across: tuple[Array, ...]
     right: Array
     beyond: Mapping[int, Beyond]
     freedom: Array
     constant: Array
 
-    def squeezed(self, squeeze: Array) -> "TrialSums":
-        """Return the sums of mixtures of the numbers, shape (q, k)."""
+    def squeezed(self, squeeze: Array, before: Layout, after: Layout) -> "TrialSums":
+        """Return the sums of mixtures of the numbers, shape (q, k), candidates among them alone.
+
+        What is known of these is most of the sums, and is not copied.
+        """
+        own = squeeze[: before.own, : after.own]
+        always = squeeze[before.local - before.always :, after.local - after.always :]
+        of_own, of_candidates, of_always = self.across
         beyond = {
             width: Beyond(squeeze.T @ sums.precision @ squeeze, sums.slope @ squeeze, sums.square)
             for width, sums in self.beyond.items()
         }
-        return replace(self, across=self.across @ squeeze, beyond=beyond)
+        across = (of_own @ own, of_candidates, of_always @ always)
+        return replace(self, across=across, beyond=beyond)
 
 
 def trial_sums(
-    board: GravityRows, columns_of: ColumnsOf, random_of: ColumnsOf, block: Whole
+    board: GravityRows, layout: Layout, columns_of: ColumnsOf, random_of: ColumnsOf, block: Whole
 ) -> TrialSums:
     """Sum the rows of trials up.
 
@@ -93,6 +101,8 @@ def trial_sums(
     ----------
     board : GravityRows
         Events of N trials.
+    layout : Layout
+        Of the local numbers.
     columns_of, random_of : callable
         Of some of the trials, to the columns of q local numbers and of r that scatter, (e, q)
         and (e, r) [m].
@@ -103,24 +113,24 @@ def trial_sums(
     for trials, part in board.parts():
         columns, random = columns_of(part), random_of(part)
         if sums is None:
-            sums = _zero(block, columns.shape[1], random.shape[1])
+            sums = _zero(block, layout, random.shape[1])
         _add(sums, trials, part, columns, random)
     assert sums is not None
     return sums
 
 
-def _zero(block: Whole, q: int, r: int) -> TrialSums:
-    count, blocks = len(block), int(block.max()) + 1
+def _zero(block: Whole, layout: Layout, r: int) -> TrialSums:
+    count, blocks, q = len(block), int(block.max()) + 1, layout.local
     beyond = {
         width: Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
         for width in {ALWAYS, r}
     }
-    triangle, across, right = ((count, r, *further) for further in ((r,), (q,), ()))
+    widths = (layout.own, layout.candidates, layout.always)
     return TrialSums(
         block,
-        np.zeros(triangle),
-        np.zeros(across),
-        np.zeros(right),
+        np.zeros((count, r, r)),
+        tuple(np.zeros((count, r, width)) for width in widths),
+        np.zeros((count, r)),
         beyond,
         np.zeros(count),
         np.zeros(count),
@@ -129,7 +139,8 @@ def _zero(block: Whole, q: int, r: int) -> TrialSums:
 
 def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, random: Array) -> None:
     """Add the rows of some trials."""
-    q = columns.shape[1]
+    q, start = columns.shape[1], sums.across[0].shape[-1]
+    end = start + sums.across[1].shape[-1]
     apart, of_scatter = np.empty((len(columns), q + 1)), []
     for trial, rows in enumerate(board.rows_of_trials(), trials.start):
         white, project = whitening(board, rows)
@@ -139,7 +150,11 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
         own, along, apart[rows] = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
         height = len(own)
         sums.triangle[trial, :height] = own
-        sums.across[trial, :height], sums.right[trial, :height] = along[:, :q], along[:, q]
+        for across, own_along in zip(
+            sums.across, np.split(along[:, :q], [start, end], axis=1), strict=True
+        ):
+            across[trial, :height] = own_along
+        sums.right[trial, :height] = along[:, q]
         nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
         sums.freedom[trial] = white.size - nuisances
         sums.constant[trial] = np.log(white).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
