@@ -61,8 +61,8 @@ class LinearModel:
         Small amounts of effects; None is of all candidates.
     forms : sequence of Form
         What laws may be wrong by.
-    by_trial : bool
-        Whether trials can be left out.
+    together : mapping of str to ndarray of int
+        By rig: the set of trials with which each can be left out.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class LinearModel:
         scattering: Sequence[tuple[Candidate, float]] = (),
         small: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
-        by_trial: bool = False,
+        together: Mapping[str, Whole] | None = None,
         row_weights: Mapping[str, Array] | None = None,
     ) -> None:
         self.row_weights = dict(row_weights or {})
@@ -101,7 +101,7 @@ class LinearModel:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
         nuisances = [rig_rows.nuisance_scales(analysis.priors) for rig_rows in rows]
         self.layout, self.scales = self._laid_out(nuisances)
-        columns = self._columns(by_trial=by_trial)
+        columns = self._columns(together or {})
         self.rigs: tuple[LinearRig, ...] = tuple(
             rig_rows.laid_out(columns, place) for place, rig_rows in enumerate(rows)
         )
@@ -138,7 +138,7 @@ class LinearModel:
         )
         return layout, scales
 
-    def _columns(self, *, by_trial: bool) -> ModelColumns:
+    def _columns(self, together: Mapping[str, Whole]) -> ModelColumns:
         """Return what each rig lays its rows out for."""
         shared: list[Smooth | Candidate] = [*self.discrepancy.shared]
         shared += [candidate for candidate, _ in self._small]
@@ -150,7 +150,7 @@ class LinearModel:
             self.scales,
             self.friction_scale,
             self.scattering,
-            by_trial,
+            together,
             self.analysis.priors,
             self.row_weights,
         )
@@ -169,7 +169,7 @@ class LinearModel:
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
-        by_trial: bool = False,
+        together: Mapping[str, Whole] | None = None,
         row_weights: Mapping[str, Array] | None = None,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
@@ -183,7 +183,7 @@ class LinearModel:
             scattering=self.scattering if scattering is None else scattering,
             small=self.discrepancy.amounts,
             forms=forms,
-            by_trial=by_trial,
+            together=together,
             row_weights=self.row_weights if row_weights is None else row_weights,
         )
 
