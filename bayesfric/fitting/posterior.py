@@ -137,7 +137,7 @@ def _fit_rigs(
         fields["uniformity"] = uniformities(left_out)
         fields["assemblies"] = assembly_checks(assemblies)
         summary = summarise(
-            attributes.model_dump() | fields, recording, data, model, draws, theta,
+            attributes.model_dump() | fields, recording, analysis, data, model, draws, theta,
             covered(predictive),
         )  # fmt: skip
     with _timed(seconds, "inference_data"):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bayesfric.analysis import Priors
+from bayesfric.analysis import Priors, Scatter
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
@@ -118,6 +118,8 @@ class ModelColumns:
         Whether trials can be left out.
     priors : Priors
         Of the noise.
+    scatter : Scatter
+        Whether friction of trials or of assemblies is Student-t.
     row_weights : mapping of str to ndarray
         By rig: by what the precision of each row's own error is multiplied; 1 of a rig that is
         not in it.
@@ -132,6 +134,7 @@ class ModelColumns:
     scattering: Sequence[tuple[Candidate, float]]
     by_trial: bool
     priors: Priors
+    scatter: Scatter = field(default_factory=Scatter)
     row_weights: Mapping[str, Array] = field(default_factory=dict)
 
     def filled(
