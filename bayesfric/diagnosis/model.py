@@ -38,7 +38,7 @@ LEAST_OWN = {"c1": 0.01, "c2": 0.01, "c3": -np.inf}
 # A rotor beside gravity may have less: what is told of a number has a bound of its own.
 LEAST_DRAWN = {"c1": 1e-4, "c2": 1e-4, "c3": -np.inf}
 REWEIGHTINGS = 60  # of Student-t deviations at one noise
-SETTLED = 1e-7  # of the logarithm of a weight, of which slopes are differenced
+SETTLED = 1e-5  # of the logarithm of a weight, of which slopes are differenced
 
 
 class LinearModel:

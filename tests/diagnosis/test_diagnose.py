@@ -60,7 +60,10 @@ def test_student_t_scatter_of_normal_trials_is_found_to_leave_no_gap(nothing, em
     found = diagnose(nothing, Analysis(scatter=Scatter(**{level: "student-t"}))).summary
     assert found.verdict == empty.verdict == "no-gap"
     assert found.gap != empty.gap
-    assert found.attention == empty.attention == ()
+    (line,) = found.attention
+    assert f"scatter.{level}" in line
+    assert "on the motor board" in line
+    assert empty.attention == ()
 
 
 def test_a_cause_is_named_with_its_size(named):
