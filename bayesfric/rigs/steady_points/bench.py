@@ -129,7 +129,7 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
         cell = table.groupby(list(PULLEYS), sort=False).ngroup()
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
         table["setup"] = [f"a{number + 1}" for number in cell] if shared else table["trial"]
-    elif (table.groupby("setup")["pulley_size"].nunique() > 1).any():
+    elif table[["setup", "pulley_size"]].drop_duplicates()["setup"].duplicated().any():
         # Friction of an assembly deviates by a share of its own size's: each size has one.
         table["setup"] = table["setup"] + " (" + table["pulley_size"] + ")"
     table = table.sort_values("setup", kind="stable", ignore_index=True)
