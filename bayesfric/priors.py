@@ -20,7 +20,7 @@ def _refuse_two_wrap_slopes(section: Section) -> None:
     fields = type(section).model_fields
     # A stored analysis has all defaults written out.
     if all(getattr(section, name) != fields[name].default for name in ("c3", "wrap_share")):
-        raise ValueError("expected c3, or wrap_share, which is c3 / c1: not both")
+        raise ValueError("c3, or wrap_share, which is c3 / c1: not both")
 
 
 class PriorOverrides(Section):
