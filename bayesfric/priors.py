@@ -174,3 +174,11 @@ class Priors(Section):
     def _one_wrap_slope(self) -> Self:
         _refuse_two_wrap_slopes(self)
         return self
+
+    @model_validator(mode="after")
+    def _friction_above_zero(self) -> Self:
+        for name in ("c1", "c2"):
+            highest = getattr(getattr(self, name), "high", None)
+            if highest is not None and highest <= 0:
+                raise ValueError(f"a density of {name} that has some of it above 0, as friction is")
+        return self

@@ -57,6 +57,11 @@ def test_values_are_read_and_the_seed_is_overridden(tmp_path):
         ("[priors]\ntau = {family = 'half-normal', scale = nan}", "scale", "finite"),
         ("[priors]\ntau = {family = 'cauchy', scale = 1}", "priors.tau", "half-normal"),
         ("[priors]\nc3 = {family = 'uniform', low = 1, high = 0}", "priors.c3", "high above low"),
+        (
+            "[priors]\nc1 = {family = 'uniform', low = -2, high = 0}",
+            "priors",
+            "of c1 that has some",
+        ),
         ("[sampler]\nensembles = 3", "sampler.ensembles", "greater than or equal to 4"),
         ("[sampler]\nwalkers = 33", "sampler", "even number"),
         ("[sampler]\nsteps = 50\nthin = 10", "sampler", "at least 20 steps"),
