@@ -174,7 +174,10 @@ class Arms:
         numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
         uncertain = held(numbers).transpose(1, 2, 0)
         uncertain = uncertain[..., np.any(uncertain, axis=(0, 1))]
-        further = np.einsum("rq,rqk->rk", residuals.columns, uncertain[residuals.size])
+        further = np.empty((residuals.size.size, uncertain.shape[-1]))
+        for size, of_size in enumerate(uncertain):
+            mine = residuals.size == size
+            further[mine] = residuals.columns[mine] @ of_size
         moved = refit.spread(residuals, further).reshape(*uncertain.shape[:1], COEFFICIENTS, -1)
         own = moved.shape[2] - uncertain.shape[2]
         spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)
