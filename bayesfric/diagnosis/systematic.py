@@ -20,7 +20,6 @@ from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
-from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
@@ -101,8 +100,6 @@ def posterior_of(
         if chance > RULES.rare
         and (hypothesis in search.weighed or (hypothesis == UNKNOWN and search.unknown is not None))
     }
-    # What was asked before rounds what is asked again: of a resumed diagnosis it is less.
-    model.said = Said()
     weights = np.array(list(chances.values()))
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     hypotheses: list[Hypothesis] = []
