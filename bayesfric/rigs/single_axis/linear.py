@@ -129,7 +129,7 @@ class AxisPart(ColumnsPart):
             pulls = lent[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
-            slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
+            slopes = solved.gradient(pulls, pulled, inverse, trial, kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
             return slopes | {
                 NAMES[4]: noise[NAMES[4]] ** 2 * run,
