@@ -65,8 +65,8 @@ class LinearModel:
         Small amounts of effects; None is of all candidates.
     forms : sequence of Form
         What laws may be wrong by.
-    by_trial : bool
-        Whether trials can be left out.
+    together : mapping of str to ndarray of int
+        By rig: the set of trials with which each can be left out.
     row_weights : mapping of str to ndarray, or None
         As of :class:`~bayesfric.observation.layout.ModelColumns`.
     heavy : sequence of HeavyScatter or None, or None
@@ -94,7 +94,7 @@ class LinearModel:
         scattering: Sequence[tuple[Candidate, float]] = (),
         small: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
-        by_trial: bool = False,
+        together: Mapping[str, Whole] | None = None,
         row_weights: Mapping[str, Array] | None = None,
         heavy: Sequence[HeavyScatter | None] | None = None,
     ) -> None:
@@ -110,7 +110,7 @@ class LinearModel:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
         nuisances = [rig_rows.nuisance_scales(analysis.priors) for rig_rows in rows]
         self.layout, self.scales = self._laid_out(nuisances)
-        columns = self._columns(by_trial=by_trial)
+        columns = self._columns(together or {})
         self.rigs: tuple[LinearRig, ...] = tuple(
             rig_rows.laid_out(columns, place) for place, rig_rows in enumerate(rows)
         )
@@ -149,7 +149,7 @@ class LinearModel:
         )
         return layout, scales
 
-    def _columns(self, *, by_trial: bool) -> ModelColumns:
+    def _columns(self, together: Mapping[str, Whole]) -> ModelColumns:
         """Return what each rig lays its rows out for."""
         shared: list[Smooth | Candidate] = [*self.discrepancy.shared]
         shared += [candidate for candidate, _ in self._small]
@@ -161,7 +161,7 @@ class LinearModel:
             self.scales,
             self.friction_scale,
             self.scattering,
-            by_trial,
+            together,
             self.analysis.priors,
             self.analysis.scatter,
             self.row_weights,
@@ -181,7 +181,7 @@ class LinearModel:
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
-        by_trial: bool = False,
+        together: Mapping[str, Whole] | None = None,
         row_weights: Mapping[str, Array] | None = None,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
@@ -195,7 +195,7 @@ class LinearModel:
             scattering=self.scattering if scattering is None else scattering,
             small=self.discrepancy.amounts,
             forms=forms,
-            by_trial=by_trial,
+            together=together,
             row_weights=self.row_weights if row_weights is None else row_weights,
             heavy=self.heavy,
         )

@@ -8,7 +8,12 @@ import numpy as np
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.attention import Coverage, of_fit
-from bayesfric.inference.diagnostics import Convergence, diagnose_all, power_scaling
+from bayesfric.inference.diagnostics import (
+    Convergence,
+    diagnose_all,
+    of_chains,
+    power_scaling,
+)
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Kind, Parameter
@@ -24,6 +29,7 @@ from bayesfric.schemas import (
     Interval,
     ParameterSummary,
     SamplerSummary,
+    StoredDraws,
     WithoutExclusions,
 )
 
@@ -40,6 +46,7 @@ def summarise(
     model: Model,
     draws: Draws,
     theta: Array,
+    chains: Array,
     coverage: Sequence[Coverage],
 ) -> FitFile:
     """Return what ``fit.json`` says.
@@ -61,6 +68,8 @@ def summarise(
         As sampled.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         The draws in the parameters' units.
+    chains : ndarray, shape (ensembles, stored draws, D)
+        Those that are stored, in the same units and as they are laid out.
     coverage : sequence of Coverage
         Shares of trials inside their predictive intervals, rig by rig.
     """
@@ -68,7 +77,11 @@ def summarise(
     informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
     entries = {
         parameter.name: parameter_summary(
-            parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
+            parameter,
+            theta[..., place],
+            convergence[parameter.name],
+            chains[..., place],
+            bool(informed[place]),
         )
         for place, parameter in enumerate(model.parameters)
     }
@@ -179,9 +192,9 @@ def _of_kind(
 
 
 def parameter_summary(
-    parameter: Parameter, draws: Array, figures: Convergence, informed: bool
+    parameter: Parameter, draws: Array, figures: Convergence, chains: Array, informed: bool
 ) -> ParameterSummary:
-    """Summarise draws of a parameter, in any shape."""
+    """Summarise draws of a parameter, in any shape, and the chains of them that are stored."""
     sd = parameter.sd()
     return ParameterSummary(
         **interval_of(draws).model_dump(),
@@ -192,6 +205,7 @@ def parameter_summary(
         ess_tail=figures.ess_tail,
         r_hat=figures.r_hat,
         r_hat_walkers=figures.r_hat_walkers,
+        stored=StoredDraws(**of_chains(chains)._asdict()),
         contraction=1 - float(draws.std()) / sd if np.isfinite(sd) else None,
         contraction_why=None if np.isfinite(sd) else NO_SD,
         informed=informed,

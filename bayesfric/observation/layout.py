@@ -114,8 +114,9 @@ class ModelColumns:
     scattering : sequence of (Candidate, float)
         Effects whose force scatters with friction, and errors of readings that differ from
         trial to trial, with their amplitudes.
-    by_trial : bool
-        Whether trials can be left out.
+    together : mapping of str to ndarray of int, shape (N,)
+        By rig: the set of trials with which each can be left out; none can of a rig that is not
+        in it.
     priors : Priors
         Of the noise.
     scatter : Scatter
@@ -132,7 +133,7 @@ class ModelColumns:
     scales: Array
     friction_scale: Mapping[str, float]
     scattering: Sequence[tuple[Candidate, float]]
-    by_trial: bool
+    together: Mapping[str, Whole]
     priors: Priors
     scatter: Scatter = field(default_factory=Scatter)
     row_weights: Mapping[str, Array] = field(default_factory=dict)

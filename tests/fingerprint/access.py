@@ -373,12 +373,13 @@ def linear(
         )
         for name, law, share in acting
     ]
-    plain = LinearModel(data, laws, candidates, analysis, discrepancy=discrepancy, by_trial=True)
+    apart = {trials.rig.name: np.arange(len(trials.table)) for trials in data.rigs}
+    plain = LinearModel(data, laws, candidates, analysis, discrepancy=discrepancy, together=apart)
     if not added:
         return plain
     forms = other_forms([linear_rig.rows for linear_rig in plain.rigs], added)
     return LinearModel(
-        data, laws, candidates, analysis, scattering=added, forms=forms, by_trial=True
+        data, laws, candidates, analysis, scattering=added, forms=forms, together=apart
     )
 
 

@@ -259,6 +259,14 @@ def test_description(tmp_path: Path) -> None:
     )
 
 
+def test_a_log_of_one_sample_has_no_pace():
+    samples = pd.DataFrame({"run": ["a"], "time_s": [0.0], "position_m": [0.1], "force_n": [2.0]})
+    axis = Axis(pd.DataFrame({"run": ["a"]}), samples)
+    recording = Recording(name="log", title="Short", rig=RigConstants(), axis=axis)
+    lines = dict(describe_recording(recording))
+    assert lines["  log"] == "up to 0 s and 0 m a run, force 2 N"
+
+
 @pytest.mark.bench
 def test_72000_events_are_read_in_under_a_second_and_a_half(
     tmp_path: Path, benchmark: BenchmarkFixture

@@ -17,8 +17,8 @@ from report.told import told
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.data_quality import data_quality
-from bayesfric.report.chapters.left_out import left_out
 from bayesfric.report.chapters.methods import thresholds
+from bayesfric.report.chapters.one_left_out import left_out
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.chapters.symbols import symbol

@@ -10,6 +10,7 @@ derivatives by the noise follow from Fisher's identity.
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -38,6 +39,7 @@ from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 
+VIEWS = 2  # sums of hypotheses that are kept: those of one with all candidates are large
 _Sizes = tuple[OneSize, ...]
 
 
@@ -55,8 +57,6 @@ class GravityPart(LinearRig):
 
     Attributes
     ----------
-    random : ndarray, shape (E, R)
-        Of what scatters.
     blocks : dict of int to slice
         The phases of candidates that have some, among the columns that scatter.
     """
@@ -68,28 +68,33 @@ class GravityPart(LinearRig):
         self._travel = float(rows.covariates()["displacement"].max())
         self._model, self._place = model, place
         self._squeeze: Array | None = None
-        self.random, self.blocks = self._scattering()
-        for candidate, amplitude in model.scattering:
-            self.random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
-        for candidate, amplitude in on_friction(model.scattering):
-            column = rows.candidate_columns(candidate)
-            further = rows.elsewhere(candidate)
-            if not isinstance(column, Unsupported):
-                self.random[:, TRIAL] += amplitude * column[:, 0]
-            if further is not None:
-                self.random[:, ELSEWHERE] += amplitude * further
+        self.blocks = self._scattering(rows.part(slice(0, 1)))[1]
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
-        block = np.arange(len(self.setup)) if model.by_trial else self.size
-        self._sums = trial_sums(rows, self.columns, self.random, block)
+        block = np.stack([self.size, model.together.get(rows.name, np.zeros_like(self.size))])
+        block = np.unique(block, axis=1, return_inverse=True)[1].ravel()
+        self._sums = trial_sums(rows, self.layout, self.columns_of, self.random_of, block)
         self._views: dict[bytes, _Sizes] = {}
         freedom, counts = model.scatter.degrees_of_freedom, (len(self.setup), self.setup.max() + 1)
         for level, rank, count in zip(("trial", "assembly"), (1, 2), counts, strict=True):
             if getattr(model.scatter, level) == "student-t":
                 self._heavy = HeavyScatter.equal(level, freedom, rank, int(count))
 
-    def _scattering(self) -> tuple[Array, dict[int, slice]]:
-        """Return the columns of what scatters, and where candidates' phases are among them."""
-        rows = self.rows
+    def random_of(self, rows: GravityRows) -> Array:
+        """Return the columns of what scatters in some of the trials, shape (e, R) [m]."""
+        random = self._scattering(rows)[0]
+        for candidate, amplitude in self._model.scattering:
+            random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
+        for candidate, amplitude in on_friction(self._model.scattering):
+            column = rows.candidate_columns(candidate)
+            further = rows.elsewhere(candidate)
+            if not isinstance(column, Unsupported):
+                random[:, TRIAL] += amplitude * column[:, 0]
+            if further is not None:
+                random[:, ELSEWHERE] += amplitude * further
+        return random
+
+    def _scattering(self, rows: GravityRows) -> tuple[Array, dict[int, slice]]:
+        """Return columns of what scatters, and where candidates' phases are among them."""
         random = [
             rows.scatter_columns(),
             rows.wander_columns(WAVES),
@@ -112,13 +117,13 @@ class GravityPart(LinearRig):
             blocks[index] = places_by_key[key]
         return np.hstack(random), blocks
 
-    @property
-    def columns(self) -> Array:
-        """Columns of the local numbers, (E, q) [m]; made anew, as most rigs need their sums alone.
+    def columns_of(self, rows: GravityRows) -> Array:
+        """Return columns of the local numbers in some of the trials, shape (e, q) [m].
 
-        Kept, they would be most of the memory that a diagnosis takes.
+        They are made anew, of a part of the trials at a time: those of all would be most of the
+        memory that a diagnosis takes.
         """
-        rows, model = self.rows, self._model
+        model = self._model
         layout = model.layout
         force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
 
@@ -152,15 +157,19 @@ class GravityPart(LinearRig):
         weights = mixing[entering]
         alone = np.array_equal(weights, np.eye(entering.size))  # each a number by itself
 
+        def mixed_parts(own: Array, candidates: Array, always: Array) -> Array:
+            those = candidates[..., entering]
+            return np.concatenate([own, those if alone else those @ weights, always], axis=-1)
+
         def mixed(values: Array) -> Array:
-            those = values[..., start + entering]
-            parts = [values[..., :start], those if alone else those @ weights, values[..., end:]]
-            return np.concatenate(parts, axis=-1)
+            return mixed_parts(*np.split(values, [start, end], axis=-1))
 
         def of_size(size: int) -> OneSize:
             mine = np.flatnonzero(used & (self.size == size))
             beyond = sums.beyond[width]
-            both = beyond.precision[np.unique(sums.block[mine])].sum(axis=0)
+            blocks = np.unique(sums.block[mine])
+            assert used[np.isin(sums.block, blocks)].all(), "trials of one block stay together"
+            both = beyond.precision[blocks].sum(axis=0)
             return OneSize(
                 mine,
                 *np.unique(self.setup[mine], return_inverse=True),
@@ -168,7 +177,7 @@ class GravityPart(LinearRig):
                 mixed(beyond.slope[mine].sum(axis=0)),
                 float(beyond.square[mine].sum()),
                 sums.triangle[np.ix_(mine, np.arange(width), chosen)],
-                mixed(sums.across[mine, :width]),
+                mixed_parts(*(part[mine, :width] for part in sums.across)),
                 sums.right[mine, :width],
                 float(sums.constant[mine].sum()),
                 float(sums.freedom[mine].sum()),
@@ -176,7 +185,7 @@ class GravityPart(LinearRig):
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None:
-            if len(self._views) > 3:
+            if len(self._views) >= VIEWS:
                 self._views.clear()
             self._views[key] = view
         return view
@@ -194,7 +203,7 @@ class GravityPart(LinearRig):
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
         # Where nothing else scatters, the other columns' directions are rows like any.
-        width, kappa = (self.random.shape[1] if blocks else ALWAYS), noise["kappa"]
+        width, kappa = (max(self._sums.beyond) if blocks else ALWAYS), noise["kappa"]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
@@ -259,7 +268,7 @@ class GravityPart(LinearRig):
         squeezed = copy(self)
         squeezed.layout = layout
         squeezed._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
-        squeezed._sums = self._sums.squeezed(squeeze)
+        squeezed._sums = self._sums.squeezed(squeeze, self.layout, layout)
         squeezed._views = {}
         return squeezed
 
@@ -275,17 +284,18 @@ class GravityPart(LinearRig):
             wander_weights(noise["wander_length"], self._travel)[0]
         )
         information = np.empty((len(self.size), self.layout.local, self.layout.local))
-        columns = self.columns
-        for trial, rows in enumerate(self.rows.rows_of_trials()):
-            white, project = whitening(self.rows, rows)
-            x = project(white[:, None] * columns[rows]) / np.sqrt(noise["kappa"])
-            z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
-            sd[TRIAL] = np.sqrt(scatter[trial])
-            triangle, along, apart = orthogonal(z, x)
-            # Trials that nobody has made may be so long that 1 is lost beside their square.
-            both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
-            seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
-            information[trial] = apart.T @ apart + seen.T @ seen
+        for trials, part in self.rows.parts():
+            columns, random = self.columns_of(part), self.random_of(part)[:, :ALWAYS]
+            for trial, rows in enumerate(part.rows_of_trials(), trials.start):
+                white, project = whitening(part, rows)
+                x = project(white[:, None] * columns[rows]) / np.sqrt(noise["kappa"])
+                z = project(white[:, None] * random[rows]) / np.sqrt(noise["kappa"])
+                sd[TRIAL] = np.sqrt(scatter[trial])
+                triangle, along, apart = orthogonal(z, x)
+                # Trials that nobody has made may be so long that 1 is lost beside their square.
+                both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
+                seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
+                information[trial] = apart.T @ apart + seen.T @ seen
         return information
 
     def phase_strength(self, place: int) -> float:
@@ -309,7 +319,7 @@ class GravityPart(LinearRig):
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of travel; fewer where events are few."""
-        return windows_of(self.rows, self.columns, self._travel, noise)
+        return windows_of(self.rows, self.columns_of, self._travel, noise)
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
         """Return trials that run freely once their first events have set offset and speed.
@@ -321,8 +331,13 @@ class GravityPart(LinearRig):
         numbers : ndarray, shape (A, N, q)
             Local numbers of each arm, trial by trial.
         """
-        scatter = self.scatter(noise)
-        return runs_of(self.rows, self.columns, self.random, self._travel, scatter, noise, numbers)
+        scatter, runs = self.scatter(noise), {}
+        for trials, part in self.rows.parts():
+            columns, random = self.columns_of(part), self.random_of(part)
+            those = scatter[trials], noise, numbers[:, trials]
+            for trial, run in runs_of(part, columns, random, self._travel, *those).items():
+                runs[trial + trials.start] = replace(run, trial=trial + trials.start)
+        return runs
 
 
 class LinearEvents(GravityRows):

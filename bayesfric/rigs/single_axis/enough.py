@@ -68,7 +68,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
     return None
 
 
-def too_few_windows(readings: Readings | None) -> Unsupported | None:
+def refused_for_few_windows(readings: Readings | None) -> Unsupported | None:
     """Return why rows do not tell mass and friction; None where there are enough."""
     count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
     if count >= AXIS_RULES.least_windows:

@@ -28,7 +28,7 @@ from bayesfric.rigs.single_axis.rows import AxisRows
 
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
-ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
+ONCE = HalfNormal(scale=0.001)  # scatter of assemblies: of one, or each of which has one run
 GROUPED = 1  # rows of a window in which residual forces are shown
 NAMES = (
     "sigma_position",
@@ -83,7 +83,8 @@ class AxisPart(ColumnsPart):
         )
         self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
-        again = bool(self._alike.max() + 1 < len(rows.table))
+        # What all rows have in common is the law's: one group alone has no scatter of its own.
+        again = bool(1 < self._alike.max() + 1 < len(rows.table))
         self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
 
     def evaluate(
@@ -239,6 +240,7 @@ def _noise(
 
     Where no assembly and no run comes `again`, an assembly's scatter is that of its run, and is
     not counted twice: two wide priors on one variance would take a drift over runs for scatter.
+    Of one log alone, numbers are those of that log: nothing in it says how another would differ.
     """
     sd = readings.position_sd
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)

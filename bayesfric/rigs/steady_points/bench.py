@@ -129,6 +129,9 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
         cell = table.groupby(list(PULLEYS), sort=False).ngroup()
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
         table["setup"] = [f"a{number + 1}" for number in cell] if shared else table["trial"]
+    elif table.groupby("setup")["pulley_size"].nunique().max() > 1:
+        # Friction of an assembly deviates by a share of its own size's: each size has one.
+        table["setup"] = table["setup"] + " (" + table["pulley_size"] + ")"
     table = table.sort_values("setup", kind="stable", ignore_index=True)
     own_columns = (*OWN_COLUMNS, *PULLEYS, "tension_n")
     covariates = tuple(str(name) for name in table if name not in own_columns)
