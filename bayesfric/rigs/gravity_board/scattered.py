@@ -144,17 +144,15 @@ class Scattered:
             The same of all variances together, by their logarithm.
         """
         a, b, c = self._of_trials()
-        weighed = np.ones(b.shape[1])
-        if np.ndim(self._trial_weight):
-            weighed = np.ones(b.shape)
-            weighed[:, TRIAL] = 1 / self._trial_weight
         square = squares_left(a, b, mean, covariance)
-        trial = (weighed * square).sum(axis=0) - (weighed * c).sum(axis=0)
+        if np.ndim(self._trial_weight):
+            square[:, TRIAL] /= self._trial_weight
+            c[:, TRIAL] /= self._trial_weight
+        trial = square.sum(axis=0) - c.sum(axis=0)
         a, b, whole = self._of_setups()
         c = np.diagonal(whole, axis1=1, axis2=2)
-        weighed = np.asarray(1 / self._setup_weight)[..., None]
-        square = squares_left(a, b, mean, covariance)
-        setup = (weighed * square).sum(axis=0) - (weighed * c).sum(axis=0)
+        square, weight = squares_left(a, b, mean, covariance), np.asarray(self._setup_weight)
+        setup = (square / weight[..., None]).sum(axis=0) - (c / weight[..., None]).sum(axis=0)
         scale = self._scale + mean @ self.precision @ mean - 2 * self.slope @ mean
         return trial, setup, float(scale + (self.precision * covariance).sum())
 
