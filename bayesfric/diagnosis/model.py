@@ -302,8 +302,9 @@ class LinearModel:
         if not gradient:
             return at
         slopes: dict[str, float] = {}
+        local = self._local(at, acting)
         for part in parts:
-            slopes |= part.gradient(*self._local(at, acting))
+            slopes |= part.gradient(*local)
         names = [*(parameter.name for parameter in self.noise), *map(phase_name, acting.phases)]
         slope = self.log_prior(psi, acting)[1] + np.array([slopes[name] for name in names])
         return replace(at, gradient=slope)

@@ -66,7 +66,7 @@ class GravityPart(LinearRig):
     def __init__(self, rows: "LinearEvents", model: ModelColumns, place: int) -> None:
         super().__init__(rows, model)
         self._travel = float(rows.covariates()["displacement"].max())
-        self._model, self._place = model, place
+        self._model = model
         self._squeeze: Array | None = None
         self.blocks = self._scattering(rows.part(slice(0, 1)))[1]
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)

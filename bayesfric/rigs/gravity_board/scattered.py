@@ -10,6 +10,7 @@ from scipy.linalg.lapack import dtrtri
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.observation.heavy_scatter import Deviations
+from bayesfric.observation.shared_deviation import SharedDeviation, squares_left
 from bayesfric.rigs.gravity_board.linear_scatter import INTERCEPT, TRIAL
 
 SHARED = slice(TRIAL, INTERCEPT + 1)  # of all friction and of its intercept alone
@@ -89,7 +90,7 @@ class Scattered:
         setups = sums.setups.size
         # Of a deviation of variance 1 over a weight, by trial and by assembly.
         self._tau = sd[TRIAL] / np.sqrt(trial_weight)
-        self._omega = omega / np.sqrt(setup_weight)[..., None]
+        self._omega = sd_setup = omega / np.sqrt(setup_weight)[..., None]
         self._trial_weight, self._setup_weight = trial_weight, setup_weight
         # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
         # could leave rounding alone, where trials are long and their scatter is all they show.
@@ -108,21 +109,18 @@ class Scattered:
         # What an assembly's trials share.
         member = np.equal.outer(np.arange(setups), sums.setup).astype(np.float64)
         summed = member @ (back[:, SHARED] @ self._across).reshape(count, 2 * k)
-        self._summed = summed.reshape(setups, 2, k)
-        self._stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
-        self._sum_pulled = member @ self._pulled[:, SHARED]
-        left, right_of = self._omega[..., :, None], self._omega[..., None, :]
-        shared = np.eye(2) + left * self._stiff * right_of
-        self._taken = left * np.linalg.inv(shared) * right_of
-        self._share = self._taken @ self._summed
-        self._pull = (self._taken @ self._sum_pulled[:, :, None])[:, :, 0]
-        square = (sums.square + (right**2).sum()) / kappa
-        square -= (self._sum_pulled * self._pull).sum()
+        stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
+        pulled = member @ self._pulled[:, SHARED]
+        columns = summed.reshape(setups, 2, k)
+        self._shared = shared = SharedDeviation.of(columns, pulled, stiff, sd_setup)
+        self._share = shared.taken @ shared.columns
+        self._pull = (shared.taken @ pulled[:, :, None])[:, :, 0]
+        square = (sums.square + (right**2).sum()) / kappa - shared.pulled
         self._scale = square - sums.freedom
         constant = sums.constant - 0.5 * sums.freedom * np.log(kappa) - 0.5 * square
         constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
-        self.constant = float(constant - 0.5 * np.linalg.slogdet(shared)[1].sum())
-        flat, of_setups = self._across.reshape(-1, k), self._summed.reshape(-1, k)
+        self.constant = float(constant - 0.5 * shared.log_determinant)
+        flat, of_setups = self._across.reshape(-1, k), shared.columns.reshape(-1, k)
         self.precision = (sums.precision + flat.T @ flat) / kappa
         self.precision -= self._share.reshape(-1, k).T @ of_setups
         self.slope = (sums.slope + right.ravel() @ flat) / kappa - self._pull.ravel() @ of_setups
@@ -146,15 +144,15 @@ class Scattered:
             The same of all variances together, by their logarithm.
         """
         a, b, c = self._of_trials()
-        weighed = np.ones(b.shape[1])
+        square = squares_left(a, b, mean, covariance)
         if np.ndim(self._trial_weight):
-            weighed = np.ones(b.shape)
-            weighed[:, TRIAL] = 1 / self._trial_weight
-        trial = _second(a, b, mean, covariance, weighed) - (weighed * c).sum(axis=0)
+            square[:, TRIAL] /= self._trial_weight
+            c[:, TRIAL] /= self._trial_weight
+        trial = square.sum(axis=0) - c.sum(axis=0)
         a, b, whole = self._of_setups()
         c = np.diagonal(whole, axis1=1, axis2=2)
-        weighed = np.asarray(1 / self._setup_weight)[..., None]
-        setup = _second(a, b, mean, covariance, weighed) - (weighed * c).sum(axis=0)
+        square, weight = squares_left(a, b, mean, covariance), np.asarray(self._setup_weight)
+        setup = (square / weight[..., None]).sum(axis=0) - (c / weight[..., None]).sum(axis=0)
         scale = self._scale + mean @ self.precision @ mean - 2 * self.slope @ mean
         return trial, setup, float(scale + (self.precision * covariance).sum())
 
@@ -173,7 +171,8 @@ class Scattered:
             c = c[:, :, None]
             sd = np.broadcast_to(self._tau, len(b))[:, None]
         else:
-            (a, b, c), sd = self._of_setups(), np.broadcast_to(self._omega, (len(self._stiff), 2))
+            a, b, c = self._of_setups()
+            sd = np.broadcast_to(self._omega, b.shape)
         precision = c - a @ covariance @ a.swapaxes(1, 2)
         left = sd[:, :, None] * precision * sd[:, None, :]
         return Deviations(sd * (b - a @ mean), np.eye(sd.shape[1]) - left)
@@ -184,23 +183,16 @@ class Scattered:
         a = self._back @ self._across
         a -= along @ self._share[j]
         b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
-        return a, b, self._precision_seen - ((along @ self._taken[j]) * along).sum(axis=2)
+        return a, b, self._precision_seen - ((along @ self._shared.taken[j]) * along).sum(axis=2)
 
     def _of_setups(self) -> tuple[Array, Array, Array]:
         """Return the same of assemblies, their precision (J, 2, 2)."""
-        stiff = self._stiff
-        b = self._sum_pulled - (stiff @ self._pull[:, :, None])[:, :, 0]
-        return self._summed - stiff @ self._share, b, stiff - stiff @ self._taken @ stiff
-
-
-def _second(
-    columns: Array, response: Array, mean: Array, covariance: Array, weight: Array
-) -> Array:
-    """Return the weighted sum over n of mean squares of r responses less their columns', (r,)."""
-    flat = columns.reshape(-1, columns.shape[-1])
-    spread = np.einsum("ij,ij->i", flat @ covariance, flat)
-    square = (response.ravel() - flat @ mean) ** 2 + spread
-    return np.asarray((weight * square.reshape(response.shape)).sum(axis=0))
+        shared = self._shared
+        return (
+            shared.left(shared.columns),
+            shared.left(shared.response),
+            shared.left(shared.stiffness),
+        )
 
 
 def _inverses(lower: Array) -> Array:
