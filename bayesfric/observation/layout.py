@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bayesfric.analysis import Priors
+from bayesfric.analysis import Priors, Scatter
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
@@ -119,6 +119,8 @@ class ModelColumns:
         in it.
     priors : Priors
         Of the noise.
+    scatter : Scatter
+        Whether friction of trials or of assemblies is Student-t.
     row_weights : mapping of str to ndarray
         By rig: by what the precision of each row's own error is multiplied; 1 of a rig that is
         not in it.
@@ -133,6 +135,7 @@ class ModelColumns:
     scattering: Sequence[tuple[Candidate, float]]
     together: Mapping[str, Whole]
     priors: Priors
+    scatter: Scatter = field(default_factory=Scatter)
     row_weights: Mapping[str, Array] = field(default_factory=dict)
 
     def filled(

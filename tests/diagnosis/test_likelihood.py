@@ -19,6 +19,8 @@ from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.information import Information
+from bayesfric.observation.heavy_scatter import HeavyScatter
+from bayesfric.observation.linear import with_heavy_scatter
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
@@ -71,9 +73,19 @@ def apart_by_clocks(rows):
     return clock_sd_s(rows.constants) * rows._speed * (is_load - 0.5)
 
 
-def test_the_board_of_weights_is_a_dense_normal(model):
-    """Offsets and first speeds projected out; scatter of three levels as covariance."""
+@pytest.mark.parametrize("level", ["normal", "trial", "assembly"])
+def test_the_board_of_weights_is_a_dense_normal(model, level):
+    """Offsets and first speeds projected out; scatter of three levels as covariance.
+
+    Of deviations that are Student-t, each has a variance of its own.
+    """
     part, acting = model.rigs[0], acting_of(model)
+    trial_weight, setup_weight = np.ones(part.setup.size), np.ones(part.setup.max() + 1)
+    if level != "normal":
+        weight = {"trial": trial_weight, "assembly": setup_weight}[level]
+        weight[:] = np.geomspace(0.05, 3.0, weight.size)
+        rank = {"trial": 1, "assembly": 2}[level]
+        part = with_heavy_scatter(part, HeavyScatter(level, 4.0, rank, weight, 0 * weight))
     mixing = model.mixing(acting)
     place, amplitude = acting.phases[0].places[0], 0.4
     found = part.evaluate(NOISE, mixing, [(place, amplitude, "runout:once")]).information
@@ -96,7 +108,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             random = off.T @ (scattered[rows] / sd[:, None])
             whole, constant = random[:, TRIAL], random[:, INTERCEPT]
             own = NOISE["kappa"] * np.eye(off.shape[1])
-            own += NOISE["tau"] ** 2 * np.outer(whole, whole)
+            own += NOISE["tau"] ** 2 / trial_weight[trial] * np.outer(whole, whole)
             wander, wave = random[:, WANDER], random[:, part.blocks[place]]
             own += NOISE["wander"] ** 2 * (wander * weights) @ wander.T
             own += amplitude**2 * wave @ wave.T
@@ -109,6 +121,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
         joined, whole, constant = map(np.concatenate, (residual, all_of_it, intercepts))
         covariance = NOISE["omega"] ** 2 * np.outer(whole, whole)
         covariance += NOISE["omega_intercept"] ** 2 * np.outer(constant, constant)
+        covariance /= setup_weight[setup]
         start = 0
         for own in blocks:
             end = start + len(own)

@@ -11,11 +11,13 @@ derivatives by the noise follow from Fisher's identity.
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.observation.heavy_scatter import Deviations, HeavyScatter
 from bayesfric.observation.layout import Layout, ModelColumns
 from bayesfric.observation.linear import Evaluated, LinearRig, Run
 from bayesfric.observation.windows import Windows
@@ -64,7 +66,7 @@ class GravityPart(LinearRig):
     def __init__(self, rows: "LinearEvents", model: ModelColumns, place: int) -> None:
         super().__init__(rows, model)
         self._travel = float(rows.covariates()["displacement"].max())
-        self._model, self._place = model, place
+        self._model = model
         self._squeeze: Array | None = None
         self.blocks = self._scattering(rows.part(slice(0, 1)))[1]
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
@@ -72,6 +74,10 @@ class GravityPart(LinearRig):
         block = np.unique(block, axis=1, return_inverse=True)[1].ravel()
         self._sums = trial_sums(rows, self.layout, self.columns_of, self.random_of, block)
         self._views: dict[bytes, _Sizes] = {}
+        freedom, counts = model.scatter.degrees_of_freedom, (len(self.setup), self.setup.max() + 1)
+        for level, rank, count in zip(("trial", "assembly"), (1, 2), counts, strict=True):
+            if getattr(model.scatter, level) == "student-t":
+                self._heavy = HeavyScatter.equal(level, freedom, rank, int(count))
 
     def random_of(self, rows: GravityRows) -> Array:
         """Return the columns of what scatters in some of the trials, shape (e, R) [m]."""
@@ -165,7 +171,8 @@ class GravityPart(LinearRig):
             assert used[np.isin(sums.block, blocks)].all(), "trials of one block stay together"
             both = beyond.precision[blocks].sum(axis=0)
             return OneSize(
-                np.unique(self.setup[mine], return_inverse=True)[1],
+                mine,
+                *np.unique(self.setup[mine], return_inverse=True),
                 mixed(mixed(both).T),
                 mixed(beyond.slope[mine].sum(axis=0)),
                 float(beyond.square[mine].sum()),
@@ -208,7 +215,7 @@ class GravityPart(LinearRig):
             start = places[name].stop
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         view = self._view(mixing, chosen, width, used)
-        by_size = [Scattered(sums, sd, omega, kappa) for sums in view]
+        by_size = [Scattered(sums, sd, omega, kappa, *self._weights(sums)) for sums in view]
         of_sizes = [(size, part.precision, part.slope) for size, part in enumerate(by_size)]
         information = self.joined(of_sizes, sum(scattered.constant for scattered in by_size))
 
@@ -231,7 +238,30 @@ class GravityPart(LinearRig):
             by_name |= {name: felt[block].sum() for name, block in places.items()}
             return {name: float(value) for name, value in by_name.items()}
 
-        return Evaluated(information, gradient)
+        deviations = None if self._heavy is None else partial(self._deviations, view, by_size)
+        return Evaluated(information, gradient, deviations)
+
+    def _weights(self, sums: OneSize) -> tuple[Array | float, Array | float]:
+        """Return the weights of the deviations of trials and of assemblies of one size."""
+        if self._heavy is None:
+            return 1.0, 1.0
+        return self._heavy.of_trials(sums.trials), self._heavy.of_setups(sums.setups)
+
+    def _deviations(
+        self,
+        view: _Sizes,
+        by_size: Sequence[Scattered],
+        mean: Sequence[Array],
+        covariance: Sequence[Array],
+    ) -> Deviations:
+        """Return what all data say of the deviations that are Student-t."""
+        assert self._heavy is not None
+        level, count, rank = self._heavy.level, self._heavy.weight.size, self._heavy.rank
+        numbers, spread = np.zeros((count, rank)), np.tile(np.eye(rank), (count, 1, 1))
+        for sums, scattered, *local in zip(view, by_size, mean, covariance, strict=True):
+            mine = sums.trials if level == "trial" else sums.setups
+            numbers[mine], spread[mine] = scattered.deviations(level, *local)
+        return Deviations(numbers, spread)
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
         """Return the rig with mixtures of its columns in their place."""
@@ -279,7 +309,13 @@ class GravityPart(LinearRig):
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
         part = self.rows.intercept_n / self.rows.friction_n
         assembly = noise["omega"] ** 2 + (noise["omega_intercept"] * part) ** 2
-        return np.stack([np.full_like(part, noise["tau"] ** 2), assembly], axis=1)
+        trial = np.full_like(part, noise["tau"] ** 2)
+        if self._heavy is not None:
+            trial, assembly = (
+                trial / self._heavy.of_trials(np.arange(part.size)),
+                assembly / self._heavy.of_setups(self.setup),
+            )
+        return np.stack([trial, assembly], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of travel; fewer where events are few."""

@@ -24,6 +24,7 @@ from functools import cached_property
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.observation.shared_deviation import taken_up
 
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
 SHARED = COSINES + 2  # of deviations that runs share: of all, along the path, of the law's alone
@@ -256,7 +257,4 @@ def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
 
 def _taken(gram: Array, variance: Array) -> tuple[Array, Array]:
     """Return (D⁻¹ + G)⁻¹ of each gram matrix, and log |1 + D G|; D may take variance away."""
-    root = np.sqrt(np.abs(variance))
-    whole = root[:, None] * gram * root + np.diag(np.where(variance < 0, -1.0, 1.0))
-    inverse = np.linalg.inv(whole)
-    return root[:, None] * inverse * root, np.asarray(np.linalg.slogdet(whole)[1])
+    return taken_up(gram, np.sqrt(np.abs(variance)), np.where(variance < 0, -1.0, 1.0))
