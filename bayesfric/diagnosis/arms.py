@@ -90,18 +90,18 @@ class Arms:
         of_rigs = dict(zip(names, np.split(together.ravel(), ends), strict=True))
         return self.model.around(self.model.laws, self.plain.candidates, together=of_rigs)
 
-    def fitted(self, whole: LinearModel, residuals: Residuals, out: Flags) -> tuple[Fitted, ...]:
+    def fitted(self, beside: LinearModel, residuals: Residuals, out: Flags) -> tuple[Fitted, ...]:
         """Return the arms as shipped, before and after, without the windows that are left out.
 
         The law is recalibrated before and after alike; after, with the causes as they are
         known (:meth:`with_discrepancy`) without the trials of the windows that are left out.
         """
-        used = used_of(whole, residuals, out) if out.any() else None
-        before = self._refitted(whole, Acting(), residuals, out, used)
+        used = used_of(beside, residuals, out) if out.any() else None
+        before = self._refitted(beside, Acting(), residuals, out, used)
         after = before
         if self.causes.laws:
             acting = Acting(self.causes.laws, self.causes.shapes)
-            after = self._refitted(whole, acting, residuals, out, used)
+            after = self._refitted(beside, acting, residuals, out, used)
             before = self._with_clocks_of(before, after, residuals)
         shipped = before
         if self.shipped is not None:
@@ -146,19 +146,19 @@ class Arms:
 
     def _refitted(
         self,
-        whole: LinearModel,
+        beside: LinearModel,
         acting: Acting,
         residuals: Residuals,
         out: Flags,
         used: Mapping[str, Flags] | None,
     ) -> Fitted:
-        at = whole.evaluate(self.psi, acting, used=used)
-        mixing = whole.mixing(acting)
-        layout, plain = whole.layout, self.plain.layout
+        at = beside.evaluate(self.psi, acting, used=used)
+        mixing = beside.mixing(acting)
+        layout, plain = beside.layout, self.plain.layout
 
         def held(numbers: Array) -> Array:
             """Return local numbers of the plain model, those of the law left at zero."""
-            spread_out = spread_numbers(whole, numbers, mixing)
+            spread_out = spread_numbers(beside, numbers, mixing)
             local = np.zeros((*spread_out.shape[:-1], plain.local))
             effects = spread_out[..., layout.own : layout.own + layout.candidates]
             local[..., COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
@@ -174,7 +174,10 @@ class Arms:
         numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
         uncertain = held(numbers).transpose(1, 2, 0)
         uncertain = uncertain[..., np.any(uncertain, axis=(0, 1))]
-        further = np.einsum("rq,rqk->rk", residuals.columns, uncertain[residuals.size])
+        further = np.empty((residuals.size.size, uncertain.shape[-1]))
+        for size, of_size in enumerate(uncertain):
+            mine = residuals.size == size
+            further[mine] = residuals.columns[mine] @ of_size
         moved = refit.spread(residuals, further).reshape(*uncertain.shape[:1], COEFFICIENTS, -1)
         own = moved.shape[2] - uncertain.shape[2]
         spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)

@@ -110,7 +110,7 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         Assigns assemblies to folds.
     """
     fold, beyond = folds_of(residuals.setup, rng), extrapolated(residuals)
-    whole = arms.with_discrepancy(residuals, list(beyond.values()))
+    beside = arms.with_discrepancy(residuals, list(beyond.values()))
     is_shipped = arms.shipped is not None
 
     def squares(arm: Sequence[Fitted]) -> tuple[Array, Squares]:
@@ -120,7 +120,7 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         )
 
     def fitted(out: Flags) -> tuple[Fitted, ...]:
-        return arms.fitted(whole, residuals, out)
+        return arms.fitted(beside, residuals, out)
 
     by_fold = [fitted(fold == number) for number in range(int(fold.max()) + 1)]
     place = np.arange(fold.size)

@@ -373,13 +373,15 @@ def linear(
         )
         for name, law, share in acting
     ]
-    apart = {trials.rig.name: np.arange(len(trials.table)) for trials in data.rigs}
-    plain = LinearModel(data, laws, candidates, analysis, discrepancy=discrepancy, together=apart)
+    together = {rig.rig.name: np.arange(len(rig.table)) for rig in data.rigs}
+    plain = LinearModel(
+        data, laws, candidates, analysis, discrepancy=discrepancy, together=together
+    )
     if not added:
         return plain
     forms = other_forms([linear_rig.rows for linear_rig in plain.rigs], added)
     return LinearModel(
-        data, laws, candidates, analysis, scattering=added, forms=forms, together=apart
+        data, laws, candidates, analysis, scattering=added, forms=forms, together=together
     )
 
 

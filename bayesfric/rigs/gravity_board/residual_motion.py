@@ -91,7 +91,7 @@ def _windows_of_part(
         white, project = whitening(board, rows, apart=True)
         design = project(white[:, None] * (newton[:, rows].T @ joined))
         rest = project(white[:, None] * np.column_stack([board.residual[rows], columns[rows]]))
-        solved = np.asarray(np.linalg.lstsq(design, rest, rcond=None)[0], dtype=np.float64)
+        solved = np.asarray(np.linalg.lstsq(design, rest, rcond=None)[0], np.float64)
         mean = joined / joined.sum(axis=0)
         where = {name: values[trial] @ mean for name, values in places.items()}
         travel = np.atleast_1d(where["displacement"]) / travel_m

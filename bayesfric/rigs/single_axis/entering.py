@@ -162,7 +162,7 @@ def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> 
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             moved.rows.append({**moved.runs[-1], "trial": str(name)})
     if not logs:
-        return too_short([len(samples) for samples in by_run.values()])
+        return too_short(axis)
     return without_force(logs) or too_little_motion(logs, constants.encoder_resolution) or moved
 
 

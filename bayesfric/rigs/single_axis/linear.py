@@ -129,7 +129,7 @@ class AxisPart(ColumnsPart):
             pulls = lent[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
-            slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
+            slopes = solved.gradient(pulls, pulled, inverse, trial, kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
             return slopes | {
                 NAMES[4]: noise[NAMES[4]] ** 2 * run,
@@ -238,19 +238,20 @@ def _noise(
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise of an axis, its priors in the axis' own measures.
 
-    Where no assembly and no run comes `again`, an assembly's scatter is that of its run, and is
-    not counted twice: two wide priors on one variance would take a drift over runs for scatter.
+    A force may be noisier than friction is large: its error is then what its samples show. Where
+    no assembly and no run comes `again`, an assembly's scatter is that of its run, and is not
+    counted twice: two wide priors on one variance would take a drift over runs for scatter.
     Of one log alone, numbers are those of that log: nothing in it says how another would differ.
     """
-    sd = readings.position_sd
+    sd, force = readings.position_sd, max(friction, readings.force_sd)
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
     return (
         noise_parameter(NAMES[0], LogNormal(median=sd, sd_log=0.5), sd, (0.1 * sd, 10 * sd), sd),
         noise_parameter(
             NAMES[1],
-            HalfNormal(scale=0.1 * friction),
+            HalfNormal(scale=max(0.1 * friction, readings.force_sd - friction)),
             0.01 * friction,
-            (1e-5 * friction, 10 * friction),
+            (1e-5 * friction, 10 * force),
             0.01 * friction,
         ),
         noise_parameter(NAMES[2], along, 0.01, SCATTER, 0.01, scatters=True),
