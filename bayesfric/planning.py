@@ -22,7 +22,7 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.next_experiment import condition_of
+from bayesfric.diagnosis.next_experiment import condition_of, feasible_trials
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import all_effects, with_priors
@@ -395,8 +395,7 @@ def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.Da
 
 def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> pd.DataFrame:
     """Return for each coefficient the condition of one more assembly that lowers its error most."""
-    laid = [trials.next_trials(model.laws) for trials in model.data.rigs]
-    data = Data(tuple(trials for trials in laid if trials is not None))
+    data = feasible_trials(model)
     if not data.rigs:
         return pd.DataFrame()
     more = LinearModel(data, model.laws, (), model.analysis, discrepancy=False)

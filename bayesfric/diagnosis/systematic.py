@@ -20,7 +20,6 @@ from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
-from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
@@ -101,8 +100,6 @@ def posterior_of(
         if chance > RULES.rare
         and (hypothesis in search.weighed or (hypothesis == UNKNOWN and search.unknown is not None))
     }
-    # What was asked before rounds what is asked again: of a resumed diagnosis it is less.
-    model.said = Said()
     weights = np.array(list(chances.values()))
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     hypotheses: list[Hypothesis] = []
@@ -116,13 +113,13 @@ def posterior_of(
         own, weighed, wide = _hypothesis_of(model, search, hypothesis)
         drawn = _numbers(own, weighed, wide, count, rng)
         force, moves = _force_and_law(model, residuals, own, weighed.acting, drawn)
-        forces.append(force)
+        forces.append(residuals.without_law(force))
         refitted.take(rows, own, weighed.acting, weighed.at.psi, drawn, moves)
         effects.take_columns(rows, own, weighed, drawn, rng)
         forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
         hidden.append(effects.take_phases(rows, own, weighed, wide, forms, rng))
         hypotheses += [hypothesis] * count
-    force, hidden2 = residuals.without_law(np.concatenate(forces, axis=1)), np.concatenate(hidden)
+    force, hidden2 = np.concatenate(forces, axis=1), np.concatenate(hidden)
     rms = residuals.friction_rms
     return Posterior(
         np.array(hypotheses, dtype=object),

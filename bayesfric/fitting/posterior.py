@@ -138,7 +138,7 @@ def _fit_rigs(
         fields["uniformity"] = uniformities(left_out)
         fields["assemblies"] = assembly_checks(assemblies)
         summary = summarise(
-            attributes.model_dump() | fields, recording, data, model, draws, theta,
+            attributes.model_dump() | fields, recording, analysis, data, model, draws, theta,
             in_chains(stored.theta, stored.ensembles), covered(predictive),
         )  # fmt: skip
     with _timed(seconds, "inference_data"):

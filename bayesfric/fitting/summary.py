@@ -5,6 +5,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.attention import Coverage, of_fit
 from bayesfric.inference.diagnostics import (
@@ -18,6 +19,8 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Kind, Parameter
 from bayesfric.inference.sampling import Draws
 from bayesfric.observation.coefficients import sizes_of
+from bayesfric.observation.exact import ExactLikelihood
+from bayesfric.observation.scatter import kept_normal
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
@@ -38,6 +41,7 @@ Summary = TypeVar("Summary", bound=Interval)
 def summarise(
     attributes: dict[str, Any],
     recording: Recording,
+    analysis: Analysis,
     data: Data,
     model: Model,
     draws: Draws,
@@ -54,6 +58,8 @@ def summarise(
         trials that were left out would change.
     recording : Recording
         As read.
+    analysis : Analysis
+        Whose settings of scatter a rig may not follow.
     data : Data
         Trials that entered.
     model : Model
@@ -86,14 +92,17 @@ def summarise(
     return FitFile(
         **attributes,
         converged=converged,
-        attention=of_fit(
-            convergence,
-            entries,
-            model.parameters,
-            quality,
-            uniformity=attributes["uniformity"],
-            assemblies=attributes["assemblies"],
-            coverage=coverage,
+        attention=(
+            *of_fit(
+                convergence,
+                entries,
+                model.parameters,
+                quality,
+                uniformity=attributes["uniformity"],
+                assemblies=attributes["assemblies"],
+                coverage=coverage,
+            ),
+            *_not_followed(analysis, data, model),
         ),
         pulleys=_by_pulley(entries),
         scatter=_of_kind(model, entries, "scatter"),
@@ -111,6 +120,18 @@ def summarise(
         },
         sampler=_sampler(draws, theta, min(figures.ess_bulk for figures in convergence.values())),
         data_quality=quality,
+    )
+
+
+def _not_followed(analysis: Analysis, data: Data, model: Model) -> tuple[str, ...]:
+    """Return, in sentences, the settings of scatter that a rig's likelihood does not follow."""
+    return tuple(
+        line
+        for trials, likelihood in zip(data.rigs, model.likelihoods, strict=True)
+        if isinstance(likelihood, ExactLikelihood)
+        for line in kept_normal(
+            analysis.scatter, trials.rig.words.rig, likelihood.model.scatter.heavy_levels
+        )
     )
 
 

@@ -216,7 +216,8 @@ class Gap(Record):
     )
     floor_agrees: bool = Field(
         description="Whether what held-out data leave once the causes act is what scatter (the "
-        "floor) and the systematic gap that is left would make, by chance too."
+        "floor) and the systematic gap that is left would make, by chance too; or both are below "
+        "half of the practical share of friction."
     )
     floor_disagreement: str | None = Field(
         None, description="How held-out data and the model contradict each other; null if not."
