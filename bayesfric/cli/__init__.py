@@ -38,8 +38,9 @@ def _open_closed_streams() -> None:
     """Let streams that the caller closed lead nowhere: else the next file would be one of them."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115, PTH123
-            setattr(sys, f"__{name}__", getattr(sys, name))
+            stream = os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8")
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)
 
 
 def _end(number: int, frame: FrameType | None) -> None:
