@@ -68,6 +68,18 @@ def test_friction_and_armature_come_back_beside_what_is_known(kind, joint):
     assert rough.mass == pytest.approx(armature, rel=0.1)
 
 
+def test_inertia_is_told_beside_joints_that_are_logged_without_a_model():
+    """Gravity may take all of the force, and what moves no more than gravity and friction leave."""
+    import mujoco
+
+    compiled = mujoco.MjModel.from_xml_string(arm.model(arm.MASSES))
+    reach = float(compiled.body_ipos[3] @ compiled.body_ipos[3])
+    of_link = compiled.body_inertia[3].max() + arm.MASSES[2] * reach
+    rough = runs_of(arm.recording(), "elbow")._rough
+    assert rough.mass == pytest.approx(arm.ARMATURE[2] + of_link, rel=0.1)
+    assert rough.coulomb == pytest.approx(arm.FRICTIONLOSS[2], rel=0.02)
+
+
 def test_a_known_force_of_one_joint_is_taken_off_its_drive_force():
     """Without it a pendulum's joint has the weight of its arm in its force."""
     known, unknown = (arm.recording(known=known, only="elbow") for known in (True, False))

@@ -27,6 +27,8 @@ class Scales(NamedTuple):
     ----------
     force : float
         What forces beside the law may be: the drive's, or the error of what is known of it.
+    moving : float
+        The same of what moves alone: what gravity and friction leave of the drive's.
     known_force : float
         What is known of the drive force; 0 where nothing is.
     speed, acceleration : float
@@ -34,13 +36,21 @@ class Scales(NamedTuple):
     """
 
     force: float
+    moving: float
     known_force: float
     speed: float
     acceleration: float
 
+    def of_one(self, count: int) -> float:
+        """Return what each of so many forms of what moves may take."""
+        return float(self.moving / np.sqrt(count))
+
 
 def scales_of(
-    logs: Sequence[EvenLog], paths: Sequence[Path], known_force_sd: float | None
+    logs: Sequence[EvenLog],
+    paths: Sequence[Path],
+    known_force_sd: float | None,
+    resting: Sequence[Array] = (),
 ) -> Scales:
     """Return the scales of a recording.
 
@@ -52,17 +62,54 @@ def scales_of(
         Of all joints, each on its own log.
     known_force_sd : float or None
         Standard error of what is known of the drive force, where it is stated.
+    resting : sequence of ndarray, shape (N, k)
+        Forms of gravity and friction in each run, of :func:`gravity_and_friction`.
     """
     known_forces = [log.known_force.value for log in logs if log.known_force is not None]
     force = _rms([log.force for log in logs])
     if known_forces:
         force = KNOWN_TO * _rms(known_forces) if known_force_sd is None else known_force_sd
+    moving = _left(np.concatenate([log.force for log in logs]), resting) if resting else force
     speed = max((_rms([path.velocity]) for path in paths), default=0.0)
     rates = [np.gradient(path.velocity, path.interval_s) for path in paths]
     acceleration = max((_rms([rate]) for rate in rates), default=0.0)
     return Scales(
-        force, _rms(known_forces) if known_forces else 0.0, speed or 1.0, acceleration or 1.0
+        force,
+        min(moving, force),
+        _rms(known_forces) if known_forces else 0.0,
+        speed or 1.0,
+        acceleration or 1.0,
     )
+
+
+def _left(force: Array, forms: Sequence[Array]) -> float:
+    """Return the rms of a force that forms in any amounts leave."""
+    columns = np.concatenate(forms)
+    return _rms([force - columns @ np.linalg.lstsq(columns, force, rcond=1e-9)[0]])
+
+
+def gravity_and_friction(paths: Sequence[Path], own: int, rotary: bool) -> Array:
+    """Return forms of gravity, of friction and of an offset in a run, (N, k).
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Of all joints, on the grid of the run, in the order of the chain.
+    own : int
+        Place of the joint.
+    rotary : bool
+        Whether the joints turn.
+    """
+    speed = paths[own].velocity
+    columns = [np.ones(speed.size), np.sign(speed), speed]
+    if rotary:
+        angles = _sums(paths, _near(paths, own), own)
+        columns += [turn(angle) for angle in angles for turn in (np.cos, np.sin)]
+    return np.stack(columns, axis=1)
+
+
+def _near(paths: Sequence[Path], own: int) -> range:
+    return range(max(0, own - AROUND), min(len(paths), own + AROUND + 1))
 
 
 def _rms(values: Sequence[Array]) -> float:
@@ -103,24 +150,33 @@ def coupling(
     rotary : bool
         Whether the joints turn.
     """
-    near = range(max(0, own - AROUND), min(len(paths), own + AROUND + 1))
+    near = _near(paths, own)
     rates = [paths[k].velocity for k in near]
-    shapes, nothing = [np.ones(log.time_s.size)], np.zeros(log.time_s.size)
+    ones, nothing = np.ones(log.time_s.size), np.zeros(log.time_s.size)
+    shapes, without_own = [ones], [ones]
     if rotary:
         shapes += [turn(a) for a in _inner(paths, near) for turn in (np.cos, np.sin)]
+        others = [k for k in near if k != own]
+        without_own += [turn(a) for a in _inner(paths, others) for turn in (np.cos, np.sin)]
         angles = _sums(paths, near, own)
         yield from (WeakForce(scales.force * turn(a)) for a in angles for turn in (np.cos, np.sin))
-    columns = [shape * rate for shape in shapes for rate in rates]
-    del columns[near.index(own)]  # alone it is the law's inertia
-    size = scales.force / (scales.acceleration * np.sqrt(len(columns)))
+    rates_of_others = [paths[k].velocity for k in near if k != own]
+    columns = [shape * rate for shape in shapes for rate in rates_of_others]
+    # The first, of its own rate alone, is the law's inertia.
+    columns += [shape * paths[own].velocity for shape in without_own[1:]]
+    size = scales.of_one(len(columns)) / scales.acceleration
     yield from (WeakForce(nothing, momentum=size * column) for column in columns)
-    pairs = combinations_with_replacement(rates, 2)
+    pairs = [
+        (factor, other)
+        for factor, other in combinations_with_replacement(rates, 2)
+        if not factor is other is paths[own].velocity
+    ]
     columns = [shape * factor * other for factor, other in pairs for shape in shapes]
-    size = scales.force / (scales.speed**2 * np.sqrt(len(columns)))
+    size = scales.of_one(len(columns)) / scales.speed**2
     yield from (WeakForce(size * column) for column in columns)
 
 
-def _inner(paths: Sequence[Path], near: range) -> Iterator[Array]:
+def _inner(paths: Sequence[Path], near: Sequence[int]) -> Iterator[Array]:
     """Yield the angles by which the inertia of a chain changes: of joints, of pairs, and twice."""
     for k in near:
         yield from (paths[k].position, 2 * paths[k].position)

@@ -13,10 +13,17 @@ from typing import Literal, cast
 import numpy as np
 import pandas as pd
 
+from bayesfric.arrays import Array
 from bayesfric.recording.joints import joints_of
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.single_axis.coupling import Scales, coupling, known_to, scales_of
+from bayesfric.rigs.single_axis.coupling import (
+    Scales,
+    coupling,
+    gravity_and_friction,
+    known_to,
+    scales_of,
+)
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.paths import Path, moves, path_of
 from bayesfric.rigs.single_axis.payloads import payload_forces, payload_shares
@@ -98,11 +105,11 @@ class Machine:
 
         None where another joint has no log of that run.
         """
+        others = self._others_in(run)
+        if others is None:
+            return None
         paths = {self.joint: path_of(log)}
-        for name, samples in self.axis.others.items():
-            other = _log_of_run(samples, run, self.constants)
-            if other is None:
-                return None
+        for name, other in others.items():
             inside = (log.time_s >= other.time_s[0]) & (log.time_s <= other.time_s[-1])
             log = replace(log, is_known=log.is_known & inside)
             paths[name] = path_of(other, log.time_s)
@@ -140,7 +147,32 @@ class Machine:
         paths = [path_of(log) for log in own]
         for samples in self.axis.others.values():
             paths += _paths_of(samples, self.constants)
-        return scales_of(own, paths, self.constants.known_force_sd)
+        return scales_of(own, paths, self.constants.known_force_sd, self._resting())
+
+    def _resting(self) -> list[Array]:
+        """Return forms of gravity and friction in each run; none where a run lacks a joint."""
+        forms, place = [], self.joints.index(self.joint)
+        for run in self.axis.samples["run"].unique():
+            log, others = _log_of_run(self.axis.samples, run, self.constants), self._others_in(run)
+            if log is None:
+                continue
+            if others is None:
+                return []
+            paths = {name: path_of(other, log.time_s) for name, other in others.items()}
+            paths[self.joint] = path_of(log)
+            in_order = [paths[name] for name in self.joints]
+            forms.append(gravity_and_friction(in_order, place, self.constants.rotary))
+        return forms
+
+    def _others_in(self, run: str) -> dict[str, EvenLog] | None:
+        """Return logs of the other joints in a run, by name; None where one has none."""
+        logs = {}
+        for name, samples in self.axis.others.items():
+            other = _log_of_run(samples, run, self.constants)
+            if other is None:
+                return None
+            logs[name] = other
+        return logs
 
     @property
     def known_amounts(self) -> int:
