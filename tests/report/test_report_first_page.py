@@ -237,3 +237,15 @@ def test_a_law_without_pulleys_explains_the_priors_that_are_in_its_table(small_f
     assert (not table.note) == informed
     (sentence,) = in_a_sentence(fit)
     assert "2.0061 ± 0.0052" in words(sentence.text)
+
+
+def test_beside_an_unknown_force_no_coefficient_is_offered_for_use(stored):
+    unknown = diagnosis(verdict="unknown")
+    results = StoredResults(
+        changed(stored, converged=True, attention=()),
+        diagnosis=StoredDiagnosis(unknown, xr.DataTree()),
+    )
+    (box,) = page_one.worries(results)
+    assert "A force of unknown cause acts" in box.text
+    (table,) = page_one.expected(results.fitted, coefficients=True, unknown_force=True)
+    assert table.caption.startswith("Coefficients of the law, which lacks the unknown force")

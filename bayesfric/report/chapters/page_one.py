@@ -53,6 +53,7 @@ from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.schemas import FitFile, RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
+USE = "Use these coefficients"
 FEW = 3  # remarks that stand as boxes; more of them are a list
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
@@ -73,7 +74,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         refitted = {} if diagnosed is None else refitted_coefficients(diagnosed.record)
         if diagnosed is None or not diagnosed.record.enter:
             yield from in_a_sentence(fitted.fit)
-        yield from expected(fitted, coefficients=not refitted)
+        unknown = diagnosed is not None and diagnosed.record.verdict == "unknown"
+        yield from expected(fitted, coefficients=not refitted, unknown_force=unknown)
         yield from coefficients_figure(fitted, refitted)
     pooled = stored.pooled
     if pooled is not None and pooled.pooled is not None:
@@ -133,7 +135,9 @@ def convergence(fit: FitFile) -> Iterator[Notice]:
         )
 
 
-def expected(stored: StoredFit, *, coefficients: bool) -> Iterator[Block]:
+def expected(
+    stored: StoredFit, *, coefficients: bool, unknown_force: bool = False
+) -> Iterator[Block]:
     """Yield the coefficients of each pulley size, and friction of a run of usual conditions.
 
     Parameters
@@ -142,6 +146,8 @@ def expected(stored: StoredFit, *, coefficients: bool) -> Iterator[Block]:
         Whose numbers they are.
     coefficients : bool
         Whether they may be used: a law that misses what acts has biased ones.
+    unknown_force : bool
+        Whether a force acts that no effect explains, so that nobody knows what it does to them.
     """
     fit = stored.fit
     unit = force_unit(fit)
@@ -155,10 +161,12 @@ def expected(stored: StoredFit, *, coefficients: bool) -> Iterator[Block]:
     of_size: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
     of_run: list[Column | str] = ["condition", "friction", "on a new assembly"]
     no_numbers, no_run = [""] * (len(of_size) - 1), [""] * len(of_run)
+    title = "What friction to expect of a run, at the recording's own conditions."
+    if numbers:
+        use = "Coefficients of the law, which lacks the unknown force" if unknown_force else USE
+        title = f"{use}; friction to expect of a run."
     yield Table(
-        "Use these coefficients; friction to expect of a run."
-        if numbers
-        else "What friction to expect of a run, at the recording's own conditions.",
+        title,
         [*of_size, *of_run],
         [
             [
@@ -264,7 +272,14 @@ def worries(stored: StoredResults) -> Iterator[Block]:
         return
     for line in lines:
         yield Notice("attention", line)
-    if fit is not None and fit.converged and not lines:
+    diagnosed = stored.diagnosis
+    if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
+        yield Notice(
+            "attention",
+            "A force of unknown cause acts. Coefficients and claims are of laws that lack it: it "
+            "may have moved them by as much as the gap.",
+        )
+    elif fit is not None and fit.converged and not lines:
         yield Paragraph(
             [
                 Strong("Nothing to worry about in the fit."),
