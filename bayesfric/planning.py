@@ -315,8 +315,8 @@ def _power(
     )  # an amplitude is counted in widths of its prior
     open_ = [candidate for candidate, left in zip(model.candidates, nothing, strict=True) if left]
     left_out |= {f"{candidate.effect.name}/{candidate.law}": TO_ITS_PRIOR for candidate in open_}
-    told = np.concatenate([rest, places[list(shown)]])
-    covariance = np.linalg.inv(precision[np.ix_(told, told)] + np.diag(1 / sd[told] ** 2))
+    numbers = np.concatenate([rest, places[list(shown)]])
+    covariance = np.linalg.inv(precision[np.ix_(numbers, numbers)] + np.diag(1 / sd[numbers] ** 2))
     return Power(
         _coefficients(model, rest, covariance, sd),
         _effects(model, information_left, nothing, analysis),

@@ -38,7 +38,7 @@ def _open_closed_streams() -> None:
     """Let streams that the caller closed lead nowhere: else the next file would be one of them."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115, PTH123
             setattr(sys, f"__{name}__", getattr(sys, name))
 
 
