@@ -35,7 +35,7 @@ class Scatter(Section):
     trial: Literal["normal", "student-t"] = Field(
         "normal",
         description="Distribution of a trial's scatter; student-t forgives outliers. It is that of "
-        "fits and claims on the gravity board: other rigs and diagnoses have normal scatter.",
+        "the gravity board: other rigs have normal scatter, and results say so.",
     )
     assembly: Literal["normal", "student-t"] = Field(
         "normal",

@@ -73,7 +73,7 @@ def gap_of(
     friction = residuals.friction_rms
     shrink, rest, open2 = None, None, posterior.gap**2
     if why is None:
-        open2 = _left_open(held_out, posterior, residuals, arms)
+        open2 = _left_open(held_out, posterior, residuals)
         shrink, rest = _shrink_of_model(held_out, posterior, residuals, arms, practical)
         why = NO_GAP if shrink is None else None
     first = rows[0]
@@ -101,12 +101,10 @@ def gap_of(
     return gap, rest
 
 
-def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals, arms: Arms) -> Array:
+def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals) -> Array:
     """Return draws of the squared gap that the causes leave at the amplitudes that fit best."""
-    every = np.zeros(held_out.fold.size, dtype=np.bool_)
-    _, before, after = arms.fitted(held_out.residuals, every)
-    force = held_out.residuals.left(before.local) - held_out.residuals.left(after.local)
-    return left_of(residuals, posterior, residuals.without_law(force))
+    _, before, after = held_out.inside
+    return left_of(residuals, posterior, residuals.without_law(before - after))
 
 
 def _shrink_of_model(

@@ -113,13 +113,13 @@ def posterior_of(
         own, weighed, wide = _hypothesis_of(model, search, hypothesis)
         drawn = _numbers(own, weighed, wide, count, rng)
         force, moves = _force_and_law(model, residuals, own, weighed.acting, drawn)
-        forces.append(force)
+        forces.append(residuals.without_law(force))
         refitted.take(rows, own, weighed.acting, weighed.at.psi, drawn, moves)
         effects.take_columns(rows, own, weighed, drawn, rng)
         forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
         hidden.append(effects.take_phases(rows, own, weighed, wide, forms, rng))
         hypotheses += [hypothesis] * count
-    force, hidden2 = residuals.without_law(np.concatenate(forces, axis=1)), np.concatenate(hidden)
+    force, hidden2 = np.concatenate(forces, axis=1), np.concatenate(hidden)
     rms = residuals.friction_rms
     return Posterior(
         np.array(hypotheses, dtype=object),

@@ -82,6 +82,7 @@ from bayesfric.schemas.margins import Verification as Verification
 from bayesfric.schemas.margins import VerifiedDraw as VerifiedDraw
 from bayesfric.schemas.margins import WithEffects as WithEffects
 from bayesfric.schemas.parameter import ParameterSummary as ParameterSummary
+from bayesfric.schemas.parameter import StoredDraws as StoredDraws
 from bayesfric.schemas.pooled import BoardCoefficient as BoardCoefficient
 from bayesfric.schemas.pooled import Pooled as Pooled
 from bayesfric.schemas.pooled import PooledBoard as PooledBoard

@@ -56,13 +56,15 @@ def named():
 
 
 @pytest.mark.nightly
-def test_a_setting_that_is_not_followed_is_told(nothing, empty):
-    """Student-t scatter changes no number of a diagnosis, which says so."""
-    found = diagnose(nothing, Analysis(scatter=Scatter(assembly="student-t"))).summary
+@pytest.mark.parametrize("level", ["trial", "assembly"])
+def test_student_t_scatter_of_normal_trials_is_found_to_leave_no_gap(nothing, empty, level):
+    found = diagnose(nothing, Analysis(scatter=Scatter(**{level: "student-t"}))).summary
+    assert found.verdict == empty.verdict == "no-gap"
+    assert found.gap != empty.gap
     (line,) = found.attention
-    assert 'scatter.assembly = "student-t"' in line
+    assert f"scatter.{level}" in line
+    assert "on the motor board" in line
     assert empty.attention == ()
-    assert found.gap == empty.gap
 
 
 def test_a_cause_is_named_with_its_size(named):

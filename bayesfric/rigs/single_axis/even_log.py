@@ -221,7 +221,7 @@ def sample_noise(values: Array) -> float:
     """
     left = np.abs(values - local_polynomial(values, 3, 2))[3:-3]
     # A parabola through seven samples takes up a third of the variance at its middle.
-    return NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
+    return float(NORMAL * np.median(left) / np.sqrt(1 - 1 / 3))
 
 
 def position_noise(log: EvenLog, resolution: float | None) -> float:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array, Flags
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.observation.layout import ModelColumns
 from bayesfric.observation.linear import Evaluated, NoiseParameter, noise_parameter
@@ -26,7 +27,6 @@ from bayesfric.rigs.single_axis.deviations import (
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 
-LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies: of one, or each of which has one run
 GROUPED = 1  # rows of a window in which residual forces are shown
@@ -129,7 +129,7 @@ class AxisPart(ColumnsPart):
             pulls = lent[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
-            slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
+            slopes = solved.gradient(pulls, pulled, inverse, trial, kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
             return slopes | {
                 NAMES[4]: noise[NAMES[4]] ** 2 * run,
