@@ -168,6 +168,14 @@ def test_a_diagnosis_without_a_refitted_law_is_refused(tmp_path):
         read_diagnosed(path, posterior(), seed=1)
 
 
+def test_a_diagnosis_of_another_machine_than_a_board_is_refused(tmp_path):
+    path = write_diagnosis(tmp_path, "viscous")
+    law = xr.Dataset({"pulley": ["medium"], "omega_steady-points": ("draw", [0.01])})
+    write_netcdf(xr.DataTree.from_dict({"law": law}), tmp_path / "diagnosis.nc", diagnosis().run_id)
+    with pytest.raises(InputError, match="a diagnosis of a gravity or a motor board"):
+        read_diagnosed(path, posterior(), seed=1)
+
+
 def test_before_and_after_stand_side_by_side(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=80)
     path = write_diagnosis(
