@@ -35,7 +35,7 @@ class Scatter(Section):
     trial: Literal["normal", "student-t"] = Field(
         "normal",
         description="Distribution of a trial's scatter; student-t forgives outliers. It is that of "
-        "fits and claims on the gravity board: other rigs and diagnoses have normal scatter.",
+        "the gravity board: other rigs have normal scatter, and results say so.",
     )
     assembly: Literal["normal", "student-t"] = Field(
         "normal",
@@ -251,10 +251,10 @@ def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:
     values = {} if path is None else read_toml(path)
     if seed is not None:
         values = {**values, "seed": seed}
-    return checked_analysis(values, name)
+    return checked_analysis(values, name, strict=True)
 
 
-def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
+def checked_analysis(values: Mapping[str, Any], name: str, *, strict: bool = False) -> Analysis:
     """Validate settings.
 
     Parameters
@@ -263,6 +263,8 @@ def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
         Keys of an ``analysis.toml``; what is absent has its default.
     name : str
         Of the file that they are from.
+    strict : bool
+        Whether a text or a truth value is no number, as in a file.
 
     Raises
     ------
@@ -270,7 +272,7 @@ def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
         With every fault: where, what was found, what was expected.
     """
     try:
-        return Analysis.model_validate(values)
+        return Analysis.model_validate(values, strict=strict)
     except ValidationError as error:
         tags = {family.model_fields["family"].default for family in Family.__subclasses__()}
         raise InputError(key_faults(name, error, "docs/analysis.md", Analysis, tags)) from error

@@ -5,6 +5,7 @@ once more. The module knows nothing of friction, and works on any
 :class:`concurrent.futures.Executor`: processes on one machine, or a Dask cluster.
 """
 
+import hashlib
 import json
 import os
 import signal
@@ -28,6 +29,7 @@ from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import write_whole
 
 Case = TypeVar("Case")
 Result = dict[str, Any]
@@ -124,6 +126,40 @@ def cluster(address: str) -> Iterator[Executor]:
         yield client.get_executor()  # type: ignore[no-untyped-call]
 
 
+def case_folder(folder: Path, kind: str, key: Any) -> Path:
+    """Return where a campaign's cases are kept; no campaign of another key shares it.
+
+    Parameters
+    ----------
+    folder : Path
+        Of its results.
+    kind : str
+        A folder in it.
+    key : object
+        Everything on which a case depends but its name, as JSON takes it.
+    """
+    digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
+    return folder.resolve() / kind / digest[:12]
+
+
+def run_cases(
+    function: Callable[[Case], Result],
+    cases: Mapping[str, Case],
+    folder: Path,
+    workers: int,
+    scheduler: str | None,
+    progress: Callable[[int, int], None] | None,
+) -> dict[str, Result]:
+    """Run cases on processes of this machine, or on the workers of a Dask scheduler.
+
+    Parameters and result as of :func:`run_campaign`; `scheduler` is the address of one.
+    """
+    if scheduler is None:
+        return run_on_processes(function, cases, folder, workers, progress)
+    with cluster(scheduler) as executor:
+        return run_campaign(function, cases, folder, executor, progress)
+
+
 def run_on_processes(
     function: Callable[[Case], Result],
     cases: Mapping[str, Case],
@@ -217,7 +253,9 @@ def _run(
                     _count(tries, name, fault)
                     missing.append(name)
                 else:
-                    _save(folder / f"{name}.json", result)
+                    write_whole(
+                        folder / f"{name}.json", json.dumps(result, allow_nan=False).encode()
+                    )
                     done += 1
                     if progress is not None:
                         progress(done, len(cases))
@@ -242,12 +280,6 @@ def _count(tries: Counter[str], name: str, fault: BaseException) -> None:
     tries[name] += 1
     if tries[name] >= TRIES:
         raise WorkerDiedError(name) from fault
-
-
-def _save(path: Path, result: Result) -> None:
-    partial = path.with_suffix(".json.partial")
-    partial.write_text(json.dumps(result, allow_nan=False), encoding="utf-8")
-    partial.replace(path)
 
 
 def _killed_worker() -> tuple[type[BaseException], ...]:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, RootModel, TypeAdapter
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import write_whole
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -85,12 +86,11 @@ class Checkpoint:
         kept = _read(path)
         if kept is None:
             computed = compute()
-            partial = path.with_suffix(".partial")
+            stream = io.BytesIO()
+            np.savez(stream, allow_pickle=False, **computed)
             with _writable(self._folder):
                 _remove(path)
-                with partial.open("wb") as stream:
-                    np.savez(stream, allow_pickle=False, **computed)
-                partial.replace(path)
+                write_whole(path, stream.getvalue())
             kept = _read(path)
             if kept is None:
                 raise InputError([Fault(str(path), "a file that reads back as it was written")])

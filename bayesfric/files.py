@@ -156,3 +156,10 @@ def _wrong(file: str, key: str, page: str, detail: Any) -> Fault:
     message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
     shown = None if isinstance(value, dict) or hasattr(value, "model_dump") else str(value)
     return Fault(file, message.partition(", unable")[0], column=key or None, value=shown)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file that appears whole or not at all, whenever the process is killed."""
+    partial = path.with_name(f"{path.name}.partial")
+    partial.write_bytes(content)
+    partial.replace(path)

@@ -6,7 +6,7 @@ good rig give the error with which the data know each coefficient and each effec
 :mod:`bayesfric.inference.power` turns an error into the smallest effect that is found.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,9 +18,13 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.claims.comparison import FOUND_WITH
+from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
+from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.next_experiment import condition_of
+from bayesfric.diagnosis.next_experiment import condition_of, feasible_trials
+from bayesfric.diagnosis.shapes import Quadratic
+from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
@@ -67,6 +71,9 @@ class Power:
         be at, and by which factor the sd would shrink.
     left_out : dict of str to str
         Effects and rigs that nothing is said of, with the reason.
+    beside : tuple of str
+        Effects that a first look at the measurements shows, beside which the coefficients are
+        known with these errors; none where conditions alone enter.
     """
 
     coefficients: pd.DataFrame
@@ -74,6 +81,7 @@ class Power:
     pairs: pd.DataFrame
     next_condition: pd.DataFrame
     left_out: dict[str, str]
+    beside: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         parts = [
@@ -138,8 +146,10 @@ def power_of_measured(
 ) -> Power:
     """Return what a recording can tell, with the noise and around the law that it shows.
 
-    Its coefficients have ``sd_where_law_is_off`` too: their errors where the law may be wrong by
-    the share of friction below which no gap counts.
+    Where the law lacks an effect, the noise that is fitted beside the law alone takes up what that
+    effect does. So noise and errors are those beside the effects that a first look shows, as in
+    the diagnosis. Coefficients have ``sd_where_law_is_off`` too: their errors where the law may be
+    wrong by the share of friction below which no gap counts.
 
     Parameters
     ----------
@@ -162,16 +172,67 @@ def power_of_measured(
     with threadpool_limits(limits=1):
         data, _, laws, psi = fitted_baseline(data, analysis, frozenset(), {}, law)
         held = frozenset(law.without)
-        off = LinearModel(data, laws, (), analysis, held)  # with the discrepancy of all hypotheses
-        loosely = _power(off, {}, analysis, psi, pd.DataFrame()).coefficients
         if numbers_alone:
             model = LinearModel(data, laws, (), analysis, held, discrepancy=False)
+            acting: list[Candidate] = []
             tellable = _power(model, {}, analysis, psi, pd.DataFrame())
         else:
             model, missing = _model(data, laws, analysis, held)
-            tellable = _power(model, missing, analysis, psi)
-        wider = tellable.coefficients.assign(sd_where_law_is_off=loosely["sd"])
-        return replace(tellable, coefficients=wider)
+            acting, laws, psi = _shown_at_first_look(model, psi)
+            if acting:
+                at_its_shape = {(shown.effect.name, shown.law): shown for shown in acting}
+                others = (
+                    at_its_shape.get((middle.effect.name, middle.law), middle)
+                    for middle in model.candidates
+                )
+                model = model.around(laws, list(others), discrepancy=False)
+            shown = [model.candidates.index(candidate) for candidate in acting]
+            tellable = _power(model, missing, analysis, psi, shown=shown)
+        # with the discrepancy of all hypotheses
+        off = LinearModel(data, laws, acting, analysis, held)
+        loosely = _power(
+            off, {}, analysis, psi, pd.DataFrame(), shown=range(len(acting))
+        ).coefficients
+        return replace(
+            tellable,
+            coefficients=tellable.coefficients.assign(sd_where_law_is_off=loosely["sd"]),
+            beside=tuple(candidate.effect.name for candidate in acting),
+        )
+
+
+def _shown_at_first_look(
+    middle: LinearModel, psi: Array
+) -> tuple[list[Candidate], dict[str, Coefficients], Array]:
+    """Return the candidates that the measurements show, and law and noise beside them.
+
+    One after another joins that is found at the odds of the analysis, with its best shape; each
+    time the law is fitted and the noise is climbed anew.
+    """
+    odds = middle.analysis.claims.support_log10_bayes_factor * np.log(10)
+    effects = {candidate.effect.name: candidate.effect for candidate in middle.candidates}
+    shapes = [candidate for effect in effects.values() for candidate in candidates_of(effect)]
+    model = middle.around(middle.laws, shapes, discrepancy=False)
+    acting = Acting()
+    while len(acting.laws) < RULES.most_effects:
+        form = Quadratic(model, model.reduced(psi, Acting()), range(len(shapes)))
+        before = [np.array([shape]) for shape in acting.shapes]
+        held = float(form.values(acting.laws, before)[0]) if acting.laws else 0.0
+        gains = {}
+        for law in (law for of_effect in model.lawbook.values() for law in of_effect):
+            if law.effect not in acting.names:
+                laws, with_middle = (*acting.laws, law), [*acting.shapes, 0.0]
+                along = form.along(laws, with_middle, len(laws) - 1) if law.has_shape else None
+                value = form.values(laws, [np.array([shape]) for shape in with_middle])[0]
+                gains[law] = (float(value) if along is None else along[1]) + law.log_weight
+        best = max(gains, key=lambda law: gains[law], default=None)
+        if best is None or gains[best] - held < odds:
+            break
+        laws = (*acting.laws, best)
+        acting = Acting(laws, form.choice(laws, [*acting.shapes, 0.0]).shapes)
+        at = climb(model, psi, acting)
+        psi, model = at.psi, model.around(model.fitted_laws(at), shapes, discrepancy=False)
+    pairs = zip(acting.laws, acting.shapes, strict=True)
+    return [model.candidate(*pair) for pair in pairs], model.laws, psi
 
 
 def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]:
@@ -234,6 +295,7 @@ def _power(
     analysis: Analysis,
     psi: Array | None = None,
     following: pd.DataFrame | None = None,
+    shown: Sequence[int] = (),
 ) -> Power:
     psi = np.log([noise.usual for noise in model.noise]) if psi is None else psi
     information = model.said_of(psi, range(len(model.candidates)))
@@ -253,7 +315,8 @@ def _power(
     )  # an amplitude is counted in widths of its prior
     open_ = [candidate for candidate, left in zip(model.candidates, nothing, strict=True) if left]
     left_out |= {f"{candidate.effect.name}/{candidate.law}": TO_ITS_PRIOR for candidate in open_}
-    covariance = np.linalg.inv(weight)
+    numbers = np.concatenate([rest, places[list(shown)]])
+    covariance = np.linalg.inv(precision[np.ix_(numbers, numbers)] + np.diag(1 / sd[numbers] ** 2))
     return Power(
         _coefficients(model, rest, covariance, sd),
         _effects(model, information_left, nothing, analysis),
@@ -332,8 +395,7 @@ def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.Da
 
 def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> pd.DataFrame:
     """Return for each coefficient the condition of one more assembly that lowers its error most."""
-    laid = [trials.next_trials(model.laws) for trials in model.data.rigs]
-    data = Data(tuple(trials for trials in laid if trials is not None))
+    data = feasible_trials(model)
     if not data.rigs:
         return pd.DataFrame()
     more = LinearModel(data, model.laws, (), model.analysis, discrepancy=False)

@@ -20,7 +20,7 @@ def _refuse_two_wrap_slopes(section: Section) -> None:
     fields = type(section).model_fields
     # A stored analysis has all defaults written out.
     if all(getattr(section, name) != fields[name].default for name in ("c3", "wrap_share")):
-        raise ValueError("expected c3, or wrap_share, which is c3 / c1: not both")
+        raise ValueError("c3, or wrap_share, which is c3 / c1: not both")
 
 
 class PriorOverrides(Section):
@@ -173,4 +173,12 @@ class Priors(Section):
     @model_validator(mode="after")
     def _one_wrap_slope(self) -> Self:
         _refuse_two_wrap_slopes(self)
+        return self
+
+    @model_validator(mode="after")
+    def _friction_above_zero(self) -> Self:
+        for name in ("c1", "c2"):
+            highest = getattr(getattr(self, name), "high", None)
+            if highest is not None and highest <= 0:
+                raise ValueError(f"a density of {name} that has some of it above 0, as friction is")
         return self

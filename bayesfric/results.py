@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.chains import with_chains
 from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
@@ -105,7 +106,7 @@ def draws_tree(
     *,
     dims: Mapping[str, list[str]],
     coords: Mapping[str, Any],
-    ensemble: NDArray[np.int_],
+    ensembles: int,
     attributes: Mapping[str, Any],
     units: Mapping[str, str] | None = None,
 ) -> xr.DataTree:
@@ -114,11 +115,12 @@ def draws_tree(
     Parameters
     ----------
     groups : mapping
-        Group to variable to array of shape (chain, draw, …); of data without draws, (…).
+        Group to variable to array of shape (ensemble × walker, step, …); of data without
+        draws, (…).
     dims, coords : mapping
         Names of the further dimensions of each variable, and their values.
-    ensemble : ndarray of int, shape (chain,)
-        The ensemble of each chain; chain = ensemble × walker.
+    ensembles : int
+        Each becomes a chain (:mod:`bayesfric.chains`).
     attributes : mapping
         Provenance, written on the root.
     units : mapping of str to str, or None
@@ -135,12 +137,12 @@ def draws_tree(
         {name: _by_variable(group) for name, group in groups.items()},
         dims=_by_variable(dims),
         coords=dict(coords),
-        check_conventions=False,  # many walkers: more chains than draws is meant
+        check_conventions=False,  # by walker, where more chains than draws are meant
     )
     for name in groups:
         group = tree[name].to_dataset()
-        if group.sizes.get("chain") == len(ensemble):  # the prior has no ensembles
-            group = group.assign_coords(ensemble=("chain", ensemble))
+        if group.sizes.get("chain", 1) > 1:  # the prior has no ensembles
+            group = with_chains(group, ensembles)
         group.attrs = {}
         by_variable = _by_variable(units or {})
         for variable in group.data_vars.keys() & by_variable.keys():

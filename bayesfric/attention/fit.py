@@ -25,6 +25,7 @@ SURELY_OFF = 4.0  # sd of a posterior, from which on a number is surely not the 
 PULLED = 0.25  # of a parameter's sd, by which a prior of its size may move it in silence
 MISSED = 2.0  # sd of a prior: if also surely off, a declared number is missed
 NO_DELAY = ("latency",)  # parameters that are none if the recorder does what it says
+LATE = 1.0  # sd of its prior, below which a delay is what clocks and sampling make
 NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 FEW_BOARDS = 5
 
@@ -196,7 +197,9 @@ def contradicted(
                 f"{prior.sd:.2g} by its prior: {far:.1f} standard deviations away. One of them is "
                 "wrong (is a unit, in the recording or of the prior?)"
             )
-        elif surely and ((prior.mean and far > MISSED) or parameter.name in NO_DELAY):
+        elif surely and (
+            (prior.mean and far > MISSED) or (parameter.name in NO_DELAY and far > LATE)
+        ):
             unit = "" if parameter.unit == "1" else f" {parameter.unit}"
             yield (
                 f"Parameter {parameter.name} is {entry.mean:.3g} ± {entry.sd:.2g}{unit}, "

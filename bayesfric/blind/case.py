@@ -15,6 +15,7 @@ from bayesfric.blind.scoring import score
 from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.files import write_whole
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes
 from bayesfric.schemas import DiagnosisFile
@@ -111,7 +112,5 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
 def diagnose_sealed(recording: Recording, analysis: Analysis, place: Path) -> DiagnosisFile:
     """Diagnose a recording whose answer is sealed, and write the verdict beside it."""
     diagnosis = diagnose(recording, analysis).summary
-    unfinished = place / f"{VERDICT}.partial"
-    unfinished.write_bytes(json_bytes(diagnosis))
-    unfinished.replace(place / VERDICT)
+    write_whole(place / VERDICT, json_bytes(diagnosis))
     return diagnosis

@@ -1,6 +1,5 @@
 """A campaign of blind cases, or one recording with its answer, to a scorecard."""
 
-import hashlib
 import json
 import subprocess
 from collections.abc import Callable
@@ -11,11 +10,11 @@ from typing import Any, Literal
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.blind.answers import read_answer
 from bayesfric.blind.case import catalogue_of, diagnose_sealed, run_case
-from bayesfric.blind.design import SCORING_FROM, BlindCase, cases_from_prior, cases_of
+from bayesfric.blind.design import SCORING_FROM, cases_from_prior, cases_of
 from bayesfric.blind.envelope import open_envelope, seal
 from bayesfric.blind.scorecard import scorecard_of
 from bayesfric.blind.scoring import score
-from bayesfric.campaign import cluster, run_campaign, run_on_processes
+from bayesfric.campaign import case_folder, run_cases
 from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Recording
@@ -96,7 +95,7 @@ def run_blind(
         "analysis_sha256": analysis_sha256(analysis),
         "versions": package_versions(),
     }
-    kept = _kept(folder, key)
+    kept = case_folder(folder, CASES, key)
     if so_far:
         cases = {name: case for name, case in cases.items() if _done(kept, name).is_file()}
         if not cases:
@@ -113,8 +112,9 @@ def run_blind(
         so_far=so_far,
     )
     work = partial(run_case, folder=kept, analysis=analysis)
+    scored = run_cases(work, cases, kept / "scored", workers, scheduler, progress)
     scorecard = scorecard_of(
-        _run_all(work, cases, kept / "scored", workers, scheduler, progress),
+        [ScoredCase.model_validate_json(json.dumps(case)) for case in scored.values()],
         analysis=analysis,
         engine=engine,
         design=design,
@@ -124,23 +124,6 @@ def run_blind(
     )
     _write(folder, scorecard)
     return scorecard
-
-
-def _run_all(
-    work: Callable[[BlindCase], dict[str, Any]],
-    cases: dict[str, BlindCase],
-    results: Path,
-    workers: int,
-    scheduler: str | None,
-    progress: Callable[[int, int], None] | None,
-) -> list[ScoredCase]:
-    """Run the cases that are not done, on processes or by a scheduler, and return all."""
-    if scheduler is None:
-        scored = run_on_processes(work, cases, results, workers, progress)
-    else:
-        with cluster(scheduler) as executor:
-            scored = run_campaign(work, cases, results, executor, progress)
-    return [ScoredCase.model_validate_json(json.dumps(case)) for case in scored.values()]
 
 
 def score_recording(
@@ -205,12 +188,6 @@ def score_recording(
     )
     _write(folder, scorecard)
     return scorecard
-
-
-def _kept(folder: Path, key: dict[str, Any]) -> Path:
-    """Return the folder of a campaign's cases; no other campaign shares it."""
-    digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
-    return folder.resolve() / CASES / digest[:12]
 
 
 def _done(kept: Path, name: str) -> Path:

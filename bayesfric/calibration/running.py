@@ -1,7 +1,5 @@
 """A campaign of cases to ``calibration.json``."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,7 @@ from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.calibration.case import RANKED_DRAWS, TENSION_N, Given, run_case
 from bayesfric.calibration.generating import SCATTER_AND_NOISE, generating_analysis
 from bayesfric.calibration.ranks import band_of
-from bayesfric.campaign import cluster, run_campaign, run_on_processes
+from bayesfric.campaign import case_folder, run_cases
 from bayesfric.inference.priors import describe
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import created_date, json_bytes, package_versions, replace_outputs
@@ -74,13 +72,14 @@ def calibrate(
         f"{number_of_case:05d}": Given(generating, protocol, number_of_case)
         for number_of_case in range(number)
     }
-    key = json.dumps([analysis_sha256(analysis), package_versions()], sort_keys=True)
-    kept = folder.resolve() / CASES / hashlib.sha256(key.encode()).hexdigest()[:12]
-    if scheduler is not None:
-        with cluster(scheduler) as executor:
-            cases = run_campaign(run_case, given, kept, executor, progress)
-    else:
-        cases = run_on_processes(run_case, given, kept, workers, progress)
+    cases = run_cases(
+        run_case,
+        given,
+        case_folder(folder, CASES, [analysis_sha256(analysis), package_versions()]),
+        workers,
+        scheduler,
+        progress,
+    )
     result = calibration_of(list(cases.values()), analysis, planned=number)
     replace_outputs(folder, {"calibration.json": lambda path: path.write_bytes(json_bytes(result))})
     return result

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.arrays import Array
+from bayesfric.chains import by_walker
 from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_beside, read_json
@@ -45,7 +46,7 @@ def current_posterior(
     )
     if not current:
         return {}
-    posterior = read_beside(summary, folder / "draws.nc")["posterior"].to_dataset()
+    posterior = by_walker(read_beside(summary, folder / "draws.nc")["posterior"].to_dataset())
     draws: dict[str, Array] = {}
     for name, variable in posterior.data_vars.items():
         if "pulley" in variable.dims:

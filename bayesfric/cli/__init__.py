@@ -6,6 +6,7 @@ Until a verb begins there is nothing to clean up: an interrupt ends the process 
 import atexit
 import os
 import signal
+import sys
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ INTERRUPTED = 3
 
 def main() -> None:
     """Run the command line; see :mod:`bayesfric.cli.exits` for the exit status."""
+    _open_closed_streams()
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:  # as for a job in the background
             signal.signal(number, _end)
@@ -30,6 +32,15 @@ def main() -> None:
 
     with unprinted():
         app()
+
+
+def _open_closed_streams() -> None:
+    """Let streams that the caller closed lead nowhere: else the next file would be one of them."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            stream = os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8")
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)
 
 
 def _end(number: int, frame: FrameType | None) -> None:

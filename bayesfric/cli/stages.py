@@ -13,6 +13,7 @@ from types import MappingProxyType
 from pydantic import BaseModel, ValidationError
 
 from bayesfric.cli.printing import say
+from bayesfric.files import write_whole
 from bayesfric.results import json_bytes
 
 LIST = ".stages.json"
@@ -129,9 +130,7 @@ class Stages:
         self._keep()
 
     def _keep(self) -> None:
-        partial = self._folder / f"{LIST}.partial"
-        partial.write_bytes(json_bytes(self._listed))
-        partial.replace(self._folder / LIST)
+        write_whole(self._folder / LIST, json_bytes(self._listed))
 
     def _written(self) -> dict[Path, tuple[int, int]]:
         """Return when the folder's files were written, and their sizes."""

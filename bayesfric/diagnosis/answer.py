@@ -255,7 +255,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
             question.examined,
         ),
         *far_rows(answer.compared.baseline),
-        *not_followed(question.analysis),
+        *not_followed(question.analysis, answer.compared.model),
     )
 
 

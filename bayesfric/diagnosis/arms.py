@@ -1,6 +1,6 @@
 """The law before and after the causes, refitted without the windows that are held out."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,8 +30,9 @@ class Fitted:
         Columns whose outer product is the covariance of the local numbers.
     refit : Refit or None
         How the law follows the windows; None where it does not.
-    further : ndarray, shape (R, k)
-        Forces of unit variance that the numbers beside the law are uncertain by [N].
+    further : ndarray
+        Forces of unit variance that the numbers beside the law are uncertain by, and with them
+        the law, in each window that was left out, (left out, k) [N].
     """
 
     local: Array
@@ -49,8 +50,8 @@ class Arms:
     ----------
     plain : LinearModel
         Without discrepancy; its candidates are the causes.
-    with_discrepancy : LinearModel
-        The same with discrepancy, from which the causes are known; trials can be left out.
+    model : LinearModel
+        With discrepancy, around the same reference law.
     psi : ndarray
         Logarithms of the noise.
     causes : Acting
@@ -60,7 +61,7 @@ class Arms:
     """
 
     plain: LinearModel
-    with_discrepancy: LinearModel
+    model: LinearModel
     psi: Array
     causes: Acting
     shipped: Mapping[str, Coefficients] | None
@@ -71,18 +72,36 @@ class Arms:
         own = slice(COEFFICIENTS, COEFFICIENTS + self.plain.layout.candidates)
         return np.asarray(windows.columns[:, own] @ self.plain.mixing(acting))
 
-    def fitted(self, residuals: Residuals, out: Flags) -> tuple[Fitted, ...]:
+    def with_discrepancy(self, residuals: Residuals, sets: Sequence[Flags]) -> LinearModel:
+        """Return the model with discrepancy from which the causes are known.
+
+        Parameters
+        ----------
+        residuals : Residuals
+            Windows of `plain`.
+        sets : sequence of ndarray of bool, shape (R,)
+            Windows that are to be left out together; whole assemblies can be besides.
+        """
+        first = np.unique(residuals.trial, return_index=True)[1]
+        gone = [np.bincount(residuals.trial, windows) > 0 for windows in sets]
+        together = np.unique([residuals.setup[first], *gone], axis=1, return_inverse=True)[1]
+        ends = np.cumsum([len(rig.rows.table) for rig in self.plain.rigs])[:-1]
+        names = [rig.rows.name for rig in self.plain.rigs]
+        of_rigs = dict(zip(names, np.split(together.ravel(), ends), strict=True))
+        return self.model.around(self.model.laws, self.plain.candidates, together=of_rigs)
+
+    def fitted(self, beside: LinearModel, residuals: Residuals, out: Flags) -> tuple[Fitted, ...]:
         """Return the arms as shipped, before and after, without the windows that are left out.
 
         The law is recalibrated before and after alike; after, with the causes as they are
-        known without the trials of the windows that are left out.
+        known (:meth:`with_discrepancy`) without the trials of the windows that are left out.
         """
-        used = used_of(self.with_discrepancy, residuals, out) if out.any() else None
-        before = self._refitted(Acting(), residuals, out, used)
+        used = used_of(beside, residuals, out) if out.any() else None
+        before = self._refitted(beside, Acting(), residuals, out, used)
         after = before
         if self.causes.laws:
             acting = Acting(self.causes.laws, self.causes.shapes)
-            after = self._refitted(acting, residuals, out, used)
+            after = self._refitted(beside, acting, residuals, out, used)
             before = self._with_clocks_of(before, after, residuals)
         shipped = before
         if self.shipped is not None:
@@ -127,18 +146,19 @@ class Arms:
 
     def _refitted(
         self,
+        beside: LinearModel,
         acting: Acting,
         residuals: Residuals,
         out: Flags,
         used: Mapping[str, Flags] | None,
     ) -> Fitted:
-        at = self.with_discrepancy.evaluate(self.psi, acting, used=used)
-        mixing = self.with_discrepancy.mixing(acting)
-        layout, plain = self.with_discrepancy.layout, self.plain.layout
+        at = beside.evaluate(self.psi, acting, used=used)
+        mixing = beside.mixing(acting)
+        layout, plain = beside.layout, self.plain.layout
 
         def held(numbers: Array) -> Array:
             """Return local numbers of the plain model, those of the law left at zero."""
-            spread_out = spread_numbers(self.with_discrepancy, numbers, mixing)
+            spread_out = spread_numbers(beside, numbers, mixing)
             local = np.zeros((*spread_out.shape[:-1], plain.local))
             effects = spread_out[..., layout.own : layout.own + layout.candidates]
             local[..., COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
@@ -154,10 +174,14 @@ class Arms:
         numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
         uncertain = held(numbers).transpose(1, 2, 0)
         uncertain = uncertain[..., np.any(uncertain, axis=(0, 1))]
-        further = np.einsum("rq,rqk->rk", residuals.columns, uncertain[residuals.size])
+        further = np.empty((residuals.size.size, uncertain.shape[-1]))
+        for size, of_size in enumerate(uncertain):
+            mine = residuals.size == size
+            further[mine] = residuals.columns[mine] @ of_size
         moved = refit.spread(residuals, further).reshape(*uncertain.shape[:1], COEFFICIENTS, -1)
         own = moved.shape[2] - uncertain.shape[2]
         spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)
         spread[:, :COEFFICIENTS] += moved
         local = recalibrated(refit, residuals, held(at.mean))
-        return Fitted(local, refit.chance2(residuals, further), spread, refit, further)
+        chance2 = refit.chance2(residuals, further)
+        return Fitted(local, chance2, spread, refit, refit.kept(further)[out])

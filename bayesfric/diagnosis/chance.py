@@ -20,15 +20,15 @@ def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array
     """
     tau, omega = np.sqrt(residuals.scatter[:, :1]), np.sqrt(residuals.scatter[:, 1:])
     setups, trials = residuals.setup.max() + 1, residuals.trial.max() + 1
-    drawn = omega * rng.standard_normal((setups, count))[residuals.setup]
-    drawn += tau * rng.standard_normal((trials, count))[residuals.trial]
-    drawn *= residuals.friction_n[:, None]
-    start = 0
+    of_setups, of_trials = (rng.standard_normal((number, count)) for number in (setups, trials))
+    drawn, start = np.empty((residuals.setup.size, count)), 0
     for part, wander in zip(residuals.covariance, residuals.wander, strict=True):
         rows = slice(start, start + len(part))
         friction = residuals.friction_n[rows]
         values, vectors = np.linalg.eigh(part + wander * np.outer(friction, friction))
         root = vectors * np.sqrt(np.maximum(values, 0.0))
-        drawn[rows] += root @ rng.standard_normal((len(part), count))
+        relative = omega[rows] * of_setups[residuals.setup[rows]]
+        relative += tau[rows] * of_trials[residuals.trial[rows]]
+        drawn[rows] = relative * friction[:, None] + root @ rng.standard_normal((len(part), count))
         start = rows.stop
-    return np.asarray(drawn)
+    return drawn

@@ -73,7 +73,8 @@ def noise_checked(
         curvature = curvature_at(model, hypothesis.at, hypothesis.acting, forms)
 
     def value(psi: Array) -> float:
-        return model.evaluate(psi, hypothesis.acting, None, forms).value
+        own = model.reweighted(psi, hypothesis.acting, None, forms)
+        return own.evaluate(psi, hypothesis.acting, None, forms).value
 
     mode = hypothesis.at.psi
     # What the data hardly tell is far from normal in any hypothesis, alike, and is held.

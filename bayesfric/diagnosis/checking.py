@@ -1,7 +1,10 @@
 """A diagnosis looked at before it is written: what breaks an invariant is no finding."""
 
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.invariants import broken, check_record
+from bayesfric.observation.linear import heavy_scatter
+from bayesfric.observation.scatter import kept_normal
 from bayesfric.schemas import DiagnosisFile
 
 
@@ -33,15 +36,13 @@ def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     )
 
 
-def not_followed(analysis: Analysis) -> tuple[str, ...]:
-    """Return, in sentences, the settings that a diagnosis does not follow."""
-    scatter = analysis.scatter
-    return tuple(
-        f"The scatter of {of} is taken as normal in a diagnosis: scatter.{key} = "
-        f'"{value}" holds for fits and claims.'
-        for key, value, of in (
-            ("trial", scatter.trial, "trials"),
-            ("assembly", scatter.assembly, "assemblies"),
-        )
-        if value != "normal"
-    )
+def not_followed(analysis: Analysis, model: LinearModel) -> tuple[str, ...]:
+    """Return, in sentences, the settings of scatter that a diagnosis does not follow."""
+    lines: list[str] = []
+    for trials, rig in zip(model.data.rigs, model.rigs, strict=True):
+        heavy = heavy_scatter(rig)
+        levels = () if heavy is None else (heavy.level,)
+        lines += kept_normal(analysis.scatter, trials.rig.words.rig, levels)
+    if analysis.scatter.by_size and len(model.data.sizes) > 1:
+        lines.append("All sizes share one scatter in a diagnosis: scatter.by_size is of fits.")
+    return tuple(lines)

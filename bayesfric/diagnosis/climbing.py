@@ -39,7 +39,15 @@ def climb(
         A first guess of the inverse of the negative Hessian, of the noise at least.
     """
     low, high = _bounds(model, psi.size)
-    at = model.evaluate(np.clip(psi, low, high), acting, wide, form, gradient=True)
+
+    def evaluated(psi: Array) -> At:
+        """Return the hypothesis at a noise, the weights of Student-t deviations at their mode."""
+        nonlocal model
+        psi = np.clip(psi, low, high)
+        model = model.reweighted(psi, acting, wide, form)
+        return model.evaluate(psi, acting, wide, form, gradient=True)
+
+    at = evaluated(psi)
     guess = np.diag(np.full(psi.size, 0.1))
     if inverse is not None:
         first_numbers = len(inverse)
@@ -56,9 +64,7 @@ def climb(
             return replace(at, at_mode=True)
         step *= min(1.0, LONGEST / np.abs(step).max())
         for _ in range(8):
-            there = model.evaluate(
-                np.clip(at.psi + step, low, high), acting, wide, form, gradient=True
-            )
+            there = evaluated(at.psi + step)
             if there.value > at.value + 1e-4 * (slope @ step):
                 break
             step *= 0.3
@@ -84,7 +90,8 @@ def curvature_at(
     """Return the negative Hessian of the log density by the noise, no direction flat."""
 
     def gradient(psi: Array) -> Array:
-        slopes = model.evaluate(psi, acting, None, form, gradient=True).gradient
+        own = model.reweighted(psi, acting, None, form)
+        slopes = own.evaluate(psi, acting, None, form, gradient=True).gradient
         assert slopes is not None
         return slopes
 

@@ -84,7 +84,9 @@ def compare_hypotheses(question: Question, keeping: Checkpoint) -> Compared:
 
     def looked_at(model: LinearModel) -> tuple[LinearModel, Search]:
         around = squeezed(model, psi)
-        return around, _first_look(around, climbing(around, psi, Acting()), steps)
+        at = climbing(around, psi, Acting())
+        around = around.reweighted(at.psi, Acting())
+        return around, _first_look(around, at, steps)
 
     def with_weights(weights: Mapping[str, Array]) -> tuple[LinearModel, Search]:
         return looked_at(baseline.full.around(laws, candidates, row_weights=weights))
@@ -109,11 +111,12 @@ def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearM
     model = first
     if searched.probabilities().get(NONE, 0.0) > RULES.sure:
         # All are compared alike already, and nothing is large enough to have another form.
-        return model, searched
+        return _with_best_weights(model, searched), searched
     for _ in range(ROUNDS):
         leader = searched.best()
         acting = model.amplitudes(leader.at, leader.acting)
         forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, searched))
+        model = _with_best_weights(model, searched)
         around = around_nearby(
             model,
             model.fitted_laws(leader.at),
@@ -126,7 +129,13 @@ def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearM
         model, searched = around, compare(around, searched, steps)
         if searched.best().names == leader.names:
             break
-    return model, searched
+    return _with_best_weights(model, searched), searched
+
+
+def _with_best_weights(model: LinearModel, searched: Search) -> LinearModel:
+    """Return the model with the weights that Student-t deviations have beside the best."""
+    best = searched.best()
+    return model.reweighted(best.at.psi, best.acting, None, best.forms)
 
 
 def _acting_once(model: LinearModel, searched: Search) -> list[tuple[Candidate, float]]:

@@ -109,7 +109,8 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     rng : Generator
         Assigns assemblies to folds.
     """
-    fold = folds_of(residuals.setup, rng)
+    fold, beyond = folds_of(residuals.setup, rng), extrapolated(residuals)
+    beside = arms.with_discrepancy(residuals, list(beyond.values()))
     is_shipped = arms.shipped is not None
 
     def squares(arm: Sequence[Fitted]) -> tuple[Array, Squares]:
@@ -118,7 +119,10 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
             residuals, left, [fitted.chance2 for fitted in arm], shipped=is_shipped
         )
 
-    by_fold = [arms.fitted(residuals, fold == number) for number in range(int(fold.max()) + 1)]
+    def fitted(out: Flags) -> tuple[Fitted, ...]:
+        return arms.fitted(beside, residuals, out)
+
+    by_fold = [fitted(fold == number) for number in range(int(fold.max()) + 1)]
     place = np.arange(fold.size)
     left, chance2 = np.empty((2, 3, fold.size))
     for arm in range(3):
@@ -129,10 +133,10 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
             fold, place
         ]
     folds = [("folds over assemblies", _squares(residuals, left, chance2, shipped=is_shipped))]
-    for name, rows in extrapolated(residuals).items():
+    for name, rows in beyond.items():
         weight = float(residuals.weight[rows].sum())
-        folds.append((name, squares(arms.fitted(residuals, rows))[1].of(rows, weight)))
-    every, inside = squares(arms.fitted(residuals, np.zeros(fold.size, dtype=np.bool_)))
+        folds.append((name, squares(fitted(rows))[1].of(rows, weight)))
+    every, inside = squares(fitted(np.zeros(fold.size, dtype=np.bool_)))
     trajectory, examples = _free_running(arms, residuals, fold, by_fold)
     return HeldOut(
         residuals,
@@ -200,10 +204,10 @@ def _by_chance(
     for number, arm in enumerate(after):
         rows = fold == number
         assert arm.refit is not None
-        off = arm.further @ rng.standard_normal((arm.further.shape[1], DRAWS))
-        left2 = arm.refit.kept(drawn + off)[rows] ** 2
+        left = drawn[rows] - arm.refit.design[rows] @ (arm.refit.smoothing @ drawn)
+        left += arm.further @ rng.standard_normal((arm.further.shape[1], DRAWS))
         expected = (scatter2 - arm.chance2)[rows, None]
-        squares += residuals.weight[rows] @ (left2 + expected)
+        squares += residuals.weight[rows] @ (left**2 + expected)
     return squares
 
 

@@ -118,7 +118,8 @@ def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]
         model.candidate(law, shape) for law, shape in zip(acting.laws, acting.shapes, strict=True)
     ]
     phases = [model.candidate(law, 0.0) for law in acting.phases]
-    alone = model.full.around(model.laws, [*columns, *phases], by_trial=True)
+    setups = {rig.rows.name: rig.setup for rig in model.rigs}
+    alone = model.full.around(model.laws, [*columns, *phases], together=setups)
     laws = tuple(
         Law(law.effect, law.law, (place,), (shape,), 0.0)
         for place, (law, shape) in enumerate(zip(acting.laws, acting.shapes, strict=True))

@@ -162,7 +162,7 @@ def _reshaped(model: LinearModel, judged: Judged) -> Judged | None:
         for candidate, places in zip(candidates, nodes, strict=True)
         for node in places
     ]
-    around = model.around(model.laws, tried, discrepancy=False, by_trial=False)
+    around = model.around(model.laws, tried, discrepancy=False)
     columns = residuals_of(around, judged.arms.psi).columns[:, COEFFICIENTS:]
     own = judged.residuals.without_law(columns[:, : len(tried)])
     first = np.cumsum([0, *(places.size for places in nodes)])
@@ -350,12 +350,9 @@ def _around_causes(
 ) -> Arms:
     """Return the law without and with causes, at the noise of other arms."""
     own = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
-    plain = model.around(model.laws, own, discrepancy=False, by_trial=False)
-    around = model.around(model.laws, own, by_trial=True)
+    plain = model.around(model.laws, own, discrepancy=False)
     acting = tuple(
         Law(law.effect, law.law, (place,), (shape,), 0.0)
         for place, (law, shape) in enumerate(zip(laws, shapes, strict=True))
     )
-    return replace(
-        like, plain=plain, with_discrepancy=around, causes=Acting(acting, tuple(shapes), phases)
-    )
+    return replace(like, plain=plain, causes=Acting(acting, tuple(shapes), phases))

@@ -62,9 +62,10 @@ def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> Ru
     runs, run_of_trial = np.unique(table["run"].to_numpy(dtype=np.str_), return_inverse=True)
     if runs.size < RULES.runs_of_scatter:
         return None
-    run = run_of_trial[residuals.trial]
-    friction, weight = residuals.friction_n, residuals.weight
-    along = np.bincount(run, weight * friction * left, runs.size)
+    own = residuals.trial < run_of_trial.size  # points of friction may stand behind the joint
+    run = run_of_trial[residuals.trial[own]]
+    friction, weight = residuals.friction_n[own], residuals.weight[own]
+    along = np.bincount(run, weight * friction * left[own], runs.size)
     size = np.bincount(run, weight * friction**2, runs.size)
     there = size > 0
     deviation = along[there] / size[there]

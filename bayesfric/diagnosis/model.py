@@ -5,6 +5,7 @@ are closed forms too (Fisher's identity), and each hypothesis climbs to its own 
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
@@ -23,8 +24,9 @@ from bayesfric.effects.candidates import Candidate, is_positive, on_friction, pr
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.smooths import Smooth
 from bayesfric.inference.truncated import drawn_above
+from bayesfric.observation.heavy_scatter import HeavyScatter
 from bayesfric.observation.layout import COEFFICIENTS, Layout, ModelColumns
-from bayesfric.observation.linear import Evaluated, LinearRig
+from bayesfric.observation.linear import Evaluated, LinearRig, heavy_scatter, with_heavy_scatter
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 
@@ -35,6 +37,8 @@ LEAST = {"c1": 1e-3, "c2": 2.5e-4, "c3": -np.inf}
 LEAST_OWN = {"c1": 0.01, "c2": 0.01, "c3": -np.inf}
 # A rotor beside gravity may have less: what is told of a number has a bound of its own.
 LEAST_DRAWN = {"c1": 1e-4, "c2": 1e-4, "c3": -np.inf}
+REWEIGHTINGS = 60  # of Student-t deviations at one noise
+SETTLED = 1e-5  # of the logarithm of a weight, of which slopes are differenced
 
 
 class LinearModel:
@@ -61,8 +65,12 @@ class LinearModel:
         Small amounts of effects; None is of all candidates.
     forms : sequence of Form
         What laws may be wrong by.
-    by_trial : bool
-        Whether trials can be left out.
+    together : mapping of str to ndarray of int
+        By rig: the set of trials with which each can be left out.
+    row_weights : mapping of str to ndarray, or None
+        As of :class:`~bayesfric.observation.layout.ModelColumns`.
+    heavy : sequence of HeavyScatter or None, or None
+        Weights of each rig's Student-t deviations; None is equal ones.
 
     Attributes
     ----------
@@ -86,8 +94,9 @@ class LinearModel:
         scattering: Sequence[tuple[Candidate, float]] = (),
         small: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
-        by_trial: bool = False,
+        together: Mapping[str, Whole] | None = None,
         row_weights: Mapping[str, Array] | None = None,
+        heavy: Sequence[HeavyScatter | None] | None = None,
     ) -> None:
         self.row_weights = dict(row_weights or {})
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
@@ -101,10 +110,12 @@ class LinearModel:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
         nuisances = [rig_rows.nuisance_scales(analysis.priors) for rig_rows in rows]
         self.layout, self.scales = self._laid_out(nuisances)
-        columns = self._columns(by_trial=by_trial)
+        columns = self._columns(together or {})
         self.rigs: tuple[LinearRig, ...] = tuple(
             rig_rows.laid_out(columns, place) for place, rig_rows in enumerate(rows)
         )
+        if heavy is not None:
+            self.rigs = tuple(map(with_heavy_scatter, self.rigs, heavy))
         self.noise = Noise(parameter for rig in self.rigs for parameter in rig.noise)
         self.lawbook = lawbook(self.candidates)
         self.said = Said()
@@ -138,7 +149,7 @@ class LinearModel:
         )
         return layout, scales
 
-    def _columns(self, *, by_trial: bool) -> ModelColumns:
+    def _columns(self, together: Mapping[str, Whole]) -> ModelColumns:
         """Return what each rig lays its rows out for."""
         shared: list[Smooth | Candidate] = [*self.discrepancy.shared]
         shared += [candidate for candidate, _ in self._small]
@@ -150,8 +161,9 @@ class LinearModel:
             self.scales,
             self.friction_scale,
             self.scattering,
-            by_trial,
+            together,
             self.analysis.priors,
+            self.analysis.scatter,
             self.row_weights,
         )
 
@@ -169,7 +181,7 @@ class LinearModel:
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] | None = None,
         forms: Sequence[Form] = (),
-        by_trial: bool = False,
+        together: Mapping[str, Whole] | None = None,
         row_weights: Mapping[str, Array] | None = None,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
@@ -183,8 +195,9 @@ class LinearModel:
             scattering=self.scattering if scattering is None else scattering,
             small=self.discrepancy.amounts,
             forms=forms,
-            by_trial=by_trial,
+            together=together,
             row_weights=self.row_weights if row_weights is None else row_weights,
+            heavy=self.heavy,
         )
 
     @property
@@ -288,16 +301,79 @@ class LinearModel:
         at = self.integrated(psi, acting, information, wide, form)
         if not gradient:
             return at
-        columns = self.layout.own + len(acting.laws) + self.layout.always
-        places = [self.layout.spread(columns, s) for s in range(len(self.layout.sizes))]
-        means = [at.mean[place] for place in places]
-        covariances = [at.covariance[np.ix_(place, place)] for place in places]
         slopes: dict[str, float] = {}
+        local = self._local(at, acting)
         for part in parts:
-            slopes |= part.gradient(means, covariances)
+            slopes |= part.gradient(*local)
         names = [*(parameter.name for parameter in self.noise), *map(phase_name, acting.phases)]
         slope = self.log_prior(psi, acting)[1] + np.array([slopes[name] for name in names])
         return replace(at, gradient=slope)
+
+    def _local(self, at: At, acting: Acting) -> tuple[list[Array], list[Array]]:
+        """Return mean and covariance of the local numbers of each size."""
+        columns = self.layout.own + len(acting.laws) + self.layout.always
+        places = [self.layout.spread(columns, s) for s in range(len(self.layout.sizes))]
+        means = [at.mean[place] for place in places]
+        return means, [at.covariance[np.ix_(place, place)] for place in places]
+
+    @property
+    def heavy(self) -> tuple[HeavyScatter | None, ...]:
+        """Weights of each rig's Student-t deviations; None where all are normal."""
+        return tuple(map(heavy_scatter, self.rigs))
+
+    @property
+    def weight_volume(self) -> float:
+        """What integrals over these weights add to a log evidence at their mode."""
+        return sum(float(heavy.volume.sum()) for heavy in self.heavy if heavy is not None)
+
+    def reweighted(
+        self,
+        psi: Array,
+        acting: Acting,
+        wide: Wide | None = None,
+        form: Mapping[str, FormShare] | None = None,
+    ) -> "LinearModel":
+        """Return the model with the weights that Student-t deviations have in a hypothesis.
+
+        Parameters
+        ----------
+        psi, acting, wide, form
+            As of :meth:`evaluate`.
+
+        Returns
+        -------
+        LinearModel
+            This one where all scatter is normal.
+        """
+        model = self
+        if not any(self.heavy):
+            return model
+        mixing = self.mixing(acting)
+        for _ in range(REWEIGHTINGS):
+            parts, information = model._evaluated(psi, mixing, acting.phases, None)
+            local = model._local(model.integrated(psi, acting, information, wide, form), acting)
+            before = model.heavy
+            after = [
+                None if heavy is None or part.deviations is None
+                else heavy.updated(part.deviations(*local))
+                for heavy, part in zip(before, parts, strict=True)
+            ]  # fmt: skip
+            model = model._with_heavy(after)
+            moved = [
+                np.abs(np.log(new.weight / old.weight)).max()
+                for new, old in zip(after, before, strict=True)
+                if new is not None and old is not None
+            ]
+            if max(moved) < SETTLED:
+                break
+        return model
+
+    def _with_heavy(self, heavy: Sequence[HeavyScatter | None]) -> "LinearModel":
+        model = copy(self)
+        model.rigs, model.said = tuple(map(with_heavy_scatter, self.rigs, heavy)), Said()
+        if self.squeezed_from is not None:
+            model.squeezed_from = self.squeezed_from._with_heavy(heavy)
+        return model
 
     def integrated(
         self,
@@ -330,11 +406,13 @@ class LinearModel:
             (law.places[0], float(amplitude), phase_name(law))
             for law, amplitude in zip(phases, amplitudes, strict=True)
         ]
-        parts = [
-            rig.evaluate(noise, mixing, evaluated, None if used is None else used[rig.rows.name])
-            for rig in self.rigs
-        ]
-        return parts, sum((part.information for part in parts[1:]), parts[0].information)
+        parts, constant = [], 0.0
+        for rig, heavy in zip(self.rigs, self.heavy, strict=True):
+            enter = None if used is None else used[rig.rows.name]
+            parts.append(rig.evaluate(noise, mixing, evaluated, enter))
+            constant += 0.0 if heavy is None else heavy.log_density(rig.setup, enter)
+        information = sum((part.information for part in parts[1:]), parts[0].information)
+        return parts, replace(information, constant=information.constant + constant)
 
     def said_of(self, psi: Array, places: Sequence[int], phases: Sequence[Law] = ()) -> Information:
         """Return what the data say of the numbers with some candidates as effects."""

@@ -58,13 +58,12 @@ def next_experiment(
     ][:RIVALS]
     if len(open_) < 2:
         return (), "no two hypotheses are left to separate"
-    laid = [rig.next_trials(model.laws) for rig in model.data.rigs]
-    rigs = tuple(trials for trials in laid if trials is not None)
-    if not rigs:
+    data = feasible_trials(model)
+    if not data.rigs:
         return (), "no further trial of such a recording can be predicted"
     proposals = []
     for first, other in combinations(open_, 2):
-        best = _most_telling(model, Data(rigs), first, other)
+        best = _most_telling(model, data, first, other)
         if best is not None and best.log10_bayes_factor > np.log10(RULES.next_trial_factor):
             proposals.append(best)
     if not proposals:
@@ -122,6 +121,12 @@ def _most_telling(
                 log10_bayes_factor=float(expected[top]),
             )
     return best
+
+
+def feasible_trials(model: LinearModel) -> Data:
+    """Return the trials that the rigs of a model could make next, without noise."""
+    laid = (trials.next_trials(model.laws) for trials in model.data.rigs)
+    return Data(tuple(trials for trials in laid if trials is not None))
 
 
 def condition_of(trials: RigTrials, rig: LinearRig, trial: int) -> dict[str, float | str]:

@@ -52,9 +52,14 @@ def remainder_of(
             axis=None,
             axis_why=why,
         )
-    before = (
-        model.evaluate(weighed.at.psi, weighed.acting, None, weighed.forms).value + search.volume
-    )
+
+    def value_of(alone: Weighed) -> float:
+        psi, acting, forms = alone.at.psi, alone.acting, alone.forms
+        own = model.reweighted(psi, acting, None, forms)
+        value = own.evaluate(psi, acting, None, forms).value
+        return value + own.weight_volume + search.volume
+
+    before = value_of(weighed)
     gain = (further.log_evidence - before) / LN10
     found_by = [(*_beside(further, gap_share), gain)] if gain > RULES.remainder_log10 else []
     practical = model.analysis.diagnosis.practical_share
@@ -64,8 +69,7 @@ def remainder_of(
         plain = replace(weighed, form=AS_IT_IS)
         instead = unknown_force(model, plain, weighed.acting, search.inverse, search.volume)
         assert instead is not None
-        as_it_is = model.evaluate(weighed.at.psi, weighed.acting, None, plain.forms).value
-        asked = (instead.log_evidence - as_it_is - search.volume) / LN10
+        asked = (instead.log_evidence - value_of(plain)) / LN10
         # Laws that are wrong by a share leave little where the data do not ask for more.
         if asked > 0:
             found_by.append((interval(left), instead.best.axis or _widest(instead), asked))

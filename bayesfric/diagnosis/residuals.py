@@ -174,13 +174,13 @@ class Residuals:
         """
         left, _, _ = self._law
         basis = left / np.sqrt(self.weight)[:, None]
-        weighted = self.weight.reshape(-1, *(1,) * (values.ndim - 1)) * values
-        return np.asarray(values - np.tensordot(basis, np.tensordot(basis.T, weighted, 1), 1))
+        taken = np.tensordot(basis, np.tensordot(basis.T * self.weight, values, 1), 1)
+        return np.asarray(np.subtract(values, taken, out=taken))
 
     def taken_by_law(self, values: Array) -> Array:
         """Return what a recalibrated law takes of forces, (R, S), in its numbers, (S, sizes, 3)."""
         left, singular, right = self._law
-        numbers = (right.T / singular) @ (left.T @ (np.sqrt(self.weight)[:, None] * values))
+        numbers = (right.T / singular) @ ((left.T * np.sqrt(self.weight)) @ values)
         own = numbers[: len(numbers) - len(self.shared) - len(self.beside)]
         return np.asarray(own.T.reshape(values.shape[1], -1, COEFFICIENTS))
 

@@ -13,9 +13,9 @@ KEPT = 4  # noises
 
 @dataclass
 class Said:
-    """Information on numbers, some candidates among them, at the last few noises."""
+    """Information on numbers, all candidates among them, at the last few noises."""
 
-    _kept: dict[bytes, tuple[list[int], Information]] = field(default_factory=dict)
+    _kept: dict[bytes, Information] = field(default_factory=dict)
 
     def of(
         self,
@@ -27,8 +27,8 @@ class Said:
     ) -> Information:
         """Return the information with some candidates, in their order.
 
-        A noise that is asked for with others again is one that many start from: all candidates
-        are computed then.
+        Whatever is asked for, all candidates are computed: with fewer, sums would be rounded
+        another way, and an answer would hang on what was asked before it.
 
         Parameters
         ----------
@@ -44,13 +44,11 @@ class Said:
             Of candidates, to the information there.
         """
         key = psi.tobytes()
-        if key not in self._kept or not set(places) <= set(self._kept[key][0]):
-            wanted = list(range(count)) if key in self._kept else sorted(places)
+        if key not in self._kept:
             while len(self._kept) >= KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[key] = wanted, computed(wanted)
-        held, whole = self._kept[key]
-        rows = {place: first + row for row, place in enumerate(held)}
-        rest = np.arange(first + len(held), whole.slope.size)
-        numbers = np.concatenate([np.arange(first), [rows[place] for place in places], rest])
-        return whole.at(numbers.astype(np.intp))
+            self._kept[key] = computed(range(count))
+        whole = self._kept[key]
+        rest = np.arange(first + count, whole.slope.size)
+        chosen = first + np.asarray(places, dtype=np.intp)
+        return whole.at(np.concatenate([np.arange(first), chosen, rest]))

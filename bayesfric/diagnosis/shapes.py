@@ -4,7 +4,7 @@ Given the noise, amplitudes are normal (folded where they are positive: an ortha
 probability), and columns at any shape are mixtures of those at the nodes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeAlias
@@ -65,6 +65,7 @@ class Quadratic:
         self._row = {place: row for row, place in enumerate(places)}
         self._rows: dict[Places, Whole] = {}
         self._blocks: dict[tuple[Places, Places], Array] = {}
+        self._coarse: dict[tuple[Places, tuple[float, ...]], Array] = {}
         self._mixtures: dict[tuple[Places, tuple[float, ...], float], Array] = {}
 
     def _rows_of(self, law: Law) -> Whole:
@@ -103,6 +104,27 @@ class Quadratic:
                 precision[:, i, j] = precision[:, j, i] = value
         return precision, slope
 
+    def _mixed_along(
+        self, laws: Sequence[Law], shapes: Sequence[float], which: int
+    ) -> Callable[[Array], tuple[Array, Array]]:
+        """Return what makes the same of weights of one law's candidates, all other shapes held."""
+        held = [np.array([shape]) for shape in shapes]
+        precision_held, slope_held = self._mixed(laws, held)
+        law, others = laws[which], [place for place in range(len(laws)) if place != which]
+        across = [self._block(law, laws[j]) @ self._mixture(laws[j], held[j])[0] for j in others]
+        own, of_law = self._block(law, law), self.reduced.slope[self._rows_of(law)]
+
+        def mixed(weights: Array) -> tuple[Array, Array]:
+            precision = np.repeat(precision_held, len(weights), axis=0)
+            slope = np.repeat(slope_held, len(weights), axis=0)
+            for place, column in zip(others, across, strict=True):
+                precision[:, which, place] = precision[:, place, which] = weights @ column
+            precision[:, which, which] = ((weights @ own) * weights).sum(axis=1)
+            slope[:, which] = weights @ of_law
+            return precision, slope
+
+        return mixed
+
     def values(self, laws: Sequence[Law], shapes: Sequence[Array], *, exact: bool = False) -> Array:
         """Return what amplitudes add to the log evidence, at M choices of shapes, (M,).
 
@@ -116,7 +138,12 @@ class Quadratic:
             Whether the probability of an orthant is that of its normal; else the product
             of its marginals.
         """
-        precision, slope = self._mixed(laws, shapes)
+        return self._values(laws, *self._mixed(laws, shapes), exact=exact)
+
+    def _values(
+        self, laws: Sequence[Law], precision: Array, slope: Array, *, exact: bool = False
+    ) -> Array:
+        """Return the same of precisions, (M, k, k), and slopes, (M, k)."""
         priors = [self._model.amplitude_prior(law) for law in laws]
         at = np.array([prior_moments(prior)[0] / prior_moments(prior)[1] for prior in priors])
         covariance = _inverse(precision + np.eye(len(laws)))
@@ -144,20 +171,19 @@ class Quadratic:
 
         The others' shapes are held.
         """
-
-        def value(grid: Array) -> Array:
-            shapes_of_laws = [np.array([shape]) for shape in shapes]
-            shapes_of_laws[which] = grid
-            return self.values(laws, shapes_of_laws)
-
+        mixed = self._mixed_along(laws, shapes, which)
         grid = np.linspace(-WIDEST, WIDEST, COARSE)
-        values_along = value(grid)
+        key = laws[which].places, laws[which].nodes
+        if key not in self._coarse:
+            self._coarse[key] = laws[which].weights(grid)
+        values_along = self._values(laws, *mixed(self._coarse[key]))
         width = grid[1] - grid[0]
         for _ in range(ZOOMS):
             best = grid[np.argmax(values_along)]
             more = np.clip(best + width * np.linspace(-1, 1, FINE), -WIDEST, WIDEST)
             grid, first = np.unique(np.append(grid, more), return_index=True)
-            values_along = np.append(values_along, value(more))[first]
+            values_there = self._values(laws, *mixed(laws[which].weights(more)))
+            values_along = np.append(values_along, values_there)[first]
             width *= 2 / (FINE - 1)
         density = values_along - 0.5 * grid**2
         cells = np.gradient(grid)

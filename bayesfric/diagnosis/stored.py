@@ -73,14 +73,15 @@ def gap_of(
     friction = residuals.friction_rms
     shrink, rest, open2 = None, None, posterior.gap**2
     if why is None:
-        open2 = _left_open(held_out, posterior, residuals, arms)
+        open2 = _left_open(held_out, posterior, residuals)
         shrink, rest = _shrink_of_model(held_out, posterior, residuals, arms, practical)
         why = NO_GAP if shrink is None else None
     first = rows[0]
     # Windows average over what goes round with the pulleys.
     open2 = open2 - posterior.hidden2
     left2 = float(held_out.rows[0][1].after.sum())
-    disagrees = floor_disagrees(left2, held_out.by_chance, open2, unit)
+    unnoticed2 = (practical * friction / 2) ** 2
+    disagrees = floor_disagrees(left2, held_out.by_chance, open2, unnoticed2, unit)
     gap = Gap(
         **first.model_dump(exclude={"name", "below_floor"}),
         unit=unit,
@@ -100,12 +101,10 @@ def gap_of(
     return gap, rest
 
 
-def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals, arms: Arms) -> Array:
+def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals) -> Array:
     """Return draws of the squared gap that the causes leave at the amplitudes that fit best."""
-    every = np.zeros(held_out.fold.size, dtype=np.bool_)
-    _, before, after = arms.fitted(held_out.residuals, every)
-    force = held_out.residuals.left(before.local) - held_out.residuals.left(after.local)
-    return left_of(residuals, posterior, residuals.without_law(force))
+    _, before, after = held_out.inside
+    return left_of(residuals, posterior, residuals.without_law(before - after))
 
 
 def _shrink_of_model(
@@ -126,7 +125,9 @@ def _shrink_of_model(
     return interval(np.maximum(draws, -1.0)), kept if is_surely_left else None
 
 
-def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N") -> str | None:
+def floor_disagrees(
+    left2: float, by_chance: Array, open2: Array, unnoticed2: float = 0.0, unit: str = "N"
+) -> str | None:
     """Return in which way held-out data and the model contradict each other, if they do.
 
     Parameters
@@ -137,18 +138,21 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N
         Draws of it for a law that is right [N²].
     open2 : ndarray, shape (S,)
         Draws of the squared systematic gap that the causes leave [N²].
+    unnoticed2 : float
+        A squared force of which nobody takes notice [N²]: where both are smaller, they agree.
     unit : str
         Of a force.
     """
     expected2 = np.add.outer(by_chance, open2)
     less = float(np.mean(expected2 < left2))
-    if RULES.like_scatter <= less <= 1 - RULES.like_scatter:
+    typical2 = max(float(np.median(expected2)), 0.0)
+    if RULES.like_scatter <= less <= 1 - RULES.like_scatter or max(left2, typical2) < unnoticed2:
         return None
-    left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
+    left, expected = (float(f"{1e3 * root:.2g}") for root in np.sqrt([max(left2, 0.0), typical2]))
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"data held out are off by {left:.2g} m{unit} rms, {more_or_less} than the "
-        f"{expected:.2g} m{unit} that scatter and the remaining gap would make"
+        f"data held out are off by {left:g} m{unit} rms, {more_or_less} than the "
+        f"{expected:g} m{unit} that scatter and the remaining gap would make"
     )
 
 

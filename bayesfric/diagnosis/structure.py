@@ -24,6 +24,7 @@ TIME = "time"
 """The order in which windows were recorded, an axis that every recording has."""
 DRAWS = 400
 WIDTHS = (2, 3, 5, 8, 13, 21, 34, 55)  # neighbours over which means are taken
+AT_ONCE = 64  # draws: all of them fit no cache
 MOST_WAVES = 120  # in time, over all of a recording
 FEWEST = 4  # such means, side by side, in all windows
 TINY = 1e-300
@@ -100,7 +101,7 @@ def goes_together(
     rows = [
         (axis, square)
         for axis, order in _orders(residuals)
-        for square in _of_neighbours(both[order])
+        for square in _of_neighbours(both, order)
     ]
     rows += [(TIME, square) for when in _times(residuals) for square in _of_waves(both, when)]
     if not rows:
@@ -195,14 +196,18 @@ def _times(residuals: Residuals) -> Iterator[Array]:
         yield residuals.time_s
 
 
-def _of_neighbours(left: Array) -> Iterator[Array]:
-    """Yield mean squares of means over neighbours, each width's, (1 + draws,)."""
-    sums = np.concatenate([np.zeros((1, left.shape[1])), np.cumsum(left, axis=0)])
-    for width in WIDTHS:
-        if width * FEWEST > len(left):
-            return
-        means = (sums[width:] - sums[:-width]) / width
-        yield np.asarray((means**2).mean(axis=0))
+def _of_neighbours(left: Array, order: Whole) -> Iterator[Array]:
+    """Yield mean squares of means over neighbours in an order, each width's, (1 + draws,)."""
+    widths = [width for width in WIDTHS if width * FEWEST <= order.size]
+    squares = np.empty((len(widths), left.shape[1]))
+    for start in range(0, left.shape[1], AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        sums = np.zeros((order.size + 1, squares[:, some].shape[1]))
+        np.cumsum(left[order, some], axis=0, out=sums[1:])
+        for place, width in enumerate(widths):
+            means = (sums[width:] - sums[:-width]) / width
+            squares[place, some] = (means**2).mean(axis=0)
+    yield from squares
 
 
 def _of_waves(left: Array, when: Array) -> Iterator[Array]:

@@ -118,6 +118,8 @@ def unknown_force(
         there = climb(small, psi, acting, None, form, inverse)
         settled = bool(np.abs(there.psi - psi).max() < 0.05)
         psi = there.psi
+        small = small.reweighted(psi, acting, None, form)
+        model = small.full
         likely = np.flatnonzero(log_evidences > log_evidences.max() - LIKELY)
         log_evidences[likely] = values(psi, likely)
         if settled:
@@ -125,7 +127,7 @@ def unknown_force(
     likeliest = nodes[int(np.argmax(log_evidences))]
     at = model.integrated(psi, acting, information_at(psi), likeliest, form)
     total = float(logsumexp(log_evidences) - np.log(len(nodes))) + volume
-    total += over_amplitudes(small, there, acting, form)
+    total += over_amplitudes(small, there, acting, form) + small.weight_volume
     if near is not None and total > near:
         noise = slice(len(model.noise))
         total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume

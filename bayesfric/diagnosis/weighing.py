@@ -137,6 +137,7 @@ def weigh(
         at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
         before = acting, form
         psi = at.psi
+        model = model.reweighted(psi, acting, None, dict.fromkeys(names, form))
         shapes_known |= {
             f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)
         }
@@ -151,7 +152,7 @@ def weigh(
     at = replace(chosen.at(), at_mode=at.at_mode)
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
-    total += over_amplitudes(model, at, acting, share)
+    total += over_amplitudes(model, at, acting, share) + model.weight_volume
     weighed = Weighed(
         names,
         total,

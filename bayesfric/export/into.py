@@ -69,13 +69,17 @@ def filled_model(
     """
     model = model_text(file_bytes(path, path.name, LARGEST_FILE), path.name)
     if model.kind != to:
-        raise InputError([Fault("command line", f"--to {model.kind}", column="--to", value=to)])
+        expected = f"{model.kind}, which {model.name} is"
+        raise InputError([Fault("command line", expected, column="--to", value=to)])
     places = _places(model, joints, named)
     values: dict[str, JointValues] = {}
     remarks: list[str] = []
     links: dict[str, float] = {}
     for joint in joints:
         place = places[joint.name]
+        wanted = named.get(joint.name) or joint.in_model or joint.name
+        if wanted not in ("", place):
+            remarks.append(f"{place}: taken for {wanted}, as the only joint of {model.name}")
         armature = None
         if model.kind == "mjcf" and joint.inertia is not None:
             own = _links(path, place, joint, remarks)

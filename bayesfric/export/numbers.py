@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from bayesfric.arrays import Array
+from bayesfric.chains import by_walker
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_tree
@@ -105,7 +106,7 @@ def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[
             read_tree(folder / "diagnosis.nc")["law"].to_dataset(), diagnosis, by_refit
         )
     else:
-        flat = _of_fit(read_tree(folder / "draws.nc")["posterior"].to_dataset())
+        flat = _of_fit(by_walker(read_tree(folder / "draws.nc")["posterior"].to_dataset()))
     count = next(iter(flat.values())).size
     chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
     return {name: values[chosen].tolist() for name, values in flat.items()}

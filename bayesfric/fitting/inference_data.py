@@ -45,14 +45,14 @@ class Stored:
         In the sampling space, and in the parameters' units; chain = ensemble × walker.
     log_density : ndarray, shape (chain, draw)
         Of `z`.
-    ensemble : ndarray of int, shape (chain,)
-        That of each chain.
+    ensembles : int
+        How many there are.
     """
 
     z: Array
     theta: Array
     log_density: Array
-    ensemble: NDArray[np.int_]
+    ensembles: int
 
     @classmethod
     def of(cls, z: Array, theta: Array, log_density: Array, trials: int) -> "Stored":
@@ -76,8 +76,7 @@ class Stored:
             values = values[:, ::stride].swapaxes(1, 2)
             return values.reshape(chains, *values.shape[2:])
 
-        ensemble = np.repeat(np.arange(ensembles), walkers)
-        return cls(by_chain(z), by_chain(theta), by_chain(log_density), ensemble)
+        return cls(by_chain(z), by_chain(theta), by_chain(log_density), ensembles)
 
     @property
     def flat(self) -> Array:
@@ -120,7 +119,7 @@ def draws_of_fit(
         all others, as when it is left out, the prior's that of the whole recording made
         anew. ``log_likelihood``: see the module; ``assembly`` is over ``setup``.
         ``sample_stats``: ``lp``, the log posterior density up to a constant.
-        ``constant_data``: the condition of each trial.
+        ``constant_data``: the condition of each trial. A chain is an ensemble.
     """
     shape = stored.log_density.shape
     observed = np.concatenate(list(rigs.values()))
@@ -157,7 +156,7 @@ def draws_of_fit(
         | {name: ["trial"] for name in CONDITION if name in table},
         coords=({"pulley": list(sizes)} if sizes else {})
         | {"trial": table["trial"].to_numpy(), "setup": setups},
-        ensemble=stored.ensemble,
+        ensembles=stored.ensembles,
         attributes=flat_attributes(attributes),
         units={**{p.name.partition("[")[0]: p.unit for p in model.parameters}},
     )

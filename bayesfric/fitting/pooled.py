@@ -13,6 +13,7 @@ import xarray as xr
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.attention import of_pooled, unsettled
+from bayesfric.chains import by_walker
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes, write_csv
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
@@ -194,7 +195,7 @@ def pool(
 
 def _stored(fit: Fit, names: Sequence[str]) -> Array:
     """Return the stored draws of a fit in the order of names, shape (S, D)."""
-    posterior = fit.draws["posterior"]
+    posterior = by_walker(fit.draws["posterior"].to_dataset())
     columns = []
     for name in names:
         stem, _, size = name.partition("[")
@@ -228,7 +229,11 @@ def _summary(
     informed = informed_by_data(population, theta.reshape(-1, theta.shape[-1]))
     entries = {
         parameter.name: parameter_summary(
-            parameter, theta[..., k], convergence[parameter.name], bool(informed[k])
+            parameter,
+            theta[..., k],
+            convergence[parameter.name],
+            theta[..., k],  # all are stored
+            bool(informed[k]),
         )
         for k, parameter in enumerate(population.parameters)
     }
@@ -390,7 +395,7 @@ def _trees(
             dims[f"board_{stem}"] = ["board", "pulley"]
     layout: dict[str, Any] = {
         "coords": {"pulley": list(sizes), "board": list(own_names)},
-        "ensemble": np.arange(len(new)),
+        "ensembles": len(new),
         "attributes": attributes,
         "units": units | {f"board_{stem}": unit for stem, unit in units.items()},
     }

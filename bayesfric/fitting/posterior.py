@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
+from bayesfric.chains import in_chains
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit
@@ -137,8 +138,8 @@ def _fit_rigs(
         fields["uniformity"] = uniformities(left_out)
         fields["assemblies"] = assembly_checks(assemblies)
         summary = summarise(
-            attributes.model_dump() | fields, recording, data, model, draws, theta,
-            covered(predictive),
+            attributes.model_dump() | fields, recording, analysis, data, model, draws, theta,
+            in_chains(stored.theta, stored.ensembles), covered(predictive),
         )  # fmt: skip
     with _timed(seconds, "inference_data"):
         origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})

@@ -5,14 +5,22 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.attention import Coverage, of_fit
-from bayesfric.inference.diagnostics import Convergence, diagnose_all, power_scaling
+from bayesfric.inference.diagnostics import (
+    Convergence,
+    diagnose_all,
+    of_chains,
+    power_scaling,
+)
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Kind, Parameter
 from bayesfric.inference.sampling import Draws
 from bayesfric.observation.coefficients import sizes_of
+from bayesfric.observation.exact import ExactLikelihood
+from bayesfric.observation.scatter import kept_normal
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
@@ -21,6 +29,7 @@ from bayesfric.schemas import (
     Interval,
     ParameterSummary,
     SamplerSummary,
+    StoredDraws,
     WithoutExclusions,
 )
 
@@ -32,10 +41,12 @@ Summary = TypeVar("Summary", bound=Interval)
 def summarise(
     attributes: dict[str, Any],
     recording: Recording,
+    analysis: Analysis,
     data: Data,
     model: Model,
     draws: Draws,
     theta: Array,
+    chains: Array,
     coverage: Sequence[Coverage],
 ) -> FitFile:
     """Return what ``fit.json`` says.
@@ -47,6 +58,8 @@ def summarise(
         trials that were left out would change.
     recording : Recording
         As read.
+    analysis : Analysis
+        Whose settings of scatter a rig may not follow.
     data : Data
         Trials that entered.
     model : Model
@@ -55,6 +68,8 @@ def summarise(
         As sampled.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         The draws in the parameters' units.
+    chains : ndarray, shape (ensembles, stored draws, D)
+        Those that are stored, in the same units and as they are laid out.
     coverage : sequence of Coverage
         Shares of trials inside their predictive intervals, rig by rig.
     """
@@ -62,7 +77,11 @@ def summarise(
     informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
     entries = {
         parameter.name: parameter_summary(
-            parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
+            parameter,
+            theta[..., place],
+            convergence[parameter.name],
+            chains[..., place],
+            bool(informed[place]),
         )
         for place, parameter in enumerate(model.parameters)
     }
@@ -73,14 +92,17 @@ def summarise(
     return FitFile(
         **attributes,
         converged=converged,
-        attention=of_fit(
-            convergence,
-            entries,
-            model.parameters,
-            quality,
-            uniformity=attributes["uniformity"],
-            assemblies=attributes["assemblies"],
-            coverage=coverage,
+        attention=(
+            *of_fit(
+                convergence,
+                entries,
+                model.parameters,
+                quality,
+                uniformity=attributes["uniformity"],
+                assemblies=attributes["assemblies"],
+                coverage=coverage,
+            ),
+            *_not_followed(analysis, data, model),
         ),
         pulleys=_by_pulley(entries),
         scatter=_of_kind(model, entries, "scatter"),
@@ -98,6 +120,18 @@ def summarise(
         },
         sampler=_sampler(draws, theta, min(figures.ess_bulk for figures in convergence.values())),
         data_quality=quality,
+    )
+
+
+def _not_followed(analysis: Analysis, data: Data, model: Model) -> tuple[str, ...]:
+    """Return, in sentences, the settings of scatter that a rig's likelihood does not follow."""
+    return tuple(
+        line
+        for trials, likelihood in zip(data.rigs, model.likelihoods, strict=True)
+        if isinstance(likelihood, ExactLikelihood)
+        for line in kept_normal(
+            analysis.scatter, trials.rig.words.rig, likelihood.model.scatter.heavy_levels
+        )
     )
 
 
@@ -158,9 +192,9 @@ def _of_kind(
 
 
 def parameter_summary(
-    parameter: Parameter, draws: Array, figures: Convergence, informed: bool
+    parameter: Parameter, draws: Array, figures: Convergence, chains: Array, informed: bool
 ) -> ParameterSummary:
-    """Summarise draws of a parameter, in any shape."""
+    """Summarise draws of a parameter, in any shape, and the chains of them that are stored."""
     sd = parameter.sd()
     return ParameterSummary(
         **interval_of(draws).model_dump(),
@@ -171,6 +205,7 @@ def parameter_summary(
         ess_tail=figures.ess_tail,
         r_hat=figures.r_hat,
         r_hat_walkers=figures.r_hat_walkers,
+        stored=StoredDraws(**of_chains(chains)._asdict()),
         contraction=1 - float(draws.std()) / sd if np.isfinite(sd) else None,
         contraction_why=None if np.isfinite(sd) else NO_SD,
         informed=informed,

@@ -13,7 +13,7 @@ folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021).
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -66,6 +66,25 @@ class Convergence:
             and self.r_hat_walkers < SAMPLING_RULES.r_hat_walkers
             and min(self.ess_bulk, self.ess_tail) >= SAMPLING_RULES.effective_draws
         )
+
+
+class OfChains(NamedTuple):
+    """What ArviZ's summary says of chains of one parameter, as in :class:`Convergence`."""
+
+    r_hat: float
+    ess_bulk: float
+
+
+def of_chains(chains: Array) -> OfChains:
+    """Return what ArviZ's summary says of one parameter.
+
+    Parameters
+    ----------
+    chains : ndarray, shape (chains, draws)
+        Each in its order.
+    """
+    arviz = _of_arrays()
+    return OfChains(float(arviz.rhat(chains)), float(arviz.ess(chains, method="bulk")))
 
 
 def diagnose_draws(draws: Array) -> Convergence:

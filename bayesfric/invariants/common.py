@@ -45,7 +45,8 @@ def _finite(record: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _ordered(record: Mapping[str, Any]) -> list[str]:
+def out_of_order(record: Mapping[str, Any]) -> list[str]:
+    """Return each interval whose quantiles are not in their order, in words."""
     wrong = []
     for place, value in places(record):
         if not (isinstance(value, Mapping) and all(key in value for key in INTERVAL)):
@@ -96,7 +97,7 @@ COMMON = {
     ),
     "intervals-ordered": Rule(
         "Quantiles of an interval ascend, and its standard deviation is not below 0.",
-        _ordered,
+        out_of_order,
     ),
     "probabilities-within-0-and-1": Rule(
         "A probability is within 0 and 1.",

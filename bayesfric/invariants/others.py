@@ -13,7 +13,7 @@ SHARES = 1e-6
 def _parameters(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in places(record):
-        if not (isinstance(entry, Mapping) and "r_hat" in entry and "ess_bulk" in entry):
+        if not (isinstance(entry, Mapping) and "r_hat" in entry and "mcse_mean" in entry):
             continue
         contraction = entry.get("contraction")
         if entry["r_hat"] < LEAST_R_HAT or min(entry["ess_bulk"], entry["ess_tail"]) < 0:

@@ -1,6 +1,7 @@
 """``mapping.toml``: which column of a log is what, in which unit, with which sign and gear."""
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -41,6 +42,8 @@ SIGNALS = {
 }
 """What a mapping can say of a joint, and the units of each."""
 JOINT = "{joint}"
+SAY = "SAY"
+"""What stands where a user has to say something; it is refused until it is replaced."""
 Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -212,7 +215,12 @@ def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
     try:
         mapping = Mapping.model_validate(keys)
     except ValidationError as error:
-        raise InputError(key_faults(name, error, PAGE, Mapping)) from error
+        faults = key_faults(name, error, PAGE, Mapping)
+        wrong = {fault.column for fault in faults}
+        unsaid = [fault for fault in _unsaid(keys, name) if fault.column not in wrong]
+        raise InputError([*faults, *unsaid]) from error
+    if unsaid := list(_unsaid(keys, name)):
+        raise InputError(unsaid)
     faults = _of_csv(mapping, name) + _of_time(mapping, name) + _of_joints(mapping, name)
     if not faults:
         for joint in (None, *mapping.joints):
@@ -223,6 +231,16 @@ def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
     if faults:
         raise InputError(list(dict.fromkeys(faults)))
     return mapping
+
+
+def _unsaid(keys: dict[str, Any], name: str, before: str = "") -> Iterator[Fault]:
+    """Yield a fault for each place of a proposal that was not edited."""
+    for key, value in keys.items():
+        if isinstance(value, dict):
+            yield from _unsaid(value, name, f"{before}{key}.")
+        elif value == SAY:
+            expected = "what is right, which the log does not say"
+            yield Fault(name, expected, column=f"{before}{key}", value=SAY)
 
 
 def _of_csv(mapping: Mapping, name: str) -> list[Fault]:
@@ -292,7 +310,8 @@ def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal
         what = "N·m" if mapping.rotary else "N"
         of_all = {"share": "all of the PWM", "%": "all of the PWM", "raw": "1"}
         of = of_all.get(signal.unit, f"1 {signal.unit.removeprefix('m')}")
-        faults.append(Fault(name, f"{what} for {of}", column=f"{place}.factor"))
+        expected = f"{what} for {of}: the torque constant; a gear is gear_ratio"
+        faults.append(Fault(name, expected, column=f"{place}.factor"))
     if signal.unit == "tick" and signal.factor is None and signal.counts_per_turn is None:
         expected = "counts of the encoder a turn, where unit is tick"
         faults.append(Fault(name, expected, column=f"{place}.counts_per_turn"))

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bayesfric.logs.looking import Belief, believed, csv_form, name_of_joint
-from bayesfric.logs.mapping import FORCE_IS, JOINT, CsvForm
+from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, CsvForm
 from bayesfric.logs.readers import kind_of, read_log
 from bayesfric.logs.readers.csv import decoded
 from bayesfric.logs.relating import related
 from bayesfric.logs.units import needs_factor
 
-SAY = "SAY"
-"""What stands where a user has to say something; it is refused until it is replaced."""
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
 EFFORT = re.compile(r"/.*\.effort\[")  # of a message of ROS 2, in N·m or N
 SPEED = re.compile(r"/.*\.velocity\[")

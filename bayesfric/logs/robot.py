@@ -43,5 +43,15 @@ def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> R
     robot = replace(robot, files=files_of_model(robot, load))
     faults = faults_of_model(robot)
     if faults:
-        raise InputError(faults)
+        raise InputError([_of_mapping(fault) for fault in faults])
     return robot
+
+
+def _of_mapping(fault: Fault) -> Fault:
+    """Return a fault of the joints where it is mended: in the mapping, by a name for a name."""
+    place = "rig.robot.joints."
+    if fault.column is None or not fault.column.startswith(place):
+        return fault
+    joint = fault.column.removeprefix(place)
+    expected = f'{fault.expected}: under [robot], joints = {{{joint} = "its name there"}}'
+    return Fault("the mapping", expected, column=f"robot.joints.{joint}", value=fault.value)

@@ -86,6 +86,9 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
         expected = "the refitted law: run `bayesfric diagnose` again"
         raise InputError([Fault(str(path.with_suffix(".nc")), expected)])
     table = tree["law"].to_dataset()
+    of_sizes = {variable_of(f"omega[{size}]") for size in table["pulley"].to_numpy()}
+    if not {*SCATTER, *of_sizes} & set(table):
+        raise InputError([Fault(str(path), "a diagnosis of a gravity or a motor board")])
     order = np.random.default_rng([seed, 9]).permutation(
         np.resize(np.arange(table.sizes["draw"]), fitted.count)
     )
@@ -104,7 +107,7 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
 
 def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
     sizes = [str(size) for size in table["pulley"].to_numpy()]
-    scatter = "omega" if "omega" in table else "omega_motor"
+    scatter = next((name for name in SCATTER if name in table), "")
     return replace(
         fitted,
         coefficients={
@@ -122,6 +125,7 @@ def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
 
 
 COLUMNS = Coefficients._fields
+SCATTER = ("omega", "omega_motor")  # of assemblies, on the board that has them
 
 
 def _values(column: xr.DataArray) -> Array:

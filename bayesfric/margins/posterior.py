@@ -10,6 +10,7 @@ import xarray as xr
 from scipy.special import ndtri
 
 from bayesfric.arrays import Array
+from bayesfric.chains import by_walker
 from bayesfric.diagnosis.drawn_effect import DrawnEffect
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.diagnostics import mean_ess
@@ -106,7 +107,7 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
     fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
     if "posterior" not in tree.children:
         raise InputError([fault])
-    table = tree["posterior"].to_dataset()
+    table = by_walker(tree["posterior"].to_dataset())
     omegas = {
         name_of(name): name
         for name in map(str, table.data_vars)

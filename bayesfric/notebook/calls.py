@@ -1,32 +1,32 @@
-"""The verbs as functions that take a path, a mapping or an object where each makes sense."""
+"""The verbs as functions that take a path, a mapping or an object where each makes sense.
+
+Each loads the rooms that it needs when it is called: all of them take longer to load than most
+recordings to read.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pydantic import BaseModel
 
 from bayesfric.analysis import Analysis, Prior, checked_analysis, read_analysis
-from bayesfric.claims import check_claims as judge
-from bayesfric.diagnosis import diagnose as diagnose_recording
-from bayesfric.fitting.posterior import fit as fit_recording
-from bayesfric.margins import compute_margins as compute
-from bayesfric.margins.loop_file import Loop
-from bayesfric.notebook.results import (
-    ClaimsResult,
-    DiagnosisResult,
-    FitResult,
-    MarginsResult,
-    Results,
-)
-from bayesfric.planning import Power
-from bayesfric.planning import power as power_of
 from bayesfric.progress import stage
 from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Recording
-from bayesfric.report.stored import read_stored
+
+if TYPE_CHECKING:
+    from bayesfric.margins.loop_file import Loop
+    from bayesfric.notebook.results import (
+        ClaimsResult,
+        DiagnosisResult,
+        FitResult,
+        MarginsResult,
+        Results,
+    )
+    from bayesfric.planning import Power
 
 FilePath: TypeAlias = str | PathLike[str]
 Settings: TypeAlias = Analysis | FilePath | Mapping[str, Any]
@@ -40,7 +40,7 @@ def fit(
     seed: int | None = None,
     priors: Priors | None = None,
     **options: Any,
-) -> FitResult:
+) -> "FitResult":
     """Draw from the posterior of the friction law.
 
     Parameters
@@ -77,6 +77,9 @@ def fit(
     >>> list(fitted.to_dataframe().columns[:4])
     ['mean', 'sd', 'q05', 'q50']
     """
+    from bayesfric.fitting.posterior import fit as fit_recording
+    from bayesfric.notebook.results import FitResult
+
     board, settings = _recording(recording), _analysis(analysis, seed, priors)
     with _stage_of(f"sampling {board.name}", options) as keywords:
         return FitResult.of(fit_recording(board, settings, **keywords))
@@ -89,7 +92,7 @@ def check_claims(
     seed: int | None = None,
     priors: Priors | None = None,
     **options: Any,
-) -> ClaimsResult:
+) -> "ClaimsResult":
     """Judge the paper's claims on a recording.
 
     Parameters
@@ -100,6 +103,9 @@ def check_claims(
         Of :func:`bayesfric.claims.check_claims`: ``rigs``, ``baseline``, ``only``,
         ``executor``, ``posterior``, ``checkpoint``, ``progress`` (as of :func:`fit`).
     """
+    from bayesfric.claims import check_claims as judge
+    from bayesfric.notebook.results import ClaimsResult
+
     board, settings = _recording(recording), _analysis(analysis, seed, priors)
     with _stage_of("comparing the claims with their rivals", options) as keywords:
         return ClaimsResult.of(judge(board, settings, **keywords))
@@ -110,7 +116,7 @@ def power(
     analysis: Settings | None = None,
     *,
     priors: Priors | None = None,
-) -> Power:
+) -> "Power":
     """Return the errors and smallest effects that the conditions of a recording allow.
 
     Parameters
@@ -118,6 +124,8 @@ def power(
     recording, analysis, priors
         As of :func:`fit`.
     """
+    from bayesfric.planning import power as power_of
+
     return power_of(_recording(recording), _analysis(analysis, None, priors))
 
 
@@ -128,7 +136,7 @@ def diagnose(
     seed: int | None = None,
     priors: Priors | None = None,
     **options: Any,
-) -> DiagnosisResult:
+) -> "DiagnosisResult":
     """Diagnose the gap between a friction law and a recording.
 
     Parameters
@@ -139,19 +147,22 @@ def diagnose(
         Of :func:`bayesfric.diagnosis.diagnose`: ``fixed``, ``effects``, ``shipped``,
         ``baseline``, ``checkpoint``.
     """
+    from bayesfric.diagnosis import diagnose as diagnose_recording
+    from bayesfric.notebook.results import DiagnosisResult
+
     board, settings = _recording(recording), _analysis(analysis, seed, priors)
     with stage("weighing the effects that the baseline leaves out"):
         return DiagnosisResult.of(diagnose_recording(board, settings, **options))
 
 
 def compute_margins(
-    loops: FilePath | Loop | Sequence[FilePath | Loop],
+    loops: "FilePath | Loop | Sequence[FilePath | Loop]",
     draws: FilePath,
     analysis: Settings | None = None,
     *,
     seed: int | None = None,
     **options: Any,
-) -> MarginsResult:
+) -> "MarginsResult":
     """Compute the margins of controllers under the uncertainty of friction.
 
     Parameters
@@ -166,6 +177,10 @@ def compute_margins(
         Of :func:`bayesfric.margins.compute_margins`: ``diagnosis``, ``law``, ``verify``,
         ``tune``, ``ensembles``, ``simulated``, ``progress`` (as of :func:`fit`).
     """
+    from bayesfric.margins import compute_margins as compute
+    from bayesfric.margins.loop_file import Loop
+    from bayesfric.notebook.results import MarginsResult
+
     several = [loops] if isinstance(loops, str | PathLike | Loop) else loops
     path = Path(draws)
     with _stage_of("computing margins", options) as keywords:
@@ -178,7 +193,7 @@ def compute_margins(
     return MarginsResult.of(margins)
 
 
-def load(folder: FilePath) -> Results:
+def load(folder: FilePath) -> "Results":
     """Read what the verbs stored in a folder.
 
     Parameters
@@ -206,6 +221,9 @@ def load(folder: FilePath) -> Results:
     >>> results.claims is None
     True
     """
+    from bayesfric.notebook.results import Results
+    from bayesfric.report.stored import read_stored
+
     return Results.of(read_stored(Path(folder)))
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bayesfric.analysis import Priors
+from bayesfric.analysis import Priors, Scatter
 from bayesfric.arrays import Array, Whole
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
@@ -114,10 +114,13 @@ class ModelColumns:
     scattering : sequence of (Candidate, float)
         Effects whose force scatters with friction, and errors of readings that differ from
         trial to trial, with their amplitudes.
-    by_trial : bool
-        Whether trials can be left out.
+    together : mapping of str to ndarray of int, shape (N,)
+        By rig: the set of trials with which each can be left out; none can of a rig that is not
+        in it.
     priors : Priors
         Of the noise.
+    scatter : Scatter
+        Whether friction of trials or of assemblies is Student-t.
     row_weights : mapping of str to ndarray
         By rig: by what the precision of each row's own error is multiplied; 1 of a rig that is
         not in it.
@@ -130,8 +133,9 @@ class ModelColumns:
     scales: Array
     friction_scale: Mapping[str, float]
     scattering: Sequence[tuple[Candidate, float]]
-    by_trial: bool
+    together: Mapping[str, Whole]
     priors: Priors
+    scatter: Scatter = field(default_factory=Scatter)
     row_weights: Mapping[str, Array] = field(default_factory=dict)
 
     def filled(

@@ -7,9 +7,10 @@ model are laid out they say, given the noise, what the data know of its numbers
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol, Self
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
 from bayesfric.inference.priors import log_density
+from bayesfric.observation.heavy_scatter import Deviations, HeavyScatter
 from bayesfric.observation.layout import Layout, ModelColumns
 from bayesfric.observation.unsupported import Unsupported
 from bayesfric.observation.windows import Windows
@@ -112,10 +114,13 @@ class Evaluated:
     gradient : callable
         Of mean and covariance, given all data, of each size's local numbers, to the
         derivatives of the log evidence by the logarithms of the noise, by name.
+    deviations : callable or None
+        Of the same to what the data say of deviations that are Student-t; None without any.
     """
 
     information: Information
     gradient: Callable[[Sequence[Array], Sequence[Array]], dict[str, float]]
+    deviations: Callable[[Sequence[Array], Sequence[Array]], Deviations] | None = None
 
 
 class LinearRows(Protocol):
@@ -204,6 +209,7 @@ class LinearRig(ABC):
 
     rows: LinearRows
     noise: tuple[NoiseParameter, ...]
+    _heavy: HeavyScatter | None = None
 
     def __init__(self, rows: LinearRows, model: ModelColumns) -> None:
         self.rows, self.layout = rows, model.layout
@@ -278,6 +284,21 @@ class LinearRig(ABC):
             precision[np.ix_(place, place)] += own_precision
             slope[place] += own_slope
         return Information(precision, slope, constant)
+
+
+_AnyRig = TypeVar("_AnyRig", bound=LinearRig)
+
+
+def heavy_scatter(rig: LinearRig) -> HeavyScatter | None:
+    """Return the weights of a rig's Student-t deviations; None where all are normal."""
+    return rig._heavy
+
+
+def with_heavy_scatter(rig: _AnyRig, heavy: HeavyScatter | None) -> _AnyRig:
+    """Return a rig whose Student-t deviations have other weights."""
+    weighted = copy(rig)
+    weighted._heavy = heavy
+    return weighted
 
 
 def rms_of(force: Array | Unsupported) -> float:

@@ -1,6 +1,6 @@
 """How friction deviates from the law: the levels of its scatter, with names and priors."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +13,26 @@ from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import SizeIndex
 
 START = 0.02  # of friction, a place to climb from
+
+
+def kept_normal(asked: Scatter, rig: str, followed: Collection[str]) -> tuple[str, ...]:
+    """Return, in sentences, the levels that are normal on a rig although Student-t was asked for.
+
+    Parameters
+    ----------
+    asked : Scatter
+        Of the analysis.
+    rig : str
+        What the rig is called.
+    followed : collection of str
+        Levels that are Student-t there, ``trial`` or ``assembly``.
+    """
+    return tuple(
+        f"Scatter of {levels} is normal on the {rig}, whose densities have no other: "
+        f'scatter.{level} = "student-t" changes nothing there.'
+        for level, levels in (("trial", "trials"), ("assembly", "assemblies"))
+        if getattr(asked, level) == "student-t" and level not in followed
+    )
 
 
 @dataclass(frozen=True)
@@ -51,6 +71,12 @@ class ScatterLevels:
     @property
     def _by_size(self) -> bool:
         return self.settings is not None and self.settings.by_size
+
+    @property
+    def heavy_levels(self) -> tuple[str, ...]:
+        """Levels that are Student-t, ``trial`` or ``assembly``."""
+        levels = ("trial", "assembly")
+        return tuple(level for level in levels if self._freedom(level) is not None)
 
     @property
     def trial_freedom(self) -> float | None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Flags, Whole
@@ -26,37 +27,41 @@ class SharedDeviation:
         Of ``u_i u_iᵀ``.
     taken : ndarray, shape (G, R, R)
         Posterior covariance of the deviations, the numbers known.
-    constant : float
-        What the log density is more.
+    pulled, log_determinant : float
+        By what the square of the responses is less, and the log determinant of their covariance
+        more.
     """
 
     columns: Array
     response: Array
     stiffness: Array
     taken: Array
-    constant: float
+    pulled: float
+    log_determinant: float
 
     @classmethod
     def of(
-        cls, columns: Array, response: Array, stiffness: Array, sd: Sequence[float]
+        cls, columns: Array, response: Array, stiffness: Array, sd: ArrayLike
     ) -> "SharedDeviation":
-        """Integrate deviations of these standard deviations, (R,), out."""
-        scale = np.asarray(sd, dtype=np.float64)
-        whole = np.eye(scale.size) + scale[:, None] * stiffness * scale
-        taken = scale[:, None] * np.linalg.inv(whole) * scale
-        pulled = np.einsum("gr,grs,gs->", response, taken, response)
-        constant = 0.5 * float(pulled - np.linalg.slogdet(whole)[1].sum())
-        return cls(columns, response, stiffness, taken, constant)
+        """Integrate deviations of these standard deviations, (R,) or (G, R), out."""
+        taken, log_determinant = taken_up(stiffness, sd)
+        pulled = float((response * (taken @ response[:, :, None])[:, :, 0]).sum())
+        return cls(columns, response, stiffness, taken, pulled, float(log_determinant.sum()))
+
+    @property
+    def constant(self) -> float:
+        """What the log density is more."""
+        return 0.5 * (self.pulled - self.log_determinant)
 
     def left(self, sums: Array) -> Array:
         """Return sums of groups, (G, R, …), without what their deviations take up."""
-        lost = np.einsum("grs,gst,gt...->gr...", self.stiffness, self.taken, sums)
-        return np.asarray(sums - lost)
+        lost = self.stiffness @ (self.taken @ sums.reshape(*sums.shape[:2], -1))
+        return np.asarray(sums - lost.reshape(sums.shape))
 
     def taken_by(self, groups: Flags) -> tuple[Array, Array]:
         """Return what some groups' deviations take from precision, (k, k), and slope, (k,)."""
         columns = self.columns[groups]
-        shares = np.einsum("grs,gsk->grk", self.taken[groups], columns)
+        shares = self.taken[groups] @ columns
         flat = shares.reshape(-1, columns.shape[2])
         return (
             np.asarray(flat.T @ columns.reshape(flat.shape)),
@@ -172,6 +177,50 @@ class NestedDeviations:
         )
 
 
+def taken_up(gram: Array, sd: ArrayLike, sign: ArrayLike = 1.0) -> tuple[Array, Array]:
+    """Return what deviations that are integrated out take up of their sums.
+
+    Parameters
+    ----------
+    gram : ndarray, shape (…, R, R)
+        Products of the columns of R deviations, weighted by the precision of the rows.
+    sd : array_like, shape (R,) or (…, R)
+        Their standard deviations.
+    sign : array_like, shape (R,), or float
+        −1 of one that takes its variance away from what others have more.
+
+    Returns
+    -------
+    taken : ndarray, shape (…, R, R)
+        (D⁻¹ + G)⁻¹, their covariance with all else known.
+    log_determinant : ndarray, shape (…)
+        log |1 + D G|.
+    """
+    scale = np.asarray(sd, dtype=np.float64)
+    whole = scale[..., :, None] * gram * scale[..., None, :]
+    whole = whole + np.eye(gram.shape[-1]) * np.asarray(sign)
+    taken = scale[..., :, None] * np.linalg.inv(whole) * scale[..., None, :]
+    return taken, np.asarray(np.linalg.slogdet(whole)[1])
+
+
+def squares_left(columns: Array, response: Array, mean: Array, covariance: Array) -> Array:
+    """Return the mean squares of responses less columns, (…), of numbers that are uncertain.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (…, k)
+        Of k numbers.
+    response : ndarray, shape (…)
+        From which they are taken.
+    mean, covariance : ndarray, shape (k,) and (k, k)
+        Of the numbers.
+    """
+    flat = columns.reshape(-1, columns.shape[-1])
+    spread = np.einsum("ij,ij->i", flat @ covariance, flat)
+    square = (response.ravel() - flat @ mean) ** 2 + spread
+    return np.asarray(square.reshape(response.shape))
+
+
 def indicator(codes: Whole, count: int) -> csr_array:
     """Return which of N rows belongs to which of `count` groups, (count, N)."""
     ones = np.ones(codes.size)
@@ -196,6 +245,5 @@ def second_moments(
     moments = np.empty(own.size)
     for which, (m, v) in enumerate(zip(mean, covariance, strict=True)):
         mine = size == which
-        left = columns[mine]
-        moments[mine] = (response[mine] - left @ m) ** 2 + ((left @ v) * left).sum(axis=1)
+        moments[mine] = squares_left(columns[mine], response[mine], m, v)
     return moments - own

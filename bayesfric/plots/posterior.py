@@ -1,22 +1,27 @@
 """Posteriors of the coefficients: all of them at once, and pairs for one size."""
 
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from bayesfric.arrays import Array
 from bayesfric.plots.labels import parameter_label, plain, rounded
 from bayesfric.plots.live import Chart, Cloud, Curve
-from bayesfric.plots.style import COLORS, NEUTRAL, TEXT_WIDTH, figure, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, TEXT_WIDTH, SizeStyle, figure, size_styles
 
 SHOWN_DRAWS = 4000  # more points would not change the contours
 PAIRS_SHARE = 0.75
 """Width of the figure of pairs as a share of the text's."""
+
+Quantiles = Mapping[str, tuple[float, float, float]]
+"""5 %, 50 % and 95 % quantile of each coefficient."""
 
 PRINTED = {
     "c1": (1e3, "$c_1$ [10⁻³]"),
@@ -26,7 +31,9 @@ PRINTED = {
 
 
 def coefficients_relative_to_paper(
-    predictive: xr.DataTree, uninformed: Collection[str] = ()
+    predictive: xr.DataTree,
+    uninformed: Collection[str] = (),
+    refitted: Quantiles | None = None,
 ) -> Figure:
     """Draw each coefficient as a ratio to Table I.
 
@@ -37,6 +44,9 @@ def coefficients_relative_to_paper(
     uninformed : collection of str
         Coefficients, such as ``c3[small]``, that the recording does not inform. Their
         rows say so: intervals as wide as a prior would leave no room for the others.
+    refitted : mapping of str to tuple of three floats, optional
+        5 %, 50 % and 95 % quantiles of coefficients that were refitted with the named causes.
+        They have the colours then, and the law alone is grey.
 
     Returns
     -------
@@ -46,6 +56,8 @@ def coefficients_relative_to_paper(
     table = predictive["coefficients"].to_dataset()
     sizes = [str(size) for size in table["pulley"].to_numpy()]
     styles = size_styles(sizes)
+    refitted = refitted or {}
+    grey = SizeStyle(NEUTRAL, "o", "-")
     with figure(height=13.0 + 3.5 * table["ratio"].isel(level=0).size) as fig:
         axes = fig.subplots()
         labels, rows = [], []
@@ -53,8 +65,8 @@ def coefficients_relative_to_paper(
         for coefficient in table["coefficient"].to_numpy():
             for size in sizes:
                 ratio = table["ratio"].sel(coefficient=coefficient, pulley=size).to_numpy()
-                look = styles[size]
                 name = f"{coefficient}[{size}]"
+                look = grey if name in refitted else styles[size]
                 if name in uninformed:
                     axes.text(
                         1.0,
@@ -65,17 +77,11 @@ def coefficients_relative_to_paper(
                         verticalalignment="center",
                     )
                 else:
-                    axes.plot(ratio[[0, 4]], [row, row], color=look.color, linewidth=1.2)
+                    _bar(axes, ratio[[0, 2, 4]], row, look)
                     axes.plot(ratio[[1, 3]], [row, row], color=look.color, linewidth=3.6)
-                    axes.plot(
-                        ratio[2],
-                        row,
-                        look.marker,
-                        color="white",
-                        markersize=3.4,
-                        markeredgecolor=look.color,
-                        zorder=3,
-                    )
+                if name in refitted:
+                    paper = float(table["paper"].sel(coefficient=coefficient, pulley=size))
+                    _bar(axes, np.array(refitted[name]) / paper, row - 0.35, styles[size])
                 labels.append(parameter_label(name))
                 rows.append(row)
                 row += 1
@@ -88,13 +94,31 @@ def coefficients_relative_to_paper(
         return fig
 
 
-def ratio_charts(predictive: xr.DataTree, uninformed: Collection[str] = ()) -> list[Chart]:
+def _bar(axes: Axes, quantiles: Array, row: float, look: SizeStyle) -> None:
+    """Draw a 90 % interval with its median."""
+    axes.plot(quantiles[[0, 2]], [row, row], color=look.color, linewidth=1.2)
+    axes.plot(
+        quantiles[1],
+        row,
+        look.marker,
+        color="white",
+        markersize=3.4,
+        markeredgecolor=look.color,
+        zorder=3,
+    )
+
+
+def ratio_charts(
+    predictive: xr.DataTree,
+    uninformed: Collection[str] = (),
+    refitted: Quantiles | None = None,
+) -> list[Chart]:
     """Return each informed coefficient as a ratio to Table I, as one chart.
 
     Parameters
     ----------
-    predictive, uninformed
-        As of :func:`coefficients_relative_to_paper`.
+    predictive, uninformed, refitted
+        As of :func:`coefficients_relative_to_paper`; a refitted one stands alone.
     """
     table = predictive["coefficients"].to_dataset()
     sizes = [str(size) for size in table["pulley"].to_numpy()]
@@ -108,19 +132,22 @@ def ratio_charts(predictive: xr.DataTree, uninformed: Collection[str] = ()) -> l
         ratios, said = [], []
         for name, _ in (rows[place] for place in places):
             at = table.sel(coefficient=name, pulley=size)
-            ratio, value = at["ratio"].to_numpy(), at["value"].to_numpy()
+            value = at["value"].to_numpy()[[0, 2, 4]]
+            if refitted and f"{name}[{size}]" in refitted:
+                value = np.array(refitted[f"{name}[{size}]"])
+            ratio = value / float(at["paper"])
             ratios.append(ratio)
             said.append(
                 [
                     f"{name} {size}",
-                    f"{rounded(ratio[2], ratio[0], ratio[4])} "
-                    f"({rounded(ratio[0], ratio[0], ratio[4])} to "
-                    f"{rounded(ratio[4], ratio[0], ratio[4])})",
-                    f"{value[2]:.3g}",
+                    f"{rounded(ratio[1], ratio[0], ratio[2])} "
+                    f"({rounded(ratio[0], ratio[0], ratio[2])} to "
+                    f"{rounded(ratio[2], ratio[0], ratio[2])})",
+                    f"{value[1]:.3g}",
                     f"{float(at['paper']):.3g}",
                 ]
             )
-        low, _, middle, _, high = np.transpose(ratios)
+        low, middle, high = np.transpose(ratios)
         y = np.array(places, dtype=float)
         clouds.append(Cloud(size, look.color, look.marker, middle, y, said, low, high))
     line = np.array([-0.6, len(rows) - 0.4])

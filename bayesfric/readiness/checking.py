@@ -88,6 +88,9 @@ class Part:
                 text += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
             text += f" [{row['unit']}], of about {row['value']:.3g}"
             yield f"  {name!s:<24} {text if row['informed'] else 'left to its prior'}"
+        if self.power.beside:
+            names = ", ".join(self.power.beside)
+            yield f"  these errors are beside {names}, which a first look shows"
         can, cannot = self.effects
         if can:
             yield "Effects that would be found, from which size on"

@@ -101,6 +101,16 @@ class Column:
         return " other than 0" if self.nonzero else ""
 
 
+TAKEN = frozenset(
+    {
+        *("velocity", "tension", "wrap_angle", "displacement", "travel_since_reversal"),
+        *("acceleration", "direction", "trial_in_setup", "rig", "trial"),
+        *("pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n", "drive_end"),
+    }
+)
+"""What results call conditions and places of their own: no covariate has such a name."""
+
+
 @dataclass(frozen=True)
 class TableFormat:
     """One table: its file name and its columns in canonical order.

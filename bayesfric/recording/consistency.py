@@ -207,7 +207,7 @@ def _conventions(points: Table) -> list[Fault]:
         f"{push.sum()} of {len(complete)} rows push; a weight or a bias is to be taken off first"
     )
     mask = pd.Series(push, index=complete.index).reindex(points.frame.index, fill_value=False)
-    return points.faults_where(mask, "friction_n", expected)
+    return points.text.faults_at(np.flatnonzero(mask), "friction_n", expected, most=1)
 
 
 def _not_increasing(table: Table, group: pd.Series, keys: list[str]) -> list[Fault]:

@@ -65,10 +65,9 @@ def _log(samples: pd.DataFrame, rotary: bool) -> str:
         drive = f"force {_range(samples['force_n'], 'N·m' if rotary else 'N')}"
     else:
         drive = f"command {_range(samples['command_m'], 'rad' if rotary else 'm')}"
-    return (
-        f"up to {longest:.3g} s and {way} a run, a sample every "
-        f"{runs['time_s'].diff().median():.3g} s, {drive}"
-    )
+    interval = runs["time_s"].diff().median()
+    pace = "" if np.isnan(interval) else f" a sample every {interval:.3g} s,"
+    return f"up to {longest:.3g} s and {way} a run,{pace} {drive}"
 
 
 def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:

@@ -30,6 +30,10 @@ def faults_of_samples(tables: Mapping[str, Table], rig: RigConstants) -> list[Fa
         The machine.
     """
     faults = _mass(rig)
+    if runs := tables.get("axis_runs.csv"):
+        for name in (str(name) for name in runs.frame if str(name).endswith("_kg")):
+            wrong = runs.frame[name] < 0
+            faults += runs.faults_where(wrong, name, "a mass that the run carries, 0 at least")
     samples = tables.get(SAMPLES)
     if samples is None:
         return faults

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from bayesfric.characters import code_of, invisible_in
 from bayesfric.errors import Fault, near
-from bayesfric.recording.columns import LARGEST_INTEGER, LONGEST_NAME
+from bayesfric.recording.columns import LARGEST, LARGEST_INTEGER, LONGEST_NAME
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
 from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, Robot
@@ -118,7 +118,7 @@ def _legible(name: str) -> str:
     return name
 
 
-Positive = Annotated[float, Field(gt=0)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
 Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
 Resolution = Annotated[float, Field(gt=0), _at_most(0.5, "s", "milliseconds or microseconds")]
@@ -128,7 +128,8 @@ Share = Annotated[float, Field(gt=0), _at_most(1.0, "times the force", "percent"
 Delay = Annotated[float, Field(ge=0), _at_most(2.0, "s", "milliseconds or microseconds")]
 Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
 Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
-NotNegative = Annotated[float, Field(ge=0)]
+NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
+Speed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Angle = Annotated[float, Field(ge=0, le=180)]
 Text = Annotated[str, Field(pattern=r"\S")]
 Name = Annotated[Text, AfterValidator(_seen)]
@@ -159,7 +160,7 @@ class _Pulley(_Strict):
 class _Limits(_Strict):
     travel_m: Pair[NotNegative] | None = None
     tension_n: Pair[NotNegative] | None = None
-    velocity_m_s: Pair[float] | None = None
+    velocity_m_s: Pair[Speed] | None = None
     n_pulleys: Pair[Count] | None = None
     wrap_angle_deg: Pair[Angle] | None = None
     masses_kg: list[Positive] | None = None

@@ -20,6 +20,7 @@ from bayesfric.recording.columns import (
     LONGEST_NAME,
     OTHER_NAMES,
     TABLES,
+    TAKEN,
     Column,
     TableFormat,
 )
@@ -105,6 +106,11 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     absent = [name for name in names if name not in text.cells]
     kept_out = []
     for name in text.cells.columns.difference(names, sort=False):
+        if table.keeps_covariates and name in TAKEN:
+            notes.append(
+                f"{text.file}: column {name!r} kept out (results have this name: rename it)"
+            )
+            continue
         numbers = to_numbers(text.cells[name]) if table.keeps_covariates else None
         if numbers is not None and ((numbers.abs() <= LARGEST) | ragged).all():
             typed_columns[str(name)] = numbers

@@ -13,15 +13,16 @@ from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnosis import diagnosis
 from bayesfric.report.chapters.diagnosis_details import appendix as diagnosis_tables
 from bayesfric.report.chapters.diagnostics import diagnostics, further_diagnostics
-from bayesfric.report.chapters.left_out import further_left_out
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.chapters.methods import methods, thresholds
+from bayesfric.report.chapters.one_left_out import further_left_out
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.chapters.posteriors import further_posteriors, posteriors
 from bayesfric.report.chapters.predictions import further_predictions, predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import summary
+from bayesfric.report.chapters.to_use import biased
 from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
@@ -78,7 +79,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
     yield from page_one(stored)
     fitted, pooled = stored.fitted, stored.pooled
     if fitted is not None:
-        yield from summary(fitted)
+        diagnosed = stored.diagnosis
+        yield from summary(fitted, () if diagnosed is None else biased(diagnosed.record))
     if pooled is not None and pooled.pooled is not None:
         yield from boards(pooled, pooled.pooled)
     if stored.diagnosis is not None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.invariants.common import out_of_order
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import (
     CalibrationFile,
@@ -166,6 +167,11 @@ def read_stored(folder: Path) -> StoredResults:
         Fault(name, f"a result of the recording in {first}")
         for name, record in records.items()
         if record.recording.sha256 != records[first].recording.sha256
+    ]
+    strange += [
+        Fault(str(folder / name), f"quantiles as bayesfric writes them: {words}")
+        for name, record in records.items()
+        for words in out_of_order(record.model_dump(mode="json", by_alias=True))
     ]
     if strange:
         raise InputError(strange)

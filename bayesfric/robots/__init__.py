@@ -7,8 +7,6 @@
 
 from bayesfric.robots.dynamics import PARAMETERS as PARAMETERS
 from bayesfric.robots.dynamics import RigidBodies as RigidBodies
-from bayesfric.robots.model_errors import ModelErrors as ModelErrors
-from bayesfric.robots.model_errors import model_error_columns as model_error_columns
 from bayesfric.robots.model_errors import root_of_errors as root_of_errors
 from bayesfric.robots.model_file import JointSettings as JointSettings
 from bayesfric.robots.model_file import Robot as Robot

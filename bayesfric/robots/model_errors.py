@@ -2,8 +2,8 @@
 
 A link's mass, centre of mass and inertia are known to some 15 %, 2 cm and 30 %. Many of their
 combinations move no logged joint, and others move all alike: what counts are the base
-parameters. They are found as the leading directions of what the errors add, each scaled so that
-its prior is N(0, 1).
+parameters, which whoever has rows of torque finds as the leading directions of what amounts of
+N(0, 1) add to them.
 
 References
 ----------
@@ -17,8 +17,6 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.robots.dynamics import PARAMETERS, RigidBodies, six_moments
-
-LEAST = 1e-6  # of the largest direction: below it a direction is rounding
 
 
 @dataclass(frozen=True)
@@ -36,44 +34,6 @@ class ErrorShares:
     mass: float = 0.15
     centre_m: float = 0.02
     inertia: float = 0.3
-
-
-@dataclass(frozen=True)
-class ModelErrors:
-    """The base parameters of a model's errors.
-
-    Parameters
-    ----------
-    columns : ndarray, shape (R, K)
-        What each adds to R rows of torque; its prior is N(0, 1).
-    directions : ndarray, shape (K, 10 × links)
-        By how much each moves the links' numbers, in their units.
-    """
-
-    columns: Array
-    directions: Array
-
-
-def model_error_columns(
-    bodies: RigidBodies, rows: Array, shares: ErrorShares | None = None, least: float = LEAST
-) -> ModelErrors:
-    """Return what the errors of a model may add to rows of torque.
-
-    Parameters
-    ----------
-    bodies : RigidBodies
-        The model.
-    rows : ndarray, shape (R, 10 × links)
-        What each number of each link adds to a row.
-    shares : ErrorShares or None
-        How well the model is known; None is the default.
-    least : float
-        Directions that add less than this share of the largest are left out.
-    """
-    root = root_of_errors(bodies, shares)
-    left, size, right = np.linalg.svd(rows @ root, full_matrices=False)
-    kept = size > least * size[:1].max(initial=0.0)
-    return ModelErrors(left[:, kept] * size[kept], right[kept] @ root.T)
 
 
 def root_of_errors(bodies: RigidBodies, shares: ErrorShares | None = None) -> Array:

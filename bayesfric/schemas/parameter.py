@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
-from bayesfric.schemas.base import Because, Interval, Number, Why
+from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
 NO_COEFFICIENT = Because("it is asked of coefficients alone")
 LARGEST = 1000.0  # JSON has no infinity
@@ -12,6 +12,13 @@ LARGEST = 1000.0  # JSON has no infinity
 
 def _finite(r_hat: float) -> float:
     return min(r_hat, LARGEST)
+
+
+class StoredDraws(Record):
+    """What ArviZ says of the draws of a parameter that are kept in ``draws.nc``."""
+
+    r_hat: Number = Field(description="Rank-normalised split R-hat.")
+    ess_bulk: Number = Field(description="Effective draws for the mean.")
 
 
 class ParameterSummary(Interval):
@@ -27,6 +34,10 @@ class ParameterSummary(Interval):
         description="The same of walkers, each a chain, with little of what chance adds for few "
         f"draws; {LARGEST:g} where they do not leave their places."
     )
+    stored: StoredDraws | None = Field(
+        None, description="Of the draws in draws.nc; all else is of every draw."
+    )
+    stored_why: Annotated[Why, Because("the file is of an earlier version")] = None
     contraction: Number | None = Field(description="1 - posterior sd / prior sd.")
     contraction_why: Why = None
     informed: bool = Field(description="Whether the data say more than the prior.")

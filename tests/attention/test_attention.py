@@ -77,10 +77,17 @@ def test_sensors_that_are_far_apart_are_told():
     [
         ("latency", Normal(mean=0.0, sd=0.02), -0.027, 0.0012, True),
         ("latency", Normal(mean=0.0, sd=0.02), -0.027, 0.009, False),
+        ("latency", Normal(mean=0.0, sd=0.003), 0.001, 0.0001, False),
         ("torque_constant_factor", Normal(mean=1.0, sd=0.05), 1.15, 0.01, True),
         ("torque_constant_factor", Normal(mean=1.0, sd=0.05), 1.06, 0.01, False),
     ],
-    ids=["late", "not surely late", "far from the data sheet", "within the data sheet"],
+    ids=[
+        "late",
+        "not surely late",
+        "as sampled",
+        "far from the data sheet",
+        "within the data sheet",
+    ],
 )
 def test_a_declared_number_that_the_data_miss_is_told(name, prior, mean, sd, is_told):
     parameter = Parameter(name, "s", prior, "noise")

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import pytest
 from blind.verdicts import diagnosed
 
+from bayesfric import campaign
 from bayesfric.analysis import Analysis
 from bayesfric.blind import case as one_case
 from bayesfric.blind import running
@@ -76,7 +77,7 @@ def engine(monkeypatch):
     monkeypatch.setattr(one_case, "engine_of", lambda name: engine)
     monkeypatch.setattr(one_case, "diagnose", diagnose)
     monkeypatch.setattr(one_case, "CleanCase", lambda recording, analysis: clean)
-    monkeypatch.setattr(running, "run_on_processes", in_threads)
+    monkeypatch.setattr(campaign, "run_on_processes", in_threads)
     return engine
 
 

@@ -70,7 +70,7 @@ def quick_cases(monkeypatch):
             return run_campaign(function, cases, folder, executor, progress)
 
     monkeypatch.setattr("bayesfric.calibration.running.run_case", run_case)
-    monkeypatch.setattr("bayesfric.calibration.running.run_on_processes", in_process)
+    monkeypatch.setattr("bayesfric.campaign.run_on_processes", in_process)
     return done
 
 

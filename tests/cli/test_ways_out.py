@@ -133,6 +133,15 @@ def test_output_that_cannot_be_printed_ends_with_2(board, arguments):
     assert "Traceback" not in said
 
 
+@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
+def test_streams_that_the_caller_closed_change_no_status(closed):
+    command = f'exec "$0" -m bayesfric --help {closed}'
+    done = subprocess.run(
+        ["sh", "-c", command, sys.executable], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 @pytest.mark.parametrize("verb", ["fit", "claims", "diagnose", "run"])
 @pytest.mark.parametrize("place", ["a file", "below a file"])
 def test_an_output_that_can_be_no_folder_ends_with_2(board, verb, place, tmp_path):

@@ -14,6 +14,7 @@ from bayesfric.blind.engines import reference
 from bayesfric.blind.engines.nuisances import Nuisances
 from bayesfric.blind.engines.reference import Withheld
 from bayesfric.diagnosis import diagnose
+from bayesfric.diagnosis.baseline import data_of
 from bayesfric.effects import State, all_effects
 from bayesfric.errors import InputError
 from bayesfric.physics.friction import Coefficients, coulomb_friction
@@ -55,13 +56,15 @@ def named():
 
 
 @pytest.mark.nightly
-def test_a_setting_that_is_not_followed_is_told(nothing, empty):
-    """Student-t scatter changes no number of a diagnosis, which says so."""
-    found = diagnose(nothing, Analysis(scatter=Scatter(assembly="student-t"))).summary
+@pytest.mark.parametrize("level", ["trial", "assembly"])
+def test_student_t_scatter_of_normal_trials_is_found_to_leave_no_gap(nothing, empty, level):
+    found = diagnose(nothing, Analysis(scatter=Scatter(**{level: "student-t"}))).summary
+    assert found.verdict == empty.verdict == "no-gap"
+    assert found.gap != empty.gap
     (line,) = found.attention
-    assert 'scatter.assembly = "student-t"' in line
+    assert f"scatter.{level}" in line
+    assert "on the motor board" in line
     assert empty.attention == ()
-    assert found.gap == empty.gap
 
 
 def test_a_cause_is_named_with_its_size(named):
@@ -303,6 +306,20 @@ def test_accelerations_alone_of_one_assembly_are_diagnosed():
     found = explained(diagnose(alone).summary)
     assert not found.causes
     assert found.gap.trajectory is None
+
+
+def test_accelerations_that_are_not_the_way_of_the_weights_enter_no_diagnosis():
+    """Along no path is a force known: one such trial is left out, and none but such is refused."""
+    alone = Protocol({(9, 85.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+    recording = simulate_recording(alone, seed=3, rigs=("gravity",))
+    trials, none = recording.gravity.trials.copy(), recording.gravity.events.iloc[:0]
+    trials["acceleration_m_s2"] = 0.3
+    trials.loc[0, "acceleration_m_s2"] = 0.0
+    data, _ = data_of(replace(recording, gravity=Gravity(trials, none)), "paper", None)
+    assert len(data.rigs[0].table) == len(trials) - 1
+    trials["acceleration_m_s2"] = -0.1
+    with pytest.raises(InputError, match="whose acceleration is above 0"):
+        data_of(replace(recording, gravity=Gravity(trials, none)), "paper", None)
 
 
 @pytest.mark.nightly

@@ -154,6 +154,7 @@ def test_data_and_floor_that_contradict_each_other_are_told(left, word):
     by_chance = np.random.default_rng(4).chisquare(60, 400) / 60
     found = floor_disagrees(left, by_chance, np.full(100, 0.2))
     assert found is None if word is None else f", {word} than" in found
+    assert floor_disagrees(left, by_chance, np.full(100, 0.2), unnoticed2=5.0) is None
 
 
 def test_windows_scatter_as_the_parts_say(drawn):

@@ -40,3 +40,9 @@ def test_runs_whose_friction_differs_by_a_percent_leave_the_mean_as_uncertain_as
 def test_few_runs_and_boards_tell_no_scatter_of_runs(runs, pulleys):
     left = np.zeros(20 * runs)
     assert scatter_of_runs(a_model(runs, pulleys=pulleys), windows_of(runs), left) is None
+
+
+def test_points_of_friction_behind_a_joint_are_none_of_its_runs():
+    left = np.repeat(2.0 * np.array([0.01, -0.01, 0.01, -0.01, 0.5]), 20)
+    scatter = scatter_of_runs(a_model(4), windows_of(5), left)
+    assert (scatter.runs, scatter.share) == (4, pytest.approx(0.01 * np.sqrt(4 / 3)))

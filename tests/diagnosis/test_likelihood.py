@@ -19,6 +19,8 @@ from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.information import Information
+from bayesfric.observation.heavy_scatter import HeavyScatter
+from bayesfric.observation.linear import with_heavy_scatter
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
@@ -71,9 +73,19 @@ def apart_by_clocks(rows):
     return clock_sd_s(rows.constants) * rows._speed * (is_load - 0.5)
 
 
-def test_the_board_of_weights_is_a_dense_normal(model):
-    """Offsets and first speeds projected out; scatter of three levels as covariance."""
+@pytest.mark.parametrize("level", ["normal", "trial", "assembly"])
+def test_the_board_of_weights_is_a_dense_normal(model, level):
+    """Offsets and first speeds projected out; scatter of three levels as covariance.
+
+    Of deviations that are Student-t, each has a variance of its own.
+    """
     part, acting = model.rigs[0], acting_of(model)
+    trial_weight, setup_weight = np.ones(part.setup.size), np.ones(part.setup.max() + 1)
+    if level != "normal":
+        weight = {"trial": trial_weight, "assembly": setup_weight}[level]
+        weight[:] = np.geomspace(0.05, 3.0, weight.size)
+        rank = {"trial": 1, "assembly": 2}[level]
+        part = with_heavy_scatter(part, HeavyScatter(level, 4.0, rank, weight, 0 * weight))
     mixing = model.mixing(acting)
     place, amplitude = acting.phases[0].places[0], 0.4
     found = part.evaluate(NOISE, mixing, [(place, amplitude, "runout:once")]).information
@@ -81,7 +93,8 @@ def test_the_board_of_weights_is_a_dense_normal(model):
     numbers = 1e-3 * np.random.default_rng(1).standard_normal(found.slope.size)
     value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
     weights, _ = wander_weights(NOISE["wander_length"], part._travel)
-    columns = part.columns @ model.layout.mixed(mixing)
+    columns = part.columns_of(part.rows) @ model.layout.mixed(mixing)
+    scattered = part.random_of(part.rows)
     total, rows_of = 0.0, list(part.rows.rows_of_trials())
     for setup in range(part.setup.max() + 1):
         residual, blocks, all_of_it, intercepts = [], [], [], []
@@ -92,10 +105,10 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             local = numbers[model.layout.spread(columns.shape[1], part.size[trial])]
             left = part.rows.residual[rows] - columns[rows] @ local
             residual.append(off.T @ (left / sd))
-            random = off.T @ (part.random[rows] / sd[:, None])
+            random = off.T @ (scattered[rows] / sd[:, None])
             whole, constant = random[:, TRIAL], random[:, INTERCEPT]
             own = NOISE["kappa"] * np.eye(off.shape[1])
-            own += NOISE["tau"] ** 2 * np.outer(whole, whole)
+            own += NOISE["tau"] ** 2 / trial_weight[trial] * np.outer(whole, whole)
             wander, wave = random[:, WANDER], random[:, part.blocks[place]]
             own += NOISE["wander"] ** 2 * (wander * weights) @ wander.T
             own += amplitude**2 * wave @ wave.T
@@ -108,6 +121,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
         joined, whole, constant = map(np.concatenate, (residual, all_of_it, intercepts))
         covariance = NOISE["omega"] ** 2 * np.outer(whole, whole)
         covariance += NOISE["omega_intercept"] ** 2 * np.outer(constant, constant)
+        covariance /= setup_weight[setup]
         start = 0
         for own in blocks:
             end = start + len(own)
@@ -134,8 +148,8 @@ def test_what_is_said_of_candidates_is_so_of_their_hypotheses(model):
     assert found.value == pytest.approx(model.evaluate(nearby, acting).value, abs=1e-7)
 
 
-def test_a_noise_that_many_start_from_is_computed_twice_at_most():
-    """At first with what is asked for; then with all."""
+def test_a_noise_that_many_start_from_is_computed_once():
+    """With all candidates, so that an answer is rounded alike whatever was asked before it."""
     calls = []
 
     def computed(places):
@@ -144,36 +158,43 @@ def test_a_noise_that_many_start_from_is_computed_twice_at_most():
         return Information(np.multiply.outer(numbers, numbers), numbers, 0.5)
 
     said, noise = Said(), np.zeros(2)
-    for places in ([3, 1], [3], [2], [0, 2], [1, 3]):
+    for places in ([3, 1], [3], [], [2], [0, 2], [1, 3]):
         found = said.of(noise, places, 4, 1, computed)
         assert found.slope.tolist() == [-1.0, *places, -2.0]
         assert found.precision.diagonal().tolist() == [1.0, *np.square(places), 4.0]
-    assert calls == [[1, 3], [0, 1, 2, 3]]
+    assert calls == [[0, 1, 2, 3]]
 
 
 def test_long_trials_whose_scatter_is_all_that_they_show(model):
     """With a deviation of friction that moves events by kilometres, only the rest tells."""
     part = copy.copy(model.rigs[0])
-    part.random = part.random.copy()
-    part.random[:, TRIAL] *= 1e4
+    far = np.ones(part.random_of(part.rows).shape[1])
+    far[TRIAL] = 1e4
     part._squeeze = 1e4 * np.eye(model.layout.local)
-    part._sums = trial_sums(part.rows, part.columns, part.random, part._sums.block)
+    part._sums = trial_sums(
+        part.rows,
+        part.layout,
+        part.columns_of,
+        lambda rows: part.random_of(rows) * far,
+        part._sums.block,
+    )
+    random = part.random_of(part.rows) * far
     part._views = {}
     noise = NOISE | {"tau": 0.5, "omega": 1e-12, "omega_intercept": 1e-12}
     mixing = model.mixing(acting_of(model, phases=False))
     found = part.evaluate(noise, mixing).information
     weights, _ = wander_weights(noise["wander_length"], part._travel)
-    columns = part.columns @ model.layout.mixed(mixing)
+    columns = part.columns_of(part.rows) @ model.layout.mixed(mixing)
     precision, total = np.zeros_like(found.precision), 0.0
     for trial, rows in enumerate(part.rows.rows_of_trials()):
         sd = np.sqrt(part.rows.variance[rows])
-        nuisance, whole = part.rows.events.regressors[:3, rows] / sd, part.random[rows, TRIAL] / sd
+        nuisance, whole = part.rows.events.regressors[:3, rows] / sd, random[rows, TRIAL] / sd
         off = null_space(nuisance)
         size = np.linalg.norm(off.T @ whole)
         along = (off.T @ whole / size) @ (off.T @ (columns[rows] / sd[:, None]))
         total -= np.log(sd).sum() + np.log(noise["tau"] * size) + 0.5 * np.log(2 * np.pi)
         off = null_space(np.vstack([nuisance, whole / np.linalg.norm(whole)]))
-        wander = off.T @ (part.random[rows, WANDER] / sd[:, None])
+        wander = off.T @ (random[rows, WANDER] / sd[:, None])
         own = noise["kappa"] * np.eye(off.shape[1])
         own += noise["wander"] ** 2 * (wander * weights) @ wander.T
         late = off.T @ (apart_by_clocks(part.rows)[rows] / sd)
@@ -221,7 +242,22 @@ def test_a_rig_keeps_sums_of_its_columns_alone(model):
     """Kept event by event, columns of all numbers are most of what a diagnosis takes."""
     part = model.rigs[0]
     kept = [one.size for one in vars(part).values() if isinstance(one, np.ndarray)]
-    assert max(kept) == part.random.size < part.columns.size
+    assert max(kept) == len(part.setup)
+
+
+def test_some_trials_at_a_time_have_the_columns_of_all(model, monkeypatch):
+    """Of each model a part of the rows at a time: as many as there are, or a trial alone."""
+    part = model.rigs[0]
+    for rows_at_once, most in ((1, 1), (200, len(part.setup) - 1)):
+        monkeypatch.setattr("bayesfric.rigs.gravity_board.rows.ROWS_AT_ONCE", rows_at_once)
+        parts = list(part.rows.parts())
+        sizes = [trials.stop - trials.start for trials, _ in parts]
+        assert sum(sizes) == len(part.setup)
+        assert max(sizes) <= most
+        for columns_of in (part.columns_of, part.random_of):
+            joined = np.concatenate([columns_of(some) for _, some in parts])
+            whole = columns_of(part.rows)
+            np.testing.assert_allclose(joined, whole, rtol=1e-9, atol=1e-12 * abs(whole).max())
 
 
 def test_derivatives_are_those_of_differences(model):
@@ -236,7 +272,9 @@ def test_derivatives_are_those_of_differences(model):
 
 def test_trials_that_are_left_out_say_nothing():
     """What is left of all and what is left without some adds up to the whole."""
-    plain = model_of(("viscous",), discrepancy=False, by_trial=True)
+    whole = model_of(("viscous",), discrepancy=False)
+    setups = {"gravity": whole.rigs[0].setup}
+    plain = whole.around(whole.laws, whole.candidates, discrepancy=False, together=setups)
     acting = Acting((plain.lawbook["viscous"][0],), (0.0,))
     psi = psi_of(plain, phases=False)
     first = {"gravity": plain.rigs[0].setup < 3, "motor": plain.rigs[1].setup < 5}

@@ -201,11 +201,21 @@ def test_what_has_a_field_and_is_not_set_is_told(tmp_path):
     assert "stiffness" not in filled.content.decode()
 
 
+def test_the_only_joint_of_a_model_is_taken_and_it_is_said(tmp_path):
+    path = tmp_path / "one.urdf"
+    path.write_text(OWN.urdf())
+    filled = filled_model(path, "urdf", [joint(COULOMB, in_model="knee")], {})
+    assert 'friction="0.610"' in filled.content.decode()
+    assert filled.remarks[0] == "hinge: taken for knee, as the only joint of one.urdf"
+    unnamed = filled_model(path, "urdf", [joint(COULOMB, name="")], {})
+    assert "taken for" not in " ".join(unnamed.remarks)
+
+
 @pytest.mark.parametrize(
     ("change", "to", "named", "said"),
     [
         ({"turns": False}, "mjcf", {}, "a joint that slides, in N and m"),
-        ({}, "urdf", {}, "--to mjcf"),
+        ({}, "urdf", {}, "--to: found 'urdf', expected mjcf, which one.xml is"),
         ({}, "mjcf", {"elbow": "knee"}, "one of hinge"),
         ({}, "mjcf", {"shoulder": "hinge"}, "one of elbow"),
     ],

@@ -373,12 +373,15 @@ def linear(
         )
         for name, law, share in acting
     ]
-    plain = LinearModel(data, laws, candidates, analysis, discrepancy=discrepancy, by_trial=True)
+    together = {rig.rig.name: np.arange(len(rig.table)) for rig in data.rigs}
+    plain = LinearModel(
+        data, laws, candidates, analysis, discrepancy=discrepancy, together=together
+    )
     if not added:
         return plain
     forms = other_forms([linear_rig.rows for linear_rig in plain.rigs], added)
     return LinearModel(
-        data, laws, candidates, analysis, scattering=added, forms=forms, by_trial=True
+        data, laws, candidates, analysis, scattering=added, forms=forms, together=together
     )
 
 

@@ -55,8 +55,8 @@ def test_all_groups_speak_of_the_same_draws(draws):
     assert set(draws.children) == GROUPS
     of_draws = GROUPS - {"prior", "prior_predictive", "observed_data", "constant_data"}
     sizes = {(draws[name].sizes["chain"], draws[name].sizes["draw"]) for name in of_draws}
-    assert sizes == {(160, 25)}
-    assert draws["posterior"]["ensemble"].to_numpy().tolist() == np.repeat(range(4), 40).tolist()
+    assert sizes == {(4, 1000)}
+    assert draws["posterior"]["ensemble"].to_numpy().tolist() == [0, 1, 2, 3]
     trials = draws["observed_data"]["trial"].to_numpy()
     for name in ("posterior_predictive", "prior_predictive", "log_likelihood"):
         assert draws[name]["friction"]["trial"].to_numpy().tolist() == trials.tolist()
@@ -74,7 +74,7 @@ def test_many_draws_are_thinned_alike():
     assert np.array_equal(stored.flat[:, 0], stored.log_density.ravel() / 2)
     assert np.array_equal(stored.theta, -stored.z)
     assert stored.z[37, :, 0].tolist() == z[1, :: 200 // 25, 1].tolist()
-    assert stored.ensemble[37] == 1
+    assert stored.ensembles == 4
     fewer = Stored.of(z[..., None], z[..., None], z, trials=2000)
     assert fewer.log_density.size * 2000 <= 2_400_000
 
@@ -101,6 +101,22 @@ def test_the_likelihood_adds_up_to_that_of_the_whole(draws, board):
     prior = sum(float(one.isel(chain=3, draw=7).sum()) for one in draws["log_prior"].values())
     lp = float(draws["sample_stats"]["lp"].isel(chain=3, draw=7))
     assert lp == pytest.approx(total + prior, rel=1e-12)
+
+
+def test_arviz_says_of_the_file_what_the_fit_says_of_it(draws, folder):
+    """Every figure, to all digits: whoever reads the file finds what the report prints."""
+    fit = json.loads((folder / "fit.json").read_text())
+    summary = azs.summary(draws, round_to="none")
+    entries = {f"{c}[medium]": entry for c, entry in fit["pulleys"]["medium"].items()}
+    entries |= fit["scatter"] | fit["noise"]
+    assert set(entries) == set(summary.index)
+    for name, entry in entries.items():
+        for figure in ("r_hat", "ess_bulk"):
+            assert float(summary.loc[name, figure]) == pytest.approx(
+                entry["stored"][figure], rel=1e-9
+            )
+        # QUICK_SAMPLER has so few draws that the file has them all
+        assert entry["stored"]["r_hat"] == pytest.approx(entry["r_hat"], rel=1e-9)
 
 
 def test_psense_is_that_of_the_fit(draws, folder):
@@ -232,7 +248,7 @@ def test_csv_is_what_r_expects(folder, draws):
     assert len(rows) == posterior.sizes["chain"] * posterior.sizes["draw"]
     names = header.split(",")
     assert {"c1[medium]", "c3[medium]", "tau", "wander_length"} <= set(names)
-    numbers = [float(cell) for cell in rows[26].split(",")]
+    numbers = [float(cell) for cell in rows[1001].split(",")]
     assert numbers[:2] == [1, 1]
     column = names.index("c2[medium]")
     assert numbers[column] == float(posterior["c2"].isel(chain=1, draw=1).sel(pulley="medium"))

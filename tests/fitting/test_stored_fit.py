@@ -12,6 +12,7 @@ from report.hostile import IN_CELLS
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.chains import by_walker
 from bayesfric.errors import InputError
 from bayesfric.fitting.inference_data import write_csv
 from bayesfric.results import read_json, read_tree
@@ -121,7 +122,7 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
     from bayesfric.inference.diagnostics import power_scaling
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
-    posterior = small_fit.draws["posterior"].to_dataset()
+    posterior = by_walker(small_fit.draws["posterior"].to_dataset())
     screened = screen_trials(small_recording.gravity, small_recording.rig)
     likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
     widths = {"c1": 0.01, "c2": 0.04, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}

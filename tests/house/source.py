@@ -21,6 +21,8 @@ EMPTY_NAMES = frozenset({"one", "found", "told", "known", "here", "each", "many"
 KEYS_OF_FILES = frozenset({("analysis.py", "one")})
 # Lines that a function may have, its docstring left out.
 LONGEST_FUNCTION = 60
+# Lines that a file may have, blank ones and docstrings among them.
+LONGEST_FILE = 400
 
 NO_CODE = {
     tokenize.COMMENT,
@@ -43,6 +45,15 @@ class Place:
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line} {self.name}"
+
+
+def long_files(package: Path) -> dict[str, int]:
+    """Return the files that are too long, relative to the package, with their lines."""
+    lines = {
+        str(file.relative_to(package)): len(file.read_text(encoding="utf-8").splitlines())
+        for file in package.rglob("*.py")
+    }
+    return {file: count for file, count in lines.items() if count > LONGEST_FILE}
 
 
 def room_of(file: Path) -> str:

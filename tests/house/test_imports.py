@@ -38,7 +38,7 @@ ROWS = (
     ("observation",),
     ("rigs",),
     ("simulate",),
-    ("stored_names",),
+    ("stored_names", "chains"),
     ("results", "attention"),
     ("fitting", "testing"),
     ("calibration",),
@@ -64,6 +64,7 @@ ONLY = {
     "errors": set(),
     "characters": set(),
     "stored_names": set(),  # any tree
+    "chains": set(),  # any draws
     "files": set(),
     "resources": set(),
     "checksum": set(),

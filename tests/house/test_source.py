@@ -12,6 +12,7 @@ from house.source import (
     empty_names,
     imported_files,
     lines_of_code,
+    long_files,
     long_functions,
     measure_rooms,
 )
@@ -21,6 +22,18 @@ from house.source import (
 NOT_YET_NAMED: dict[str, int] = {}
 NOT_YET_SHORT: set[str] = set()
 NOT_YET_STRAIGHT: list[set[str]] = []
+# Files of more than 400 lines.
+NOT_YET_SMALL: set[str] = {
+    "blind/engines/joint_arm.py",
+    "blind/engines/mujoco_joints.py",
+    "diagnosis/model.py",
+    "effects/base.py",
+    "fitting/pooled.py",
+    "replaying.py",
+    "rigs/base.py",
+    "rigs/gravity_board/rows.py",
+    "rigs/single_axis/trials.py",
+}
 # End of what is not yet held.
 
 
@@ -48,6 +61,12 @@ def test_functions_are_short(rooms):
     }
     assert long - NOT_YET_SHORT == set()
     assert NOT_YET_SHORT - long == set(), "take these off the list"
+
+
+def test_files_are_short():
+    long = set(long_files(PACKAGE))
+    assert long - NOT_YET_SMALL == set()
+    assert NOT_YET_SMALL - long == set(), "take these off the list"
 
 
 def test_no_files_import_each_other():

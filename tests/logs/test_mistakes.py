@@ -67,9 +67,13 @@ MISTAKES = {
         {"mapping": instead('"motor"', '"SAY"')},
         "force.force_is: found 'SAY', expected 'commanded', 'motor', 'link', 'measured' or",
     ),
+    "a proposal that is edited in part": (
+        {"mapping": instead('"rad"', '"SAY"')},
+        "position.unit: found 'SAY', expected what is right, which the log does not say",
+    ),
     "amperes without a torque constant": (
         {"mapping": instead('"N·m"', '"A"')},
-        "force.factor: expected N·m for 1 A",
+        "force.factor: expected N·m for 1 A: the torque constant; a gear is gear_ratio",
     ),
     "a share of the PWM without what all of it gives": (
         {"mapping": instead('"N·m"', '"share"')},

@@ -108,7 +108,11 @@ def test_the_script_makes_the_log_again(tmp_path):
     [
         ('model = "none.xml"', "none.xml"),
         ('model = "../arm.xml"', "a file in the folder of the mapping"),
-        ('model = "arm.xml"\njoints = {elbow = "knee"}', "a joint of arm.xml (shoulder, elbow)"),
+        (
+            'model = "arm.xml"\njoints = {elbow = "knee"}',
+            "the mapping, robot.joints.elbow: found 'knee', expected a joint of arm.xml (shoulder, "
+            'elbow): under [robot], joints = {elbow = "its name there"}',
+        ),
         ('modell = "arm.xml"', "model"),
     ],
 )

@@ -112,7 +112,7 @@ def write_draws(path: Path, n=400, sd=0.01, omega=0.02, seed=1):
         },
         dims={name: ["pulley"] for name in ("c1", "c2", "c3")},
         coords={"pulley": ["small", "medium"]},
-        ensemble=np.array([0, 0, 1, 1]),
+        ensembles=2,
         attributes={
             "recording.name": "made-up",
             "recording.title": "",

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from margins.loops import SMALL, loop, write_draws
 
+from bayesfric.chains import by_walker
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
@@ -51,6 +52,19 @@ def test_pulleys_draws_and_peak_tensions_outside_are_counted(tmp_path):
     calm = loop()
     given = draw_assembly(calm, law, RigDiscrepancy(0.0, ""), seed=1)
     assert beyond_the_draws(at_shaft(calm, given), given, law) == ()
+
+
+def test_draws_by_walker_of_an_earlier_version_are_read_alike(tmp_path):
+    path = write_draws(tmp_path / "draws.nc", n=400)
+    with xr.open_datatree(path, engine="netcdf4") as opened:
+        tree = opened.load()
+    tree["posterior"] = xr.DataTree(by_walker(tree["posterior"].to_dataset()))
+    assert tree["posterior"].sizes["chain"] == 4
+    tree.attrs.pop("layout")
+    tree.to_netcdf(tmp_path / "earlier.nc", engine="netcdf4")
+    law, earlier = read_posterior(path), read_posterior(tmp_path / "earlier.nc")
+    assert np.array_equal(law.coefficients["small"].c1, earlier.coefficients["small"].c1)
+    assert law.effective_draws == earlier.effective_draws
 
 
 def test_it_is_the_first_thing_that_is_said(tmp_path):

@@ -11,7 +11,7 @@ from bayesfric.plots.assemblies import assemblies_left_out
 from bayesfric.plots.labels import ordered_sizes, parameter_label, plain
 from bayesfric.plots.posterior import coefficient_pairs, coefficients_relative_to_paper
 from bayesfric.plots.ranks import rank_histograms
-from bayesfric.plots.style import COLORS, size_styles, to_svg
+from bayesfric.plots.style import COLORS, NEUTRAL, size_styles, to_svg
 from bayesfric.plots.tension import friction_against_tension
 from bayesfric.plots.trajectories import measured_and_predicted
 
@@ -36,6 +36,20 @@ def test_ratio_bars_end_at_the_stored_quantiles(small_fit):
     assert ratio == pytest.approx(
         table["value"].sel(coefficient="c3", pulley="medium").to_numpy() / 1.02e-5
     )
+
+
+def test_a_refit_has_the_colours_and_the_law_alone_is_grey(small_fit):
+    refitted = {"c2[small]": (0.0250, 0.0261, 0.0270)}
+    (axes,) = coefficients_relative_to_paper(small_fit.predictive, (), refitted).axes
+    labels = [text.get_text() for text in axes.get_yticklabels()]
+    row = axes.get_yticks()[labels.index("$c_2$ small")]
+    bars = {line.get_ydata()[0]: line for line in horizontal_lines(axes)}
+    styles = size_styles(["small", "medium", "large"])
+    refit = bars[row - 0.35]
+    assert list(refit.get_xdata()) == pytest.approx([0.0250 / 0.0261, 0.0270 / 0.0261])
+    assert (refit.get_color(), bars[row].get_color()) == (styles["small"].color, NEUTRAL)
+    alone = bars[axes.get_yticks()[labels.index("$c_2$ large")]]
+    assert alone.get_color() == styles["large"].color
 
 
 def test_table_1_is_marked_in_the_pairs(small_fit):

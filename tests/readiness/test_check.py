@@ -49,6 +49,25 @@ def test_errors_are_those_of_the_law_in_a_diagnosis(hinge, told):
         assert row["sd"] == pytest.approx(number.before.sd, rel=0.2), name
 
 
+@pytest.mark.nightly
+def test_an_effect_that_the_law_lacks_is_no_noise_of_it(tmp_path):
+    """Of one machine with a spring and without, errors differ by what a further number costs.
+
+    The law alone would take the spring's force for noise, and its errors for three times as large.
+    """
+    sd = {}
+    for stiffness in (0.0, 2.0):
+        machine = Machine(viscous=0.6, spring=stiffness)
+        table, samples = simulate(machine, runs=6, seconds=8.0, seed=7)
+        slow = samples[samples.groupby("run", sort=False).cumcount() % 10 == 0]
+        folder = write(tmp_path / f"spring-{stiffness}", machine, table, slow)
+        (part,) = readiness_of(read_recording(folder)).parts
+        sd[stiffness] = part.power.coefficients["sd"]
+        assert part.power.beside == (("spring",) if stiffness else ())
+    assert (sd[2.0] / sd[0.0]).between(0.7, 1.5).all()
+    assert "these errors are beside spring, which a first look shows" in "\n".join(part.lines())
+
+
 def test_what_is_told_what_is_not_and_what_to_record(told):
     can, cannot = told.effects
     assert {"stribeck", "load-friction", "delay"} <= set(can)

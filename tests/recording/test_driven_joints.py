@@ -81,6 +81,12 @@ def test_a_wrong_key_is_one_fault(tmp_path: Path, key: str, value: Any, said: st
     assert said in fault_of(joints(**(KEYS | {key: value})).write(tmp_path))
 
 
+def test_a_mass_that_a_run_carries_is_no_less_than_nothing(tmp_path: Path) -> None:
+    mini = Mini().set("axis_runs.csv", 3, "payload_kg", "-1")
+    said = fault_of(mini.write(tmp_path))
+    assert "row 3, payload_kg: found '-1', expected a mass that the run carries, 0 at least" in said
+
+
 @pytest.mark.parametrize(("file", "text"), [("arm.urdf", URDF), ("models/arm.xml", MJCF)])
 def test_a_robot_is_read_and_written_with_its_file(tmp_path: Path, file: str, text: str) -> None:
     mini = joints(robot={"model": file, "joints": {"q1": "joint_2"}})

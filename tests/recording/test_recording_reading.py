@@ -10,8 +10,10 @@ from benchmark.kernels import timed
 from pytest_benchmark.fixture import BenchmarkFixture
 from recording.mini import UNUSED, Mini
 
+from bayesfric.diagnosis.residuals import AXES
 from bayesfric.recording import Recording, describe_recording, read_recording, tables_sha256
 from bayesfric.recording.axis_notes import notes_on_axis
+from bayesfric.recording.columns import TAKEN
 from bayesfric.recording.tables import Axis, RigConstants
 
 TRIALS, EVENTS = "gravity_trials.csv", "gravity_events.csv"
@@ -175,6 +177,22 @@ def test_unknown_columns_are_kept_out_and_mentioned(tmp_path: Path) -> None:
     )
 
 
+def test_a_covariate_takes_no_name_that_results_have(tmp_path: Path) -> None:
+    """A column `velocity` would stand in the place of the speed, and `trial` in that of the id."""
+    mini = Mini().add("steady_friction.csv", "velocity", ["1", "2"])
+    mini.add("steady_friction.csv", "trial", ["1", "2"]).add("axis_runs.csv", "rig", ["1", "2"])
+    recording = read(mini, tmp_path)
+    assert recording.notes[:3] == tuple(
+        f"{file}: column {name!r} kept out (results have this name: rename it)"
+        for file, name in (
+            ("steady_friction.csv", "velocity"),
+            ("steady_friction.csv", "trial"),
+            ("axis_runs.csv", "rig"),
+        )
+    )
+    assert set(AXES) - {"order", "setup"} <= TAKEN
+
+
 def test_conditions_outside_table_2_are_notes(tmp_path: Path) -> None:
     mini = Mini()
     mini.set(TRIALS, 2, "setup", "c").set(TRIALS, 2, "wrap_angle_deg", "151")
@@ -257,6 +275,14 @@ def test_description(tmp_path: Path) -> None:
         ("  log", "up to 0.02 s and 0.003 m a run, a sample every 0.01 s, force 1.1 to 2.2 N"),
         ("sha256", recording.sha256),
     )
+
+
+def test_a_log_of_one_sample_has_no_pace():
+    samples = pd.DataFrame({"run": ["a"], "time_s": [0.0], "position_m": [0.1], "force_n": [2.0]})
+    axis = Axis(pd.DataFrame({"run": ["a"]}), samples)
+    recording = Recording(name="log", title="Short", rig=RigConstants(), axis=axis)
+    lines = dict(describe_recording(recording))
+    assert lines["  log"] == "up to 0 s and 0 m a run, force 2 N"
 
 
 @pytest.mark.bench

@@ -144,14 +144,15 @@ def test_the_same_seed_gives_the_same_interval(better):
 
 
 @pytest.mark.nightly
-def test_a_diagnosis_with_replay_says_whether_its_numbers_are_better(tmp_path):
-    write_recording(recording(TRUTH, 5, own=WRONG, seconds=36.0), tmp_path / "hinge")
+@pytest.mark.parametrize("own", [WRONG, TRUTH], ids=["wrong", "right"])
+def test_a_diagnosis_with_replay_says_whether_its_numbers_are_better(tmp_path, own):
+    write_recording(recording(TRUTH, 5, own=own, seconds=36.0), tmp_path / "hinge")
     done = CliRunner().invoke(
         app, ["diagnose", str(tmp_path / "hinge"), "-o", str(tmp_path / "out"), "--replay"]
     )
     assert done.exit_code == 0, done.output
     found = read_json(DiagnosisFile, tmp_path / "out" / "diagnosis.json")
-    assert found.replay.promoted
+    assert found.replay.promoted == (own is WRONG)
     assert found.replay.sentence in done.stdout
 
 

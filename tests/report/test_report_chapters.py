@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+import json
 import os
 import re
 import subprocess
@@ -17,8 +18,8 @@ from report.told import told
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.data_quality import data_quality
-from bayesfric.report.chapters.left_out import left_out
 from bayesfric.report.chapters.methods import thresholds
+from bayesfric.report.chapters.one_left_out import left_out
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.chapters.symbols import symbol
@@ -212,6 +213,15 @@ def test_a_damaged_result_is_one_clear_error(small_fit, tmp_path):
     with pytest.raises(InputError, match=r"draws\.nc"):
         write_report(tmp_path)
     assert not (tmp_path / "report.pdf").exists()
+
+
+def test_quantiles_that_somebody_put_out_of_their_order_are_one_clear_error(small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    record = json.loads((tmp_path / "fit.json").read_text("utf-8"))
+    record["pulleys"]["medium"]["c1"]["q05"] = 1e9
+    (tmp_path / "fit.json").write_text(json.dumps(record), "utf-8")
+    with pytest.raises(InputError, match=r"pulleys\.medium\.c1 has quantiles 1e\+09"):
+        write_report(tmp_path)
 
 
 def test_results_of_a_rig_that_nobody_here_knows_have_a_report(small_fit):

@@ -83,6 +83,18 @@ def test_coefficients_of_a_law_that_misses_what_acts_say_so():
     assert not list(biased(without_gap().record))
 
 
+def test_a_named_viscous_board_says_the_damping_of_a_pulley():
+    """15 N times 0.0128 and 0.0261 N are 0.2181 N, and times the slope a damping."""
+    law = {
+        "c1[small]": LawNumber(unit="1", before=interval(0.013), after=interval(0.0128)),
+        "c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261)),
+    }
+    named = stored_diagnosis().record.model_copy(update={"law": law})
+    slope = named.causes[0].parameters["slope"].q50
+    (table,) = numbers_to_use(named)
+    assert f"As a damping of one pulley: {0.2181 * slope:.2g} (small) N·s/m" in words(table.note)
+
+
 def test_a_named_board_says_which_numbers_to_use():
     """The refit with the cause stands before the law alone, whose coefficients are biased."""
     law = {"c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261))}

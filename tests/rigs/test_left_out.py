@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from bayesfric.cli import app
 from bayesfric.recording import Axis, Recording, RigConstants, write_recording
+from bayesfric.rigs.opening import left_out
 
 RATE = 200.0
 
@@ -67,8 +68,6 @@ def test_a_run_that_does_not_enter_is_told_why(tmp_path, case, verb):
 
 def test_many_runs_are_told_in_few_lines():
     """Beside one run that enters, each of fifty short ones is named with its rule."""
-    from bayesfric.rigs.opening import left_out
-
     whole, short = joint(slow), joint(slow, seconds=0.05, runs=50)
     samples = whole.axis.samples.replace({"run": {"r0": "whole"}})
     runs = pd.concat([pd.DataFrame({"run": ["whole"]}), short.axis.runs], ignore_index=True)
@@ -77,6 +76,26 @@ def test_many_runs_are_told_in_few_lines():
     assert len(faults) == 20
     assert faults[-1].like == 30
     assert "run r0: found '10 samples', expected 16 samples at least" in str(faults[0])
+
+
+@pytest.mark.parametrize(
+    ("logged", "told_of"),
+    [
+        (["r1"], "a, run r0: expected 16 samples at least of joint b too"),
+        ([], "a: expected a run that enters: no run has 16 samples of every joint: r0 lacks"),
+    ],
+)
+def test_a_run_without_another_joint_is_told_with_that_joint(logged, told_of):
+    """It has samples enough of its own; what the other does to it is not known."""
+    recording = joint(slow, runs=2)
+    samples, runs = recording.axis.samples, recording.axis.runs
+    beside = samples[samples["run"].isin([*logged, "r2"])].assign(joint="b")
+    if not logged:  # the other joint has a run of its own
+        beside = samples[samples["run"] == "r1"].assign(joint="b", run="r2")
+        runs = pd.DataFrame({"run": ["r0", "r1", "r2"]})
+    log = pd.concat([samples.assign(joint="a"), beside], ignore_index=True)
+    faults = left_out(replace(recording, axis=Axis(runs, log)))
+    assert any(told_of in str(fault) for fault in faults), faults
 
 
 def test_a_log_that_enters_says_nothing(tmp_path):
@@ -102,8 +121,6 @@ def test_a_trial_of_the_board_that_a_rule_leaves_out_is_told(small_recording, tm
     rng = np.random.default_rng(2)
     shaken = events["time_s"].where(~own, np.sort(rng.uniform(0, 1, len(events))))
     gravity = replace(small_recording.gravity, events=events.assign(time_s=shaken))
-    from bayesfric.rigs.opening import left_out
-
     (fault,) = left_out(replace(small_recording, gravity=gravity))
     assert str(fault).startswith(
         f"gravity_trials.csv, {trial}: expected a trial that enters; unrep"

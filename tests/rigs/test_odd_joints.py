@@ -6,9 +6,11 @@ import pytest
 from rigs.joints import Joint, recording_of
 from typer.testing import CliRunner
 
+from bayesfric.analysis import Analysis
 from bayesfric.cli import app
 from bayesfric.diagnosis import diagnose
 from bayesfric.diagnosis.forms import other_forms
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate
 from bayesfric.errors import InputError
@@ -17,6 +19,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.recording import write_recording
 from bayesfric.recording.held import held_for
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
 
 AXIS = all_rigs()["single-axis"]
 LOGS = {
@@ -204,3 +207,24 @@ def test_a_small_swing_shows_a_part_of_a_weight_that_pulls_less_than_friction():
     runs = runs_of(swinging.recording())
     assert runs.measures.pull < swinging.coulomb
     assert runs.suited(all_effects(None)["gravity-torque"]).amplitude.prior.sd > 0.5
+
+
+@pytest.mark.parametrize("friction", [0.06, 0.002])
+def test_a_force_may_be_noisier_than_friction_is_large(friction):
+    """Its noise was at most ten times friction, and the rest of it an unknown force."""
+    joint = Joint(coulomb=friction, viscous=0.0, gravity=0.0, noise=0.2, seconds=5.0)
+    runs = runs_of(joint.recording())
+    assert runs.readings.force_sd == pytest.approx(0.2, rel=0.1)
+    law = {"axis": Coefficients(0.06, friction, 0.0)}
+    model = LinearModel(Data((runs,)), law, [], Analysis(), frozenset())
+    (noise,) = [parameter for parameter in model.noise if parameter.name == "sigma_force"]
+    assert noise.bounds[1] >= 1.0
+    assert noise.log_prior(0.2) > noise.log_prior(0.02) - 10
+
+
+@pytest.mark.nightly
+def test_a_force_that_is_noise_beside_no_friction_is_no_gap_that_anything_makes():
+    joint = Joint(coulomb=0.0, viscous=0.0, gravity=0.0, noise=0.2)
+    found = diagnose(joint.recording()).summary
+    assert found.verdict in ("undecided", "no-gap")
+    assert found.probabilities["unknown"] < 0.5

@@ -54,3 +54,10 @@ def test_a_tenth_of_a_second_is_no_lag():
     """A drive that lags by as much bends the force almost alike where the joint is slow."""
     runs = AXIS.trials(LoopedJoint(sampled_hz=200.0, closed=False, late_s=0.1).recording())
     assert runs.late_s == pytest.approx(0.1, abs=2e-3)
+
+
+def test_runs_too_short_for_a_force_to_be_moved_have_it_as_logged():
+    """Sixteen samples: no window stays inside of the run however the force is moved."""
+    samples = LoopedJoint(sampled_hz=200.0, **CLOSED).recording().axis.samples
+    (fault,) = AXIS.left_out(recording_of(samples.iloc[:16]))
+    assert "it takes 8: record it for longer" in fault.expected

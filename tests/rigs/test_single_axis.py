@@ -316,3 +316,11 @@ def test_scatter_of_assemblies_that_never_come_again_is_not_counted_twice(trials
     again = LinearModel(Data((paired,)), {"axis": Coefficients(2.1, 1.4, 0.0)}, [], model.analysis)
     psi = {one.name: one for one in again.noise}
     assert psi["omega_axis"].log_prior(0.05) == psi["tau_axis"].log_prior(0.05)
+
+
+def test_parts_of_one_log_say_nothing_of_how_another_log_would_scatter(trials, model):
+    """What all rows have in common is in Coulomb friction, which no prior of scatter widens."""
+    parted = replace(trials, table=trials.table.assign(run="the log", setup="the machine"))
+    alone = LinearModel(Data((parted,)), {"axis": Coefficients(2.1, 1.4, 0.0)}, [], model.analysis)
+    psi = {parameter.name: parameter for parameter in alone.noise}
+    assert psi["omega_axis"].log_prior(0.05) < psi["tau_axis"].log_prior(0.05) - 100

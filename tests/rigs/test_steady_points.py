@@ -8,6 +8,9 @@ from rigs.friction_points import curved, joint, recorded, slide, warming
 import bayesfric as bf
 from bayesfric import rigs
 from bayesfric.analysis import Analysis, HalfNormal, Normal, checked_analysis
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.baseline import data_of
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.effects.candidates import Candidate
 from bayesfric.errors import InputError
@@ -70,6 +73,22 @@ def test_its_density_is_a_dense_normal(tmp_path):
     )
     found = likelihood.log_likelihood({name: np.array([value]) for name, value in theta.items()})
     assert found[0] == pytest.approx(expected, abs=1e-8)
+
+
+def test_an_assembly_of_pulleys_of_several_sizes_is_one_of_each(tmp_path):
+    """Taken as one, it took off the first size what another's readings share: no information."""
+    table = slide() | {"setup": np.repeat(["a", "b", "c", "d"], 10).tolist()}
+    table["tension_n"] = table["tension_n"] / 10
+    table["pulley_size"] = np.tile(["small", "large"], 20).tolist()
+    data, law = data_of(recorded(tmp_path, table), "paper", None)
+    points = data.rigs[0].table
+    assert (points.groupby("setup")["pulley_size"].nunique() == 1).all()
+    assert points.groupby("setup").size().tolist() == [5] * 8
+    laws = dict.fromkeys(data.sizes, Coefficients(0.1, 9.0, 0.0))
+    model = LinearModel(data, laws, (), Analysis(), frozenset(law.without))
+    precision = model.evaluate(model.noise.start, Acting()).information.precision
+    values = np.linalg.eigvalsh(precision)
+    assert values[0] > -1e-9 * values[-1]
 
 
 def test_a_machine_of_another_size_in_other_units_is_diagnosed_alike(tmp_path):

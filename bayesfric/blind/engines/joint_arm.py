@@ -333,7 +333,6 @@ class Machine:
         self.model.dof_armature[:joints] = arm.armature
         payload = sum(form.amplitude for form in acting if form.mechanism.part == "payload")
         self.model.dof_armature[target] += payload
-        self.rotor = rotor
         self._load = 0.0  # that the gear carried in the last step [N·m]
         inertia = self.inertia()
         self.link = link_of(acting, rotor, inertia[target], arm.coulomb[target])

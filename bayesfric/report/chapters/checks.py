@@ -6,7 +6,7 @@ from functools import partial
 from bayesfric.plots.residuals import residual_charts, residuals_by_order
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.left_out import left_out
+from bayesfric.report.chapters.one_left_out import left_out
 from bayesfric.report.chapters.plain_law import force_unit
 from bayesfric.report.content import (
     Block,

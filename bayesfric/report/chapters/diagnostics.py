@@ -78,6 +78,8 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         "sd / prior sd: 0 where the data say nothing, 1 where they say all, a dash where the "
         "prior has no sd. Informed: the data say more than the prior.",
     )
+    if stored_figures := _stored(entries):
+        yield stored_figures
     if any(entry.prior_sensitivity is not None for entry in entries.values()):
         yield _sensitivity(entries)
     yield Figure(
@@ -92,6 +94,29 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         "its draws in equal classes of rank, over the count expected, which is one.",
         label="ranks",
         floats=True,
+    )
+
+
+def _stored(entries: Mapping[str, ParameterSummary]) -> Table | None:
+    """Return the table of the draws that are stored; none where a fit of old does not say."""
+    rows = [
+        [
+            symbol(name),
+            f"{entry.stored.r_hat:.4f}",
+            format_count(round(entry.stored.ess_bulk)),
+        ]
+        for name, entry in entries.items()
+        if entry.stored is not None
+    ]
+    if not rows:
+        return None
+    return Table(
+        "The draws that draws.nc keeps, as ArviZ sums them up.",
+        ["parameter", *decimal_columns("R-hat"), *right_columns("bulk ESS")],
+        rows,
+        label="stored-draws",
+        note="The file has at most 4,000 of the draws, evenly spaced, an ensemble a chain: fewer "
+        "effective draws than all together, and an R-hat that chance makes a little larger.",
     )
 
 

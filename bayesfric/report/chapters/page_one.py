@@ -10,7 +10,11 @@ import xarray as xr
 from bayesfric.attention import attention_of_all
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
-from bayesfric.plots.posterior import coefficients_relative_to_paper, ratio_charts
+from bayesfric.plots.posterior import (
+    Quantiles,
+    coefficients_relative_to_paper,
+    ratio_charts,
+)
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.blind import scorecard_line
@@ -25,10 +29,10 @@ from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
-    biased,
     coefficient_heads,
     fitted_numbers,
     numbers_to_use,
+    refitted_coefficients,
 )
 from bayesfric.report.content import (
     Block,
@@ -66,11 +70,11 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from numbers_to_use(diagnosed.record, alone=alone)
         yield from numbers_to_enter(diagnosed.record)
     if fitted is not None:
-        warned = [] if diagnosed is None else list(biased(diagnosed.record))
-        yield from warned
-        yield from in_a_sentence(fitted.fit)
-        yield from expected(fitted, coefficients=not warned)
-        yield from coefficients_figure(fitted)
+        refitted = {} if diagnosed is None else refitted_coefficients(diagnosed.record)
+        if diagnosed is None or not diagnosed.record.enter:
+            yield from in_a_sentence(fitted.fit)
+        yield from expected(fitted, coefficients=not refitted)
+        yield from coefficients_figure(fitted, refitted)
     pooled = stored.pooled
     if pooled is not None and pooled.pooled is not None:
         yield from convergence(pooled)
@@ -212,18 +216,21 @@ def _range(quantiles: xr.DataArray) -> str:
     return f"{low_shown} to {high_shown}"
 
 
-def coefficients_figure(stored: StoredFit) -> Iterator[Figure]:
-    """Yield the coefficients beside the paper's."""
+def coefficients_figure(stored: StoredFit, refitted: Quantiles) -> Iterator[Figure]:
+    """Yield the coefficients beside the paper's, those refitted with named causes first."""
     if "ratio" not in stored.predictive["coefficients"].data_vars:
         return
+    uninformed = _uninformed(stored.fit)
+    biased = " In colour: refitted with the named causes (90 %). Grey: the law alone, biased."
     yield Figure(
-        svg_of(coefficients_relative_to_paper, stored.predictive, _uninformed(stored.fit)),
+        svg_of(coefficients_relative_to_paper, stored.predictive, uninformed, refitted),
         "Each coefficient over its value in Table I: median, 50 % and 90 % intervals. A bar that "
-        "misses the dashed line says that data and paper differ by more than the uncertainty.",
+        "misses the dashed line says that data and paper differ by more than the uncertainty."
+        + (biased if refitted else ""),
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",
         label="relative",
-        charts=partial(ratio_charts, stored.predictive, _uninformed(stored.fit)),
+        charts=partial(ratio_charts, stored.predictive, uninformed, refitted),
     )
 
 

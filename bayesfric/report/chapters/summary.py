@@ -1,22 +1,31 @@
 """The coefficients, the scatter and the noise of the sensors."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
 from bayesfric.report.chapters.plain_law import plain_coefficients, plain_table
 from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
-from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_columns
+from bayesfric.report.content import Block, Heading, Notice, Paragraph, Table, decimal_columns
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile, ParameterSummary
 
 
-def summary(stored: StoredFit) -> Iterator[Block]:
-    """Yield the coefficients and the scatter."""
+def summary(stored: StoredFit, warnings: Iterable[Notice] = ()) -> Iterator[Block]:
+    """Yield the coefficients and the scatter.
+
+    Parameters
+    ----------
+    stored : StoredFit
+        Whose numbers they are.
+    warnings : iterable of Notice
+        That stand before them.
+    """
     fit = stored.fit
     yield Heading(1, "Coefficients")
+    yield from warnings
     if fit.pulleys:
         yield _of_pulleys(fit)
         yield from _not_estimated(fit)

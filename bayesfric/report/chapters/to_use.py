@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 
 from bayesfric.effects import all_effects
+from bayesfric.effects.base import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
 from bayesfric.report.content import Block, Code, Column, Inline, Notice, Strong, Table, Text
@@ -89,8 +90,10 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
         label="use",
         note=[
             "Median ± half of the 90 % interval. The law alone takes up a part of the force of "
-            f"{names}, so that its coefficients are biased. ",
+            f"{names}, so that its coefficients are biased: fit.json, draws.nc and the chapters on "
+            "the fit have these. ",
             *_meanings(causes),
+            *_dampings(law, causes),
         ],
     )
 
@@ -131,6 +134,27 @@ def _coefficient(entry: ParameterSummary, exponent: int) -> Text:
     return Strong(" ± ".join(error_cells(scale * entry.mean, scale * (entry.q95 - entry.q05) / 2)))
 
 
+def refitted_coefficients(diagnosis: DiagnosisFile) -> dict[str, tuple[float, float, float]]:
+    """Return the law that was refitted with the named causes; empty without a cause.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        As it is stored.
+
+    Returns
+    -------
+    dict of str to tuple of float
+        5 %, 50 % and 95 % quantile of each number, such as ``c2[small]``.
+    """
+    if not _acting_causes(diagnosis):
+        return {}
+    return {
+        name: (number.after.q05, number.after.q50, number.after.q95)
+        for name, number in diagnosis.law.items()
+    }
+
+
 def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
     """Yield a warning beside numbers of a law that lacks a named cause."""
     causes = _acting_causes(diagnosis)
@@ -164,6 +188,26 @@ def _meanings(causes: Sequence[Cause]) -> Iterator[Inline]:
             if parameter.name in cause.parameters:
                 yield Code(f"{cause.effect}.{parameter.name}")
                 yield f": {parameter.meaning}. "
+
+
+def _dampings(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Iterator[str]:
+    """Yield viscous friction in the unit that a simulator takes, for each pulley size."""
+    for cause in causes:
+        slope = cause.parameters.get("slope")
+        sizes = [
+            size
+            for size in ordered_sizes(sizes_of(law))
+            if {f"c1[{size}]", f"c2[{size}]"} <= {*law}
+        ]
+        if cause.effect != "viscous" or cause.law != "constant" or slope is None or not sizes:
+            continue
+        damping = [f"{_of_a_pulley(law, size) * slope.q50:.2g} ({size})" for size in sizes]
+        yield f"As a damping of one pulley: {', '.join(damping)} N·s/m. "
+
+
+def _of_a_pulley(law: Mapping[str, LawNumber], size: str) -> float:
+    """Return the refitted friction of one pulley at 15 N and 85° [N]."""
+    return REFERENCE_TENSION_N * law[f"c1[{size}]"].after.q50 + law[f"c2[{size}]"].after.q50
 
 
 def _with_error(number: Interval, exponent: int = 0) -> str:

@@ -119,8 +119,6 @@ class QuadraticFits:
     rest_time : ndarray, shape (K,)
         When the quadratic's speed is zero, on the clock of the train; before the first event of
         a motion that gathers speed [s]. Where the second derivative is zero it is not finite.
-    rest_time_variance : ndarray, shape (K,)
-        Its variance where the weights are inverse variances [s²].
     speed : ndarray, shape (E,)
         First derivative at each event [spacings/s].
     residual : ndarray, shape (E,)
@@ -132,7 +130,6 @@ class QuadraticFits:
     acceleration: Array
     acceleration_variance: Array
     rest_time: Array
-    rest_time_variance: Array
     speed: Array
     residual: Array
     leverage: Array
@@ -170,11 +167,8 @@ def quadratic_fits(trains: EventTrains, weight: Array) -> QuadraticFits:
     spread = np.einsum("ije,je->ie", inverse.transpose(1, 2, 0)[:, :, train], columns)
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = -fit[1] / (2 * fit[2])
-        slope = np.stack([-0.5 / fit[2], -rest / fit[2]])  # of it by the last two coefficients
-        rest_variance = np.einsum("ik,kij,jk->k", slope, inverse[:, 1:, 1:], slope)
     return QuadraticFits(
         rest_time=middle + half * rest,
-        rest_time_variance=half**2 * rest_variance,
         acceleration=2 * fit[2] / half**2,
         acceleration_variance=4 * inverse[:, 2, 2] / half**4,
         speed=(fit[1, train] + 2 * fit[2, train] * u) / half[train],

@@ -27,6 +27,7 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI
 from bayesfric.observation.coefficients import coefficient_parameters
 from bayesfric.observation.exact import ExactModel, Shown
+from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.along import EffectsAlong
@@ -42,9 +43,9 @@ from bayesfric.rigs.gravity_board.measurements import (
 )
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.places import trial_condition as trial_condition
-from bayesfric.rigs.gravity_board.scatter import gravity_scatter
 from bayesfric.rigs.gravity_board.wander import Wander
 
+SCATTER = ("tau", "omega", "omega_intercept")
 WALKERS_AT_ONCE = 50
 START_WANDER = 0.02  # of friction, a place to climb from
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
@@ -114,7 +115,8 @@ class GravityModel(ExactModel):
         self._rough_noise = rough_noise(noise, self._places.residual_m)
         self._gravity, self._rig, self._analysis = gravity, rig, analysis
         self.coefficients = coefficient_parameters(self.sizes, analysis, baseline.without)
-        self.scatter = gravity_scatter(self._size, analysis)
+        priors = tuple(getattr(analysis.priors, name) for name in SCATTER)
+        self.scatter = ScatterLevels(SCATTER, priors, self._size, analysis.scatter)
         self.further = (
             *self._wander.parameters,
             *noise,

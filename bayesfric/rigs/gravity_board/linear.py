@@ -10,11 +10,14 @@ derivatives by the noise follow from Fisher's identity.
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.observation.heavy_scatter import Deviations, HeavyScatter
 from bayesfric.observation.layout import Layout, ModelColumns
 from bayesfric.observation.linear import Evaluated, LinearRig, Run
 from bayesfric.observation.windows import Windows
@@ -36,6 +39,7 @@ from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 
+VIEWS = 2  # sums of hypotheses that are kept: those of one with all candidates are large
 _Sizes = tuple[OneSize, ...]
 
 
@@ -53,8 +57,6 @@ class GravityPart(LinearRig):
 
     Attributes
     ----------
-    random : ndarray, shape (E, R)
-        Of what scatters.
     blocks : dict of int to slice
         The phases of candidates that have some, among the columns that scatter.
     """
@@ -64,26 +66,35 @@ class GravityPart(LinearRig):
     def __init__(self, rows: "LinearEvents", model: ModelColumns, place: int) -> None:
         super().__init__(rows, model)
         self._travel = float(rows.covariates()["displacement"].max())
-        self._model, self._place = model, place
+        self._model = model
         self._squeeze: Array | None = None
-        self.random, self.blocks = self._scattering()
-        for candidate, amplitude in model.scattering:
-            self.random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
-        for candidate, amplitude in on_friction(model.scattering):
+        self.blocks = self._scattering(rows.part(slice(0, 1)))[1]
+        self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
+        block = np.stack([self.size, model.together.get(rows.name, np.zeros_like(self.size))])
+        block = np.unique(block, axis=1, return_inverse=True)[1].ravel()
+        self._sums = trial_sums(rows, self.layout, self.columns_of, self.random_of, block)
+        self._views: dict[bytes, _Sizes] = {}
+        freedom, counts = model.scatter.degrees_of_freedom, (len(self.setup), self.setup.max() + 1)
+        for level, rank, count in zip(("trial", "assembly"), (1, 2), counts, strict=True):
+            if getattr(model.scatter, level) == "student-t":
+                self._heavy = HeavyScatter.equal(level, freedom, rank, int(count))
+
+    def random_of(self, rows: GravityRows) -> Array:
+        """Return the columns of what scatters in some of the trials, shape (e, R) [m]."""
+        random = self._scattering(rows)[0]
+        for candidate, amplitude in self._model.scattering:
+            random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
+        for candidate, amplitude in on_friction(self._model.scattering):
             column = rows.candidate_columns(candidate)
             further = rows.elsewhere(candidate)
             if not isinstance(column, Unsupported):
-                self.random[:, TRIAL] += amplitude * column[:, 0]
+                random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
-                self.random[:, ELSEWHERE] += amplitude * further
-        self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
-        block = np.arange(len(self.setup)) if model.by_trial else self.size
-        self._sums = trial_sums(rows, self.columns, self.random, block)
-        self._views: dict[bytes, _Sizes] = {}
+                random[:, ELSEWHERE] += amplitude * further
+        return random
 
-    def _scattering(self) -> tuple[Array, dict[int, slice]]:
-        """Return the columns of what scatters, and where candidates' phases are among them."""
-        rows = self.rows
+    def _scattering(self, rows: GravityRows) -> tuple[Array, dict[int, slice]]:
+        """Return columns of what scatters, and where candidates' phases are among them."""
         random = [
             rows.scatter_columns(),
             rows.wander_columns(WAVES),
@@ -106,13 +117,13 @@ class GravityPart(LinearRig):
             blocks[index] = places_by_key[key]
         return np.hstack(random), blocks
 
-    @property
-    def columns(self) -> Array:
-        """Columns of the local numbers, (E, q) [m]; made anew, as most rigs need their sums alone.
+    def columns_of(self, rows: GravityRows) -> Array:
+        """Return columns of the local numbers in some of the trials, shape (e, q) [m].
 
-        Kept, they would be most of the memory that a diagnosis takes.
+        They are made anew, of a part of the trials at a time: those of all would be most of the
+        memory that a diagnosis takes.
         """
-        rows, model = self.rows, self._model
+        model = self._model
         layout = model.layout
         force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
 
@@ -146,22 +157,27 @@ class GravityPart(LinearRig):
         weights = mixing[entering]
         alone = np.array_equal(weights, np.eye(entering.size))  # each a number by itself
 
+        def mixed_parts(own: Array, candidates: Array, always: Array) -> Array:
+            those = candidates[..., entering]
+            return np.concatenate([own, those if alone else those @ weights, always], axis=-1)
+
         def mixed(values: Array) -> Array:
-            those = values[..., start + entering]
-            parts = [values[..., :start], those if alone else those @ weights, values[..., end:]]
-            return np.concatenate(parts, axis=-1)
+            return mixed_parts(*np.split(values, [start, end], axis=-1))
 
         def of_size(size: int) -> OneSize:
             mine = np.flatnonzero(used & (self.size == size))
             beyond = sums.beyond[width]
-            both = beyond.precision[np.unique(sums.block[mine])].sum(axis=0)
+            blocks = np.unique(sums.block[mine])
+            assert used[np.isin(sums.block, blocks)].all(), "trials of one block stay together"
+            both = beyond.precision[blocks].sum(axis=0)
             return OneSize(
-                np.unique(self.setup[mine], return_inverse=True)[1],
+                mine,
+                *np.unique(self.setup[mine], return_inverse=True),
                 mixed(mixed(both).T),
                 mixed(beyond.slope[mine].sum(axis=0)),
                 float(beyond.square[mine].sum()),
                 sums.triangle[np.ix_(mine, np.arange(width), chosen)],
-                mixed(sums.across[mine, :width]),
+                mixed_parts(*(part[mine, :width] for part in sums.across)),
                 sums.right[mine, :width],
                 float(sums.constant[mine].sum()),
                 float(sums.freedom[mine].sum()),
@@ -169,7 +185,7 @@ class GravityPart(LinearRig):
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None:
-            if len(self._views) > 3:
+            if len(self._views) >= VIEWS:
                 self._views.clear()
             self._views[key] = view
         return view
@@ -187,7 +203,7 @@ class GravityPart(LinearRig):
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
         # Where nothing else scatters, the other columns' directions are rows like any.
-        width, kappa = (self.random.shape[1] if blocks else ALWAYS), noise["kappa"]
+        width, kappa = (max(self._sums.beyond) if blocks else ALWAYS), noise["kappa"]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
@@ -199,7 +215,7 @@ class GravityPart(LinearRig):
             start = places[name].stop
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         view = self._view(mixing, chosen, width, used)
-        by_size = [Scattered(sums, sd, omega, kappa) for sums in view]
+        by_size = [Scattered(sums, sd, omega, kappa, *self._weights(sums)) for sums in view]
         of_sizes = [(size, part.precision, part.slope) for size, part in enumerate(by_size)]
         information = self.joined(of_sizes, sum(scattered.constant for scattered in by_size))
 
@@ -222,14 +238,37 @@ class GravityPart(LinearRig):
             by_name |= {name: felt[block].sum() for name, block in places.items()}
             return {name: float(value) for name, value in by_name.items()}
 
-        return Evaluated(information, gradient)
+        deviations = None if self._heavy is None else partial(self._deviations, view, by_size)
+        return Evaluated(information, gradient, deviations)
+
+    def _weights(self, sums: OneSize) -> tuple[Array | float, Array | float]:
+        """Return the weights of the deviations of trials and of assemblies of one size."""
+        if self._heavy is None:
+            return 1.0, 1.0
+        return self._heavy.of_trials(sums.trials), self._heavy.of_setups(sums.setups)
+
+    def _deviations(
+        self,
+        view: _Sizes,
+        by_size: Sequence[Scattered],
+        mean: Sequence[Array],
+        covariance: Sequence[Array],
+    ) -> Deviations:
+        """Return what all data say of the deviations that are Student-t."""
+        assert self._heavy is not None
+        level, count, rank = self._heavy.level, self._heavy.weight.size, self._heavy.rank
+        numbers, spread = np.zeros((count, rank)), np.tile(np.eye(rank), (count, 1, 1))
+        for sums, scattered, *local in zip(view, by_size, mean, covariance, strict=True):
+            mine = sums.trials if level == "trial" else sums.setups
+            numbers[mine], spread[mine] = scattered.deviations(level, *local)
+        return Deviations(numbers, spread)
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
         """Return the rig with mixtures of its columns in their place."""
         squeezed = copy(self)
         squeezed.layout = layout
         squeezed._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
-        squeezed._sums = self._sums.squeezed(squeeze)
+        squeezed._sums = self._sums.squeezed(squeeze, self.layout, layout)
         squeezed._views = {}
         return squeezed
 
@@ -245,17 +284,18 @@ class GravityPart(LinearRig):
             wander_weights(noise["wander_length"], self._travel)[0]
         )
         information = np.empty((len(self.size), self.layout.local, self.layout.local))
-        columns = self.columns
-        for trial, rows in enumerate(self.rows.rows_of_trials()):
-            white, project = whitening(self.rows, rows)
-            x = project(white[:, None] * columns[rows]) / np.sqrt(noise["kappa"])
-            z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
-            sd[TRIAL] = np.sqrt(scatter[trial])
-            triangle, along, apart = orthogonal(z, x)
-            # Trials that nobody has made may be so long that 1 is lost beside their square.
-            both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
-            seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
-            information[trial] = apart.T @ apart + seen.T @ seen
+        for trials, part in self.rows.parts():
+            columns, random = self.columns_of(part), self.random_of(part)[:, :ALWAYS]
+            for trial, rows in enumerate(part.rows_of_trials(), trials.start):
+                white, project = whitening(part, rows)
+                x = project(white[:, None] * columns[rows]) / np.sqrt(noise["kappa"])
+                z = project(white[:, None] * random[rows]) / np.sqrt(noise["kappa"])
+                sd[TRIAL] = np.sqrt(scatter[trial])
+                triangle, along, apart = orthogonal(z, x)
+                # Trials that nobody has made may be so long that 1 is lost beside their square.
+                both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
+                seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
+                information[trial] = apart.T @ apart + seen.T @ seen
         return information
 
     def phase_strength(self, place: int) -> float:
@@ -269,11 +309,17 @@ class GravityPart(LinearRig):
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
         part = self.rows.intercept_n / self.rows.friction_n
         assembly = noise["omega"] ** 2 + (noise["omega_intercept"] * part) ** 2
-        return np.stack([np.full_like(part, noise["tau"] ** 2), assembly], axis=1)
+        trial = np.full_like(part, noise["tau"] ** 2)
+        if self._heavy is not None:
+            trial, assembly = (
+                trial / self._heavy.of_trials(np.arange(part.size)),
+                assembly / self._heavy.of_setups(self.setup),
+            )
+        return np.stack([trial, assembly], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of travel; fewer where events are few."""
-        return windows_of(self.rows, self.columns, self._travel, noise)
+        return windows_of(self.rows, self.columns_of, self._travel, noise)
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
         """Return trials that run freely once their first events have set offset and speed.
@@ -285,8 +331,13 @@ class GravityPart(LinearRig):
         numbers : ndarray, shape (A, N, q)
             Local numbers of each arm, trial by trial.
         """
-        scatter = self.scatter(noise)
-        return runs_of(self.rows, self.columns, self.random, self._travel, scatter, noise, numbers)
+        scatter, runs = self.scatter(noise), {}
+        for trials, part in self.rows.parts():
+            columns, random = self.columns_of(part), self.random_of(part)
+            those = scatter[trials], noise, numbers[:, trials]
+            for trial, run in runs_of(part, columns, random, self._travel, *those).items():
+                runs[trial + trials.start] = replace(run, trial=trial + trials.start)
+        return runs
 
 
 class LinearEvents(GravityRows):

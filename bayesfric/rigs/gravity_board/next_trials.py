@@ -1,11 +1,11 @@
 """Trials that the board could run next: conditions within what was recorded."""
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 
 import numpy as np
 import pandas as pd
 
+from bayesfric.observation.feasible import evenly, every_condition, levels_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -29,18 +29,14 @@ def lay_out(
     laws : mapping of str to Coefficients
         Of each pulley size.
     """
-    laid = []
-    for size, own in measured.groupby("pulley_size", sort=False):
+
+    def levels(own: pd.DataFrame) -> list[pd.DataFrame]:
         masses = own[["mass_drive_kg", "mass_load_kg"]].drop_duplicates()
         order = np.argsort((masses["mass_drive_kg"] - masses["mass_load_kg"]).to_numpy())
-        chosen = np.unique(np.linspace(0, len(order) - 1, PAIRS_OF_MASSES).astype(int))
-        pairs = masses.to_numpy()[order[chosen]]
-        cells = product(np.unique(own["n_pulleys"]), np.unique(own["wrap_angle_deg"]), pairs)
-        laid += [(size, n, wrap, *pair) for n, wrap, pair in cells]
-    names = ["pulley_size", "n_pulleys", "wrap_angle_deg", "mass_drive_kg", "mass_load_kg"]
-    trials = pd.DataFrame(laid, columns=names)
-    trials.insert(0, "trial", [f"t{place:04d}" for place in range(len(trials))])
-    trials["setup"] = trials["trial"]
+        pairs = masses.iloc[order[evenly(order.size, PAIRS_OF_MASSES)]]
+        return [levels_of(own["n_pulleys"]), levels_of(own["wrap_angle_deg"]), pairs]
+
+    trials = every_condition(measured, levels)
     return on_time(trials, rig, laws, ("drive",))
 
 

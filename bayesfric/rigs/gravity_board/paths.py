@@ -57,7 +57,7 @@ class Paths:
         travel = self.step_s * scipy.integrate.cumulative_simpson(self.speed_m_s, axis=1, initial=0)
         return np.asarray(travel)
 
-    def of(self, trials: Whole) -> "Paths":
+    def of(self, trials: Whole | slice) -> "Paths":
         """Return the paths of some trials, by place."""
         return Paths(self.step_s[trials], self.speed_m_s[trials], self.acceleration_m_s2[trials])
 

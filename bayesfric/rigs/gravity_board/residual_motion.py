@@ -1,6 +1,6 @@
 """What a law leaves of each trial of the gravity board: forces in windows, and free runs."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -46,7 +46,10 @@ def whitening(
 
 
 def windows_of(
-    board: GravityRows, columns: Array, travel_m: float, noise: Mapping[str, float]
+    board: GravityRows,
+    columns_of: Callable[[GravityRows], Array],
+    travel_m: float,
+    noise: Mapping[str, float],
 ) -> Windows:
     """Return residual forces in windows of travel; fewer where events are few.
 
@@ -54,38 +57,48 @@ def windows_of(
     ----------
     board : GravityRows
         E events.
-    columns : ndarray, shape (E, q)
-        Of the local numbers [m].
+    columns_of : callable
+        Of some of the trials, to the columns of the local numbers, (e, q) [m].
     travel_m : float
         The longest [m].
     noise : mapping of str to float
         By name.
     """
-    newton, places = board.window_columns(WINDOWS)
-    variance, _ = wander_weights(noise["wander_length"], travel_m)
+    variance = wander_weights(noise["wander_length"], travel_m)[0] * noise["wander"] ** 2
     solved_trials = []
-    for trial, rows in enumerate(board.rows_of_trials()):
-        enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
-        joined = _join(WINDOWS, min(WINDOWS, enough))
-        white, project = whitening(board, rows, apart=True)
-        design = project(white[:, None] * (newton[:, rows].T @ joined))
-        rest = project(white[:, None] * np.column_stack([board.residual[rows], columns[rows]]))
-        solved, *_ = np.linalg.lstsq(design, rest, rcond=None)
-        mean = joined / joined.sum(axis=0)
-        where = {name: values[trial] @ mean for name, values in places.items()}
-        travel = np.atleast_1d(where["displacement"]) / travel_m
-        waves = cosines(travel, WAVES)
-        wander = (waves.T * variance) @ waves * noise["wander"] ** 2
-        covariance = np.asarray(np.linalg.pinv(design.T @ design) * noise["kappa"], np.float64)
-        solved_trials.append((trial, solved, covariance, where, wander))
+    for trials, part in board.parts():
+        solved = _windows_of_part(part, columns_of(part), travel_m, variance, noise["kappa"])
+        solved_trials += [(trial + trials.start, *those) for trial, *those in solved]
+    names = solved_trials[0][3]
     return Windows(
         row=np.concatenate([np.full(len(f[1]), f[0]) for f in solved_trials]),
         residual_n=np.concatenate([f[1][:, 0] for f in solved_trials]),
         columns=np.concatenate([f[1][:, 1:] for f in solved_trials]),
         covariance=tuple(f[2] for f in solved_trials),
         wander=tuple(f[4] for f in solved_trials),
-        covariates={name: np.concatenate([f[3][name] for f in solved_trials]) for name in places},
+        covariates={name: np.concatenate([f[3][name] for f in solved_trials]) for name in names},
     )
+
+
+def _windows_of_part(
+    board: GravityRows, columns: Array, travel_m: float, variance: Array, kappa: float
+) -> Iterator[tuple[int, Array, Array, dict[str, Array], Array]]:
+    """Yield each trial with what its windows show: forces, covariance, places, wander."""
+    newton, places = board.window_columns(WINDOWS)
+    for trial, rows in enumerate(board.rows_of_trials()):
+        enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
+        joined = _join(WINDOWS, min(WINDOWS, enough))
+        white, project = whitening(board, rows, apart=True)
+        design = project(white[:, None] * (newton[:, rows].T @ joined))
+        rest = project(white[:, None] * np.column_stack([board.residual[rows], columns[rows]]))
+        solved = np.asarray(np.linalg.lstsq(design, rest, rcond=None)[0], np.float64)
+        mean = joined / joined.sum(axis=0)
+        where = {name: values[trial] @ mean for name, values in places.items()}
+        travel = np.atleast_1d(where["displacement"]) / travel_m
+        waves = cosines(travel, WAVES)
+        wander = (waves.T * variance) @ waves
+        covariance = np.asarray(np.linalg.pinv(design.T @ design) * kappa, np.float64)
+        yield trial, solved, covariance, where, wander
 
 
 def runs_of(
@@ -101,8 +114,10 @@ def runs_of(
 
     Parameters
     ----------
-    board, columns, travel_m, noise
+    board, travel_m, noise
         As of :func:`windows_of`.
+    columns : ndarray, shape (E, q)
+        Of the local numbers [m].
     random : ndarray, shape (E, R)
         Columns of what scatters [m].
     scatter : ndarray, shape (N, 2)

@@ -8,8 +8,9 @@ acceleration alone is one row: the travel that it makes from rest.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotio
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
 
 PRETENDED = 8  # windows of a trial
+ROWS_AT_ONCE = 4096  # of which columns are made: more would be most of what a diagnosis holds
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
 
@@ -98,7 +100,41 @@ class GravityRows(ReferenceMotion):
             alone.all() and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
         )
         self._speed = self._at_rows(self._paths.speed_m_s)
+        self._longest_m = float(self._travel.max())
+        self._whole: GravityRows = self
+        self._one_sided: dict[tuple[Any, ...], bool] = {}
         self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
+
+    def parts(self) -> Iterator[tuple[slice, Self]]:
+        """Yield trials, some at a time: which they are, and they alone."""
+        ends = np.append(self.events.starts[1:], self.events.tau.size)
+        start = 0
+        while start < len(self.table):
+            most = self.events.starts[start] + ROWS_AT_ONCE
+            stop = max(start + 1, int(np.searchsorted(ends, most, side="right")))
+            yield slice(start, stop), self.part(slice(start, stop))
+            start = stop
+
+    def part(self, trials: slice) -> Self:
+        """Return some trials that lie next to each other."""
+        starts = np.append(self.events.starts, self.events.tau.size)
+        rows = slice(int(starts[trials.start]), int(starts[trials.stop]))
+        counts = {len(self.table): trials, self.events.tau.size: rows}
+
+        def own(values: Any) -> Any:
+            is_array = isinstance(values, np.ndarray) and values.ndim > 0
+            return values[counts[len(values)]] if is_array and len(values) in counts else values
+
+        part = copy(self)
+        vars(part).update((name, own(values)) for name, values in vars(self).items())
+        vars(part).pop("_integral", None)
+        part.table, part.events = self.table[trials], self.events.part(trials, rows)
+        part._paths = self._paths.of(trials)
+        part.law = Coefficients(*map(own, self.law))
+        part.condition = type(self.condition)(*map(own, self.condition))
+        part.state = type(self.state)(*map(own, self.state))
+        part.clock_residual = self.clock_residual[rows]
+        return part
 
     def where(self, acts_on: ActsOn) -> Any:
         """Return the places of a law, or Unsupported."""
@@ -145,7 +181,7 @@ class GravityRows(ReferenceMotion):
 
     def wander_columns(self, count: int) -> Array:
         """Return what relative cosines along the travel do to each row, shape (E, count) [m]."""
-        travel = self._travel / self._travel.max()
+        travel = self._travel / self._longest_m
         waves = cosines(travel, count)
         return self.forces(self.friction_n[:, None] * waves / self._feedback)
 
@@ -371,9 +407,14 @@ class GravityRows(ReferenceMotion):
         return np.asarray(law(values, reading))
 
     def _of_one_sensor(self, law: Law, values: Mapping[str, Any]) -> bool:
-        reading = self.readings()
-        at_ends = [np.full_like(self.residual, end) for end in (0.0, 1.0)]
-        return not all(np.any(law(values, reading._replace(is_load=end))) for end in at_ends)
+        """Return whether an error is one sensor's alone, in any of all the trials."""
+        whole, asked = self._whole, (law, *sorted(values.items()))
+        if asked not in self._one_sided:
+            reading = whole.readings()
+            at_ends = [np.full_like(whole.residual, end) for end in (0.0, 1.0)]
+            moved = [np.any(law(values, reading._replace(is_load=end))) for end in at_ends]
+            self._one_sided[asked] = not all(moved)
+        return self._one_sided[asked]
 
     def _seen_by_both(self) -> Flags:
         """Return which rows are of trials that both sensors recorded, shape (E,)."""

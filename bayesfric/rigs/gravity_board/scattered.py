@@ -9,6 +9,8 @@ import numpy as np
 from scipy.linalg.lapack import dtrtri
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.observation.heavy_scatter import Deviations
+from bayesfric.observation.shared_deviation import SharedDeviation, squares_left
 from bayesfric.rigs.gravity_board.linear_scatter import INTERCEPT, TRIAL
 
 SHARED = slice(TRIAL, INTERCEPT + 1)  # of all friction and of its intercept alone
@@ -20,8 +22,10 @@ class OneSize:
 
     Parameters
     ----------
+    trials, setups : ndarray of int, shape (n,) and (J,)
+        Places among all trials, and all assemblies.
     setup : ndarray of int, shape (n,)
-        Assembly of each trial.
+        Assembly of each trial, its place in `setups`.
     precision, slope, square
         Of what is orthogonal to the w directions of the columns that scatter, (k, k), (k,) and
         a number.
@@ -35,6 +39,8 @@ class OneSize:
         Log density that nothing moves, and rows less nuisances.
     """
 
+    trials: Whole
+    setups: Whole
     setup: Whole
     precision: Array
     slope: Array
@@ -59,6 +65,8 @@ class Scattered:
         Of an assembly's friction and of its intercept.
     kappa : float
         By what the variance of the events is multiplied.
+    trial_weight, setup_weight : ndarray, shape (n,) and (J,), or float
+        By what the variance of a trial's friction, and of an assembly's, is divided.
 
     Attributes
     ----------
@@ -68,13 +76,27 @@ class Scattered:
         As of the same.
     """
 
-    def __init__(self, sums: OneSize, sd: Array, omega: Array, kappa: float) -> None:
+    def __init__(
+        self,
+        sums: OneSize,
+        sd: Array,
+        omega: Array,
+        kappa: float,
+        trial_weight: Array | float = 1.0,
+        setup_weight: Array | float = 1.0,
+    ) -> None:
         self._setup = sums.setup
         count, width, k = sums.across.shape
-        setups = int(sums.setup.max(initial=-1)) + 1
+        setups = sums.setups.size
+        # Of a deviation of variance 1 over a weight, by trial and by assembly.
+        self._tau = sd[TRIAL] / np.sqrt(trial_weight)
+        self._omega = sd_setup = omega / np.sqrt(setup_weight)[..., None]
+        self._trial_weight, self._setup_weight = trial_weight, setup_weight
         # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
         # could leave rounding alone, where trials are long and their scatter is all they show.
         scaled = sums.triangle * sd
+        if np.ndim(trial_weight):
+            scaled[:, :, TRIAL] = sums.triangle[:, :, TRIAL] * self._tau[:, None]
         inner = np.eye(width) + scaled @ scaled.swapaxes(1, 2) / kappa
         factor = np.asarray(np.linalg.cholesky(inner), dtype=np.float64)
         root = _inverses(factor)
@@ -87,20 +109,18 @@ class Scattered:
         # What an assembly's trials share.
         member = np.equal.outer(np.arange(setups), sums.setup).astype(np.float64)
         summed = member @ (back[:, SHARED] @ self._across).reshape(count, 2 * k)
-        self._summed = summed.reshape(setups, 2, k)
-        self._stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
-        self._sum_pulled = member @ self._pulled[:, SHARED]
-        shared = np.eye(2) + omega[:, None] * self._stiff * omega
-        self._taken = omega[:, None] * np.linalg.inv(shared) * omega
-        self._share = self._taken @ self._summed
-        self._pull = (self._taken @ self._sum_pulled[:, :, None])[:, :, 0]
-        square = (sums.square + (right**2).sum()) / kappa
-        square -= (self._sum_pulled * self._pull).sum()
+        stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
+        pulled = member @ self._pulled[:, SHARED]
+        columns = summed.reshape(setups, 2, k)
+        self._shared = shared = SharedDeviation.of(columns, pulled, stiff, sd_setup)
+        self._share = shared.taken @ shared.columns
+        self._pull = (shared.taken @ pulled[:, :, None])[:, :, 0]
+        square = (sums.square + (right**2).sum()) / kappa - shared.pulled
         self._scale = square - sums.freedom
         constant = sums.constant - 0.5 * sums.freedom * np.log(kappa) - 0.5 * square
         constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
-        self.constant = float(constant - 0.5 * np.linalg.slogdet(shared)[1].sum())
-        flat, of_setups = self._across.reshape(-1, k), self._summed.reshape(-1, k)
+        self.constant = float(constant - 0.5 * shared.log_determinant)
+        flat, of_setups = self._across.reshape(-1, k), shared.columns.reshape(-1, k)
         self.precision = (sums.precision + flat.T @ flat) / kappa
         self.precision -= self._share.reshape(-1, k).T @ of_setups
         self.slope = (sums.slope + right.ravel() @ flat) / kappa - self._pull.ravel() @ of_setups
@@ -123,26 +143,56 @@ class Scattered:
         scale : float
             The same of all variances together, by their logarithm.
         """
-        j, along, stiff = self._setup, self._along, self._stiff
-        a = self._back @ self._across
-        a -= along @ self._share[j]
-        b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
-        c = self._precision_seen - ((along @ self._taken[j]) * along).sum(axis=2)
-        trial = _second(a, b, mean, covariance) - c.sum(axis=0)
-        a = self._summed - stiff @ self._share
-        b = self._sum_pulled - (stiff @ self._pull[:, :, None])[:, :, 0]
-        c = np.diagonal(stiff - stiff @ self._taken @ stiff, axis1=1, axis2=2)
-        setup = _second(a, b, mean, covariance) - c.sum(axis=0)
+        a, b, c = self._of_trials()
+        square = squares_left(a, b, mean, covariance)
+        if np.ndim(self._trial_weight):
+            square[:, TRIAL] /= self._trial_weight
+            c[:, TRIAL] /= self._trial_weight
+        trial = square.sum(axis=0) - c.sum(axis=0)
+        a, b, whole = self._of_setups()
+        c = np.diagonal(whole, axis1=1, axis2=2)
+        square, weight = squares_left(a, b, mean, covariance), np.asarray(self._setup_weight)
+        setup = (square / weight[..., None]).sum(axis=0) - (c / weight[..., None]).sum(axis=0)
         scale = self._scale + mean @ self.precision @ mean - 2 * self.slope @ mean
         return trial, setup, float(scale + (self.precision * covariance).sum())
 
+    def deviations(self, level: str, mean: Array, covariance: Array) -> Deviations:
+        """Return what the data say of the trials' or the assemblies' friction.
 
-def _second(columns: Array, response: Array, mean: Array, covariance: Array) -> Array:
-    """Return the sum over n of the mean squares of r responses less their columns', (r,)."""
-    flat = columns.reshape(-1, columns.shape[-1])
-    spread = np.einsum("ij,ij->i", flat @ covariance, flat)
-    square = (response.ravel() - flat @ mean) ** 2 + spread
-    return np.asarray(square.reshape(response.shape).sum(axis=0))
+        Parameters
+        ----------
+        level : str
+            ``trial`` or ``assembly``.
+        mean, covariance : ndarray, shape (k,) and (k, k)
+            Of the numbers, given all data.
+        """
+        if level == "trial":
+            a, b, c = (part[:, TRIAL, None] for part in self._of_trials())
+            c = c[:, :, None]
+            sd = np.broadcast_to(self._tau, len(b))[:, None]
+        else:
+            a, b, c = self._of_setups()
+            sd = np.broadcast_to(self._omega, b.shape)
+        precision = c - a @ covariance @ a.swapaxes(1, 2)
+        left = sd[:, :, None] * precision * sd[:, None, :]
+        return Deviations(sd * (b - a @ mean), np.eye(sd.shape[1]) - left)
+
+    def _of_trials(self) -> tuple[Array, Array, Array]:
+        """Return columns, response and precision of what scatters by trial, all else taken up."""
+        j, along = self._setup, self._along
+        a = self._back @ self._across
+        a -= along @ self._share[j]
+        b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
+        return a, b, self._precision_seen - ((along @ self._shared.taken[j]) * along).sum(axis=2)
+
+    def _of_setups(self) -> tuple[Array, Array, Array]:
+        """Return the same of assemblies, their precision (J, 2, 2)."""
+        shared = self._shared
+        return (
+            shared.left(shared.columns),
+            shared.left(shared.response),
+            shared.left(shared.stiffness),
+        )
 
 
 def _inverses(lower: Array) -> Array:

@@ -64,6 +64,17 @@ class Events:
     regressors: Array
     present: Flags
 
+    def part(self, trials: slice, rows: slice) -> "Events":
+        """Return those of some trials, which are in these rows."""
+        return Events(
+            self.starts[trials] - rows.start,
+            self.trial[rows] - trials.start,
+            self.tau[rows],
+            self.displacement[rows],
+            self.regressors[:, rows],
+            self.present[:, trials],
+        )
+
     def total(self, values: Array) -> Array:
         """Sum events over each trial (last axis)."""
         return np.add.reduceat(values, self.starts, axis=-1)

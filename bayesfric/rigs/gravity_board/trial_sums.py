@@ -6,16 +6,20 @@ what is left, so rows are parted first: along the columns that scatter, trial by
 orthogonal to them, summed.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import LOG_2PI
+from bayesfric.observation.layout import Layout
 from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
+
+ColumnsOf = Callable[[GravityRows], Array]
+"""Of some trials, to columns of their rows, (e, k)."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +40,10 @@ class Beyond:
     slope: Array
     square: Array
 
-    def add(self, trial: int, block: int, square: Array) -> None:
-        """Add the products of the columns of a trial's rows, the residual their last."""
-        self.precision[block] += square[:-1, :-1]
-        self.slope[trial] += square[:-1, -1]
-        self.square[trial] += square[-1, -1]
+    def add_residual(self, trial: int, rows: Array) -> None:
+        """Add the products with the residual of a trial's rows, their last column."""
+        self.slope[trial] += rows[:, -1] @ rows[:, :-1]
+        self.square[trial] += rows[:, -1] @ rows[:, -1]
 
 
 @dataclass(frozen=True)
@@ -53,8 +56,8 @@ class TrialSums:
         Which trials are summed together.
     triangle : ndarray, shape (N, r, r)
         The r columns that scatter, in an orthonormal basis of theirs.
-    across : ndarray, shape (N, r, q)
-        The columns of the numbers along that basis.
+    across : tuple of ndarray, shapes (N, r, own), (N, r, candidates) and (N, r, always)
+        The columns of the numbers along that basis, as a layout has them.
     right : ndarray, shape (N, r)
         The residual along it.
     beyond : mapping of int to Beyond
@@ -67,60 +70,108 @@ class TrialSums:
 
     block: Whole
     triangle: Array
-    across: Array
+    across: tuple[Array, ...]
     right: Array
     beyond: Mapping[int, Beyond]
     freedom: Array
     constant: Array
 
-    def squeezed(self, squeeze: Array) -> "TrialSums":
-        """Return the sums of mixtures of the numbers, shape (q, k)."""
+    def squeezed(self, squeeze: Array, before: Layout, after: Layout) -> "TrialSums":
+        """Return the sums of mixtures of the numbers, shape (q, k), candidates among them alone.
+
+        What is known of these is most of the sums, and is not copied.
+        """
+        own = squeeze[: before.own, : after.own]
+        always = squeeze[before.local - before.always :, after.local - after.always :]
+        of_own, of_candidates, of_always = self.across
         beyond = {
             width: Beyond(squeeze.T @ sums.precision @ squeeze, sums.slope @ squeeze, sums.square)
             for width, sums in self.beyond.items()
         }
-        return replace(self, across=self.across @ squeeze, beyond=beyond)
+        across = (of_own @ own, of_candidates, of_always @ always)
+        return replace(self, across=across, beyond=beyond)
 
 
-def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) -> TrialSums:
+def trial_sums(
+    board: GravityRows, layout: Layout, columns_of: ColumnsOf, random_of: ColumnsOf, block: Whole
+) -> TrialSums:
     """Sum the rows of trials up.
 
     Parameters
     ----------
     board : GravityRows
-        Events.
-    columns : ndarray, shape (E, q)
-        Of the local numbers [m].
-    random : ndarray, shape (E, r)
-        Of what scatters [m].
+        Events of N trials.
+    layout : Layout
+        Of the local numbers.
+    columns_of, random_of : callable
+        Of some of the trials, to the columns of q local numbers and of r that scatter, (e, q)
+        and (e, r) [m].
     block : ndarray of int, shape (N,)
         Which trials are summed together.
     """
-    count, q, r = len(block), columns.shape[1], random.shape[1]
-    blocks = int(block.max()) + 1
-    triangle, across = np.zeros((count, r, r)), np.zeros((count, r, q))
-    right, freedom, constant = np.zeros((count, r)), np.zeros(count), np.zeros(count)
+    sums: TrialSums | None = None
+    for trials, part in board.parts():
+        columns, random = columns_of(part), random_of(part)
+        if sums is None:
+            sums = _zero(block, layout, random.shape[1])
+        _add(sums, trials, part, columns, random)
+    assert sums is not None
+    return sums
+
+
+def _zero(block: Whole, layout: Layout, r: int) -> TrialSums:
+    count, blocks, q = len(block), int(block.max()) + 1, layout.local
     beyond = {
         width: Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
         for width in {ALWAYS, r}
     }
-    for trial, rows in enumerate(board.rows_of_trials()):
+    widths = (layout.own, layout.candidates, layout.always)
+    return TrialSums(
+        block,
+        np.zeros((count, r, r)),
+        tuple(np.zeros((count, r, width)) for width in widths),
+        np.zeros((count, r)),
+        beyond,
+        np.zeros(count),
+        np.zeros(count),
+    )
+
+
+def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, random: Array) -> None:
+    """Add the rows of some trials."""
+    q, start = columns.shape[1], sums.across[0].shape[-1]
+    end = start + sums.across[1].shape[-1]
+    apart, of_scatter = np.empty((len(columns), q + 1)), []
+    for trial, rows in enumerate(board.rows_of_trials(), trials.start):
         white, project = whitening(board, rows)
         stack = np.column_stack([columns[rows], board.clock_residual[rows], random[rows]])
-        whole = project(white[:, None] * stack)
-        own, along, apart = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
+        stack *= white[:, None]
+        whole = project(stack)
+        own, along, apart[rows] = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
         height = len(own)
-        triangle[trial, :height] = own
-        across[trial, :height], right[trial, :height] = along[:, :q], along[:, q]
-        square, further = apart.T @ apart, along[ALWAYS:]
-        for sums in beyond.values():
-            sums.add(trial, block[trial], square)
-        if further.size:
-            beyond[ALWAYS].add(trial, block[trial], further.T @ further)
+        sums.triangle[trial, :height] = own
+        for across, own_along in zip(
+            sums.across, np.split(along[:, :q], [start, end], axis=1), strict=True
+        ):
+            across[trial, :height] = own_along
+        sums.right[trial, :height] = along[:, q]
         nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
-        freedom[trial] = white.size - nuisances
-        constant[trial] = np.log(white).sum() - 0.5 * freedom[trial] * LOG_2PI
-    return TrialSums(block, triangle, across, right, beyond, freedom, constant)
+        sums.freedom[trial] = white.size - nuisances
+        sums.constant[trial] = np.log(white).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
+        for beyond in sums.beyond.values():
+            beyond.add_residual(trial, apart[rows])
+        of_scatter.append(along[ALWAYS:])
+        sums.beyond[ALWAYS].add_residual(trial, along[ALWAYS:])
+    block, values = sums.block[trials], np.concatenate(of_scatter)[:, :q]
+    further = np.repeat(np.arange(len(of_scatter)), [len(rows) for rows in of_scatter])
+    # Of many rows at once: a product a trial would take longer to add up than to make.
+    for place in np.unique(block):
+        rest = apart[block[board.events.trial] == place, :q]
+        square = rest.T @ rest
+        for beyond in sums.beyond.values():
+            beyond.precision[place] += square
+        rest = values[block[further] == place]
+        sums.beyond[ALWAYS].precision[place] += rest.T @ rest
 
 
 def orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:

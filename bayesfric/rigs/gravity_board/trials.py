@@ -191,11 +191,20 @@ class GravityTrials(PulleyTrials):
 
     def moved(self) -> "GravityTrials | None":
         """Return the trials that moved all the way; None where all did, or none."""
-        stalled = self.table["trial"].isin(self.screened.stalled)
+        stalled = self.table["trial"].isin(self.screened.stalled) | self._held_back
         if self.at_rest.empty and not stalled.any():
             return None
         rest = self.select(~stalled)
         return None if rest is None else replace(rest, at_rest=self.at_rest.iloc[:0])
+
+    @property
+    def _held_back(self) -> "pd.Series[bool]":
+        """Which trials have an acceleration alone that is not the way of their weights."""
+        trials = self.table
+        if "acceleration_m_s2" not in trials:
+            return pd.Series(data=False, index=trials.index)
+        alone = ~stands_in(trials["trial"], self.gravity.events["trial"])
+        return alone & (trials["acceleration_m_s2"] <= 0)
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
@@ -227,6 +236,9 @@ class GravityTrials(PulleyTrials):
         them. Where the sensors of many trials disagree, it is no fault of a trial, but of the
         rig, and what the diagnosis is to find: these trials stay.
         """
+        if self._held_back.all():
+            expected = "a trial that enters a diagnosis: one whose acceleration is above 0"
+            raise InputError([Fault("gravity_trials.csv", expected, column="acceleration_m_s2")])
         excluded = self.screened.excluded
         disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
         if len(disagreeing) <= DISAGREEING_SHARE * len(self.recorded):

@@ -171,7 +171,9 @@ class Solved:
         used = kept[self.pieces.rows[:, 0]]
         return float(np.linalg.slogdet(self.whole[used])[1].sum())
 
-    def gradient(self, pulls: Array, pulled: Array, taken: Array, kept: Flags) -> dict[str, float]:
+    def gradient(
+        self, pulls: Array, pulled: Array, taken: Array, trial: Whole, kept: Flags
+    ) -> dict[str, float]:
         """Return derivatives of the log evidence by logarithms of the noise.
 
         Parameters
@@ -181,9 +183,11 @@ class Solved:
             times the columns by a root of the covariance of their numbers.
         pulled : ndarray, shape (W, k)
             The inverse covariance of rows alone times the columns of deviations.
-        taken : ndarray, shape (W, k, k)
-            Of each row's run: by how much of their products the inverse is less once
-            deviations are integrated out.
+        taken : ndarray, shape (N, k, k)
+            Of each run: by how much of their products the inverse is less once deviations are
+            integrated out.
+        trial : ndarray of int, shape (W,)
+            Run of each row.
         kept : ndarray of bool, shape (W,)
             Rows that enter.
         """
@@ -195,7 +199,7 @@ class Solved:
 
         of_pulls, of_pulled = padded(pulls), padded(pulled)
         square = of_pulls @ of_pulls.swapaxes(1, 2) - self.inverse[used]
-        square += of_pulled @ taken[rows[used, 0]] @ of_pulled.swapaxes(1, 2)
+        square += of_pulled @ taken[trial[rows[used, 0]]] @ of_pulled.swapaxes(1, 2)
         position, force, wander = (part[used] for part in self.parts)
         stretched = wander * self.pieces.apart[used] / self.length
         return {

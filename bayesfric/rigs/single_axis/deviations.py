@@ -19,15 +19,19 @@ scatter, with the law's own friction taken back, would be an effect that no hypo
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.observation.shared_deviation import taken_up
 
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
 SHARED = COSINES + 2  # of deviations that runs share: of all, along the path, of the law's alone
 WAVES = 16  # in time within a run: half of one is a sixteenth of the longest run at the least
 COLUMNS = SHARED + WAVES  # of deviations
+LIFTED = np.array([0, *range(1, SHARED - 1), 0, SHARED - 1])
+"""A run's columns that others share: with those of its assembly, along the path, of all runs."""
 
 
 def map_columns(position: Array, waves: int = COSINES) -> Array:
@@ -137,7 +141,11 @@ class Shared:
         self._assemblies = int(setup.max()) + 1
         # Columns that several runs share: one an assembly, the cosines of all, and what all
         # runs have in common, of all friction and of the law's.
-        self._shared = products = self._summed(self._lifted(left[:, :, :k]))
+        beyond = np.arange(self._assemblies, self._assemblies + COSINES + 2)
+        self._places = np.column_stack([setup, np.tile(beyond, (len(setup), 1))])
+        self._shared = products = np.zeros((beyond[-1] + 1, beyond[-1] + 1))
+        across_and_down = self._places[:, :, None], self._places[:, None, :]
+        np.add.at(products, across_and_down, left[:, LIFTED[:, None], LIFTED])
         self._across = self._summed(left[:, :, k:])
         # The variance of the mean of all runs' η + ε, and its derivatives by both variances.
         sizes = np.bincount(setup).astype(np.float64)
@@ -177,11 +185,13 @@ class Shared:
         k, assemblies = COLUMNS, self._assemblies
         across, shared = self._across, self._shared
         pulled = (across - shared @ self._taken @ across) @ mixed
-        own = np.diag(shared) - np.einsum("ij,jk,ki->i", shared, self._taken, shared)
+        own = np.diag(shared) - ((shared @ self._taken) * shared).sum(axis=1)
         above = (pulled**2).sum(axis=1) - own
-        inner = self._lifted(self._left[:, :, :k])  # of a run's columns by those above
-        pulled = self._left[:, :, k:] @ mixed - inner @ (self._taken @ across @ mixed)
-        own = np.einsum("nkk->nk", self._left[:, :, :k]) - ((inner @ self._taken) * inner).sum(2)
+        inner = self._left[:, :, LIFTED]  # of a run's columns by those above
+        pulled = self._left[:, :, k:] @ mixed - inner @ (self._taken @ across @ mixed)[self._places]
+        own = np.einsum("nkk->nk", self._left[:, :, :k]) - (
+            (inner @ self._taken_of_runs) * inner
+        ).sum(axis=2)
         below = ((pulled**2).sum(axis=2) - own).sum(axis=0)
         run, setup = self._in_common * (above[-1] - above[-2])
         return (
@@ -203,20 +213,16 @@ class Shared:
             The same of the inverse covariance, from both sides.
         """
         k = COLUMNS
-        free = np.eye(k) - self._run @ self._grams[:, :, :k]
-        lifted = self._lifted(free)
-        numbers = self._run @ self._grams[:, :, k:] + lifted @ (self._taken @ self._across)
-        inverse = self._run + lifted @ self._taken @ lifted.swapaxes(1, 2)
+        lifted = (np.eye(k) - self._run @ self._grams[:, :, :k])[:, :, LIFTED]
+        of_all = (self._taken @ self._across)[self._places]
+        numbers = self._run @ self._grams[:, :, k:] + lifted @ of_all
+        inverse = self._run + lifted @ self._taken_of_runs @ lifted.swapaxes(1, 2)
         return numbers, inverse
 
-    def _lifted(self, columns: Array) -> Array:
-        """Return columns of a run's deviations, (N, k, C), where those above stand."""
-        assemblies = self._assemblies
-        lifted = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
-        lifted[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
-        lifted[:, :, assemblies:-2] = columns[:, :, 1 : SHARED - 1]
-        lifted[:, :, -2:] = columns[:, :, [0, SHARED - 1]]
-        return lifted
+    @cached_property
+    def _taken_of_runs(self) -> Array:
+        """Of what several runs share, what belongs to the columns of each run."""
+        return np.asarray(self._taken[self._places[:, :, None], self._places[:, None, :]])
 
     def _summed(self, values: Array) -> Array:
         """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
@@ -251,7 +257,4 @@ def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
 
 def _taken(gram: Array, variance: Array) -> tuple[Array, Array]:
     """Return (D⁻¹ + G)⁻¹ of each gram matrix, and log |1 + D G|; D may take variance away."""
-    root = np.sqrt(np.abs(variance))
-    whole = root[:, None] * gram * root + np.diag(np.where(variance < 0, -1.0, 1.0))
-    inverse = np.linalg.inv(whole)
-    return root[:, None] * inverse * root, np.asarray(np.linalg.slogdet(whole)[1])
+    return taken_up(gram, np.sqrt(np.abs(variance)), np.where(variance < 0, -1.0, 1.0))

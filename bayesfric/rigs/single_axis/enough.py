@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bayesfric.recording.tables import Axis
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog
@@ -15,12 +16,24 @@ AT_EASE = 4 * AXIS_RULES.narrowest_at_turns
 STICKS = 0.5  # of rests after which the axis goes on the same way, that show that it sticks
 
 
-def too_short(samples: Sequence[int]) -> Unsupported:
-    """Return why no run was taken: all have too few samples."""
-    return Unsupported(
-        f"a run takes {AXIS_RULES.least_samples} samples, and the longest has "
-        f"{max(samples, default=0)}"
-    )
+def joints_that_lack(axis: Axis) -> dict[str, str]:
+    """Return by run another joint of which it has too few samples: such a run does not enter."""
+    counts = {joint: samples["run"].value_counts() for joint, samples in axis.others.items()}
+    return {
+        str(run): joint
+        for run in axis.runs["run"]
+        for joint, samples in counts.items()
+        if samples.get(run, 0) < AXIS_RULES.least_samples
+    }
+
+
+def too_short(axis: Axis) -> Unsupported:
+    """Return why no run was taken: all have too few samples, of this joint or of another."""
+    least, longest = AXIS_RULES.least_samples, int(axis.samples["run"].value_counts().max())
+    if longest < least:
+        return Unsupported(f"a run takes {least} samples, and the longest has {longest}")
+    run, joint = next(iter(joints_that_lack(axis).items()))
+    return Unsupported(f"no run has {least} samples of every joint: {run} lacks those of {joint}")
 
 
 def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
@@ -68,7 +81,7 @@ def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsu
     return None
 
 
-def too_few_windows(readings: Readings | None) -> Unsupported | None:
+def refused_for_few_windows(readings: Readings | None) -> Unsupported | None:
     """Return why rows do not tell mass and friction; None where there are enough."""
     count = 0 if readings is None else round(min(readings.hop, 1.0) * readings.count)
     if count >= AXIS_RULES.least_windows:

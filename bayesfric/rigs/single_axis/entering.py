@@ -16,7 +16,7 @@ from bayesfric.rigs.single_axis.carried import carried_by
 from bayesfric.rigs.single_axis.declared import MEASURED
 from bayesfric.rigs.single_axis.dither import Dither, steady
 from bayesfric.rigs.single_axis.enough import (
-    too_few_windows,
+    refused_for_few_windows,
     too_little_motion,
     too_short,
     without_force,
@@ -100,7 +100,7 @@ def entering(
         on_one_clock, late_s = on_time(logs, resolution, AXIS_RULES.early * margin_s(interval))
         logs = list(on_one_clock)
     logs, limited, dither = _within_limit(logs, recorded.starts, constants, calm=servo is None)
-    too_few = too_few_windows(None if limited is None else limited[0])
+    too_few = refused_for_few_windows(None if limited is None else limited[0])
     if limited is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = limited
@@ -162,7 +162,7 @@ def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> 
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             moved.rows.append({**moved.runs[-1], "trial": str(name)})
     if not logs:
-        return too_short([len(samples) for samples in by_run.values()])
+        return too_short(axis)
     return without_force(logs) or too_little_motion(logs, constants.encoder_resolution) or moved
 
 

@@ -214,16 +214,23 @@ def _polynomials(half: int, degree: int, slope: bool) -> Array:
     return np.asarray(powers[:, :-1] @ of_slope) / half
 
 
+def sample_noise(values: Array) -> float:
+    """Return the standard deviation of an error that each sample has of its own.
+
+    It is that of what a parabola over seven samples leaves.
+    """
+    left = np.abs(values - local_polynomial(values, 3, 2))[3:-3]
+    # A parabola through seven samples takes up a third of the variance at its middle.
+    return float(NORMAL * np.median(left) / np.sqrt(1 - 1 / 3))
+
+
 def position_noise(log: EvenLog, resolution: float | None) -> float:
     """Return the standard deviation of a position's error.
 
-    What a parabola over seven samples leaves; at least that of rounding to the encoder's
-    resolution, or to the least step that the log has where nobody says.
+    At least that of rounding to the encoder's resolution, or to the least step that the log has
+    where nobody says.
     """
-    smooth = local_polynomial(log.position, 3, 2)
-    left = np.abs(log.position - smooth)[3:-3]
-    # A parabola through seven samples takes up a third of the variance at its middle.
-    noise = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
+    noise = sample_noise(log.position)
     if resolution is None:
         steps = np.abs(np.diff(log.position))
         steps = steps[steps > 0]

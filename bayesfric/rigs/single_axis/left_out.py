@@ -10,6 +10,7 @@ from bayesfric.errors import Fault
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
+from bayesfric.rigs.single_axis.enough import joints_that_lack
 from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED
 
@@ -53,6 +54,15 @@ def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
         return faults
     by_run = {str(run): of_run for run, of_run in axis.samples.groupby("run", sort=False)}
     reasons = list(_of_runs(by_run, axis.runs["run"].tolist(), constants.encoder_resolution))
+    samples = f"{AXIS_RULES.least_samples} samples at least of joint"
+    reasons += [
+        Fault(
+            SAMPLES,
+            f"{samples} {joint} too: what it does to this one is to be known",
+            column=f"run {run}",
+        )
+        for run, joint in joints_that_lack(axis).items()
+    ]
     return with_rest(reasons[:LISTED], len(reasons[LISTED:]))
 
 

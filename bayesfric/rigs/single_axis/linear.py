@@ -8,6 +8,7 @@ import pandas as pd
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array, Flags
+from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.observation.layout import ModelColumns
 from bayesfric.observation.linear import Evaluated, NoiseParameter, noise_parameter
@@ -26,9 +27,8 @@ from bayesfric.rigs.single_axis.deviations import (
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import AxisRows
 
-LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
-ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
+ONCE = HalfNormal(scale=0.001)  # scatter of assemblies: of one, or each of which has one run
 GROUPED = 1  # rows of a window in which residual forces are shown
 NAMES = (
     "sigma_position",
@@ -83,7 +83,8 @@ class AxisPart(ColumnsPart):
         )
         self._root = np.sqrt(row_weights(rows, model, readings.count))
         self._pieces = Pieces.of(readings, rows.moved_mass, moved)
-        again = bool(self._alike.max() + 1 < len(rows.table))
+        # What all rows have in common is the law's: one group alone has no scatter of its own.
+        again = bool(1 < self._alike.max() + 1 < len(rows.table))
         self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)
 
     def evaluate(
@@ -128,7 +129,7 @@ class AxisPart(ColumnsPart):
             pulls = lent[:, COLUMNS:] @ mixed
             for rows, of_run in zip(runs, numbers @ mixed, strict=True):
                 pulls[rows] -= pulled[rows] @ of_run
-            slopes = solved.gradient(pulls, pulled, inverse[trial], kept)
+            slopes = solved.gradient(pulls, pulled, inverse, trial, kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
             return slopes | {
                 NAMES[4]: noise[NAMES[4]] ** 2 * run,
@@ -237,18 +238,20 @@ def _noise(
 ) -> tuple[NoiseParameter, ...]:
     """Return the noise of an axis, its priors in the axis' own measures.
 
-    Where no assembly and no run comes `again`, an assembly's scatter is that of its run, and is
-    not counted twice: two wide priors on one variance would take a drift over runs for scatter.
+    A force may be noisier than friction is large: its error is then what its samples show. Where
+    no assembly and no run comes `again`, an assembly's scatter is that of its run, and is not
+    counted twice: two wide priors on one variance would take a drift over runs for scatter.
+    Of one log alone, numbers are those of that log: nothing in it says how another would differ.
     """
-    sd = readings.position_sd
+    sd, force = readings.position_sd, max(friction, readings.force_sd)
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
     return (
         noise_parameter(NAMES[0], LogNormal(median=sd, sd_log=0.5), sd, (0.1 * sd, 10 * sd), sd),
         noise_parameter(
             NAMES[1],
-            HalfNormal(scale=0.1 * friction),
+            HalfNormal(scale=max(0.1 * friction, readings.force_sd - friction)),
             0.01 * friction,
-            (1e-5 * friction, 10 * friction),
+            (1e-5 * friction, 10 * force),
             0.01 * friction,
         ),
         noise_parameter(NAMES[2], along, 0.01, SCATTER, 0.01, scatters=True),

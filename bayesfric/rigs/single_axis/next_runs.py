@@ -15,6 +15,7 @@ import pandas as pd
 import scipy
 
 from bayesfric.arrays import Array
+from bayesfric.observation.feasible import evenly, numbered
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
@@ -78,9 +79,7 @@ def lay_out(
         return None
     moving = np.unique(readings.trial)
     table = pd.DataFrame(rows).drop(columns="order", errors="ignore").iloc[moving]
-    table = table.reset_index(drop=True)
-    table["trial"] = table["setup"] = [f"t{place:04d}" for place in range(len(table))]
-    return table, readings.of(moving)
+    return numbered(table), readings.of(moving)
 
 
 def _spline(log: EvenLog, position: Array, knot_s: float) -> "scipy.interpolate.BSpline":
@@ -130,10 +129,9 @@ def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any
     conditions = []
     for role in dict.fromkeys(roles):
         own = runs[roles == role]
-        at = np.unique(np.linspace(0, len(own) - 1, RUNS).astype(int))
         conditions += [
             {str(k): v for k, v in condition.items()}
-            for condition in own.iloc[at].to_dict("records")
+            for condition in own.iloc[evenly(len(own), RUNS)].to_dict("records")
         ]
     return conditions
 

@@ -147,6 +147,8 @@ class _Squares(NamedTuple):
             whole = test.over(log.force, test.value, part["centre"].astype(np.intp))
             modelled = whole - part["way"] * part["force"]
             means.append((log, test.value, part["centre"], part["way"], modelled))
+        if not any(part["centre"].size for part in parts):
+            return None  # every run is too short for a force that is moved
         columns = _columns(parts)
         if len(columns) < AXIS_RULES.rows_a_number * columns.shape[1]:
             return None

@@ -8,7 +8,7 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
-from bayesfric.rigs.single_axis.even_log import EvenLog, given
+from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
 from bayesfric.rigs.single_axis.rough import RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
@@ -63,8 +63,9 @@ class Readings:
         Of the row among all of `followed`.
     followed : Followed
         Loads behind the drive, along the paths of the runs.
-    position_sd, half_s, hop : float
-        Standard deviation of a position's error, half a window [s], windows' distance over that.
+    position_sd, force_sd, half_s, hop : float
+        Standard deviations of the errors that a position, and a force, has of its own; half a
+        window [s], windows' distance over that.
     known_inertia : float
         What the model of a known force moves [kg, or kg·m²].
     mixing : Mixing
@@ -98,6 +99,7 @@ class Readings:
     place: Whole
     followed: Followed
     position_sd: float
+    force_sd: float
     half_s: float
     hop: float
     known_inertia: float = 0.0
@@ -197,6 +199,7 @@ def readings_of(
         **joined,
         followed=Followed(paths),
         position_sd=noise,
+        force_sd=float(np.median([sample_noise(log.force) for log in logs])),
         half_s=half_s,
         hop=hop,
         known_inertia=float(np.mean([log.known_inertia for log in logs])),

@@ -15,6 +15,7 @@ from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.linear import rank, rms_of
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
+from bayesfric.recording.columns import TAKEN
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.carried import warmth_of
@@ -24,27 +25,7 @@ from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
-OWN_COLUMNS = (
-    "run",
-    "order",
-    "setup",
-    "role",
-    "trial",
-    "pulley_size",
-    "n_pulleys",
-    "wrap_angle_deg",
-)
-PLACES = (
-    "velocity",
-    "tension",
-    "wrap_angle",
-    "displacement",
-    "acceleration",
-    "drive_end",
-    "trial_in_setup",
-    "rig",
-)
-"""Names of places, which no column of the user's own takes."""
+OWN_COLUMNS = ("run", "order", "setup", "role")
 
 
 @dataclass(frozen=True)
@@ -227,7 +208,7 @@ class AxisRows:
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:
     """Return columns of the user's own, of a table of runs, that took more than one value."""
-    own = [str(name) for name in runs if name not in (*OWN_COLUMNS, *PLACES)]
+    own = [str(name) for name in runs if name not in {*OWN_COLUMNS, *TAKEN}]
     return tuple(name for name in own if np.ptp(runs[name].to_numpy(dtype=np.float64)) > 0)
 
 

@@ -10,12 +10,13 @@ from bayesfric.arrays import Array
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
+from bayesfric.recording.columns import TAKEN
 from bayesfric.recording.steady_signs import against_motion
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.steady_points.scale import Scale
 
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-OWN_COLUMNS = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
+OWN_COLUMNS = ("order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
 ABSENT = {
     "n_pulleys": 1,
     "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG,
@@ -129,8 +130,11 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
         cell = table.groupby(list(PULLEYS), sort=False).ngroup()
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
         table["setup"] = [f"a{number + 1}" for number in cell] if shared else table["trial"]
+    elif table[["setup", "pulley_size"]].drop_duplicates()["setup"].duplicated().any():
+        # Friction of an assembly deviates by a share of its own size's: each size has one.
+        table["setup"] = table["setup"] + " (" + table["pulley_size"] + ")"
     table = table.sort_values("setup", kind="stable", ignore_index=True)
-    own_columns = (*OWN_COLUMNS, *PULLEYS, "tension_n")
+    own_columns = {*OWN_COLUMNS, *TAKEN}
     covariates = tuple(str(name) for name in table if name not in own_columns)
     return Bench(table, given, covariates, shared, _scale(table, given), rotary)
 

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import product
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
+from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.steady_points.bench import Bench
@@ -44,21 +45,16 @@ def lay_out(
         for name in ("velocity_m_s", *bench.covariates)
         if name in bench.given and (table[name] != table[name].iloc[0]).any()
     )
-    names = ("pulley_size", *CONDITION, *settings)
-    cells: list[tuple[object, ...]] = []
-    for levels in (LEVELS, FEW_LEVELS):
-        cells = [
-            (size, *cell)
-            for size, own in table.groupby("pulley_size", sort=False)
-            for cell in product(*(_levels(own[name], levels) for name in names[1:]))
-        ]
-        if len(cells) <= MOST_POINTS:
-            break
-    points = pd.DataFrame(cells, columns=list(names))
+
+    def levels(own: pd.DataFrame, most: int) -> list[pd.DataFrame]:
+        return [levels_of(own[name].astype(np.float64), most) for name in (*CONDITION, *settings)]
+
+    points = every_condition(table, partial(levels, most=LEVELS))
+    if len(points) > MOST_POINTS:
+        points = every_condition(table, partial(levels, most=FEW_LEVELS))
     for name in ("velocity_m_s", *bench.covariates):
         if name in bench.given and name not in settings:
             points[name] = table[name].iloc[0]
-    points["trial"] = points["setup"] = [f"t{place:04d}" for place in range(len(points))]
     each_law = zip(*(laws[size] for size in points["pulley_size"]), strict=True)
     coefficients = Coefficients(*(np.array(values) for values in each_law))
     where = (points[name].to_numpy(dtype=np.float64) for name in CONDITION)
@@ -66,10 +62,3 @@ def lay_out(
     if "friction_sd_n" in bench.given:
         points["friction_sd_n"] = table["friction_sd_n"].median()
     return replace(bench, table=points), settings
-
-
-def _levels(column: "pd.Series[float]", most: int) -> list[float]:
-    """Return values that were recorded, the ends among them."""
-    values = np.unique(column.to_numpy(dtype=np.float64))
-    chosen = np.unique(np.linspace(0, len(values) - 1, most).astype(int))
-    return [float(value) for value in values[chosen]]

@@ -1,0 +1,161 @@
+"""What is drawn of the effects: strengths, amplitudes and shapes, hypothesis after hypothesis."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.diagnosis.acting import Acting, Law
+from bayesfric.diagnosis.discrepancy import Wide, relative_rms
+from bayesfric.diagnosis.forms import FormShare
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.diagnosis.shapes import Quadratic
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.inference.priors import from_normal
+
+DRAWS = 1000
+
+
+class EffectDraws:
+    """What is drawn of each effect, hypothesis after hypothesis; as in ``Posterior``.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which the hypotheses were compared.
+    residuals : Residuals
+        Windows of that model.
+    """
+
+    def __init__(self, model: LinearModel, residuals: Residuals) -> None:
+        self._model, self._residuals = model, residuals
+        self.strengths: dict[str, Array] = {}
+        self.left: dict[str, list[float]] = {}
+        self.amplitudes: dict[str, list[Array]] = {}
+        self.shapes: dict[str, list[Array]] = {}
+        self.waves: dict[str, list[Array]] = {}
+
+    def take_columns(
+        self,
+        rows: slice,
+        own: LinearModel,
+        weighed: Weighed,
+        drawn: Array,
+        rng: np.random.Generator,
+    ) -> None:
+        """Take draws of effects with columns under a hypothesis."""
+        model, residuals, full = self._model, self._residuals, self._model.full.layout
+        acting = weighed.acting
+        places = own.places(len(acting.laws))
+        columns = residuals.columns[:, full.own : full.own + full.candidates]
+        for column, law in enumerate(acting.laws):
+            values = drawn[:, places[column]]
+            mixed = columns @ model.mixing(acting)[:, column]
+            strength, felt = _strength(residuals, mixed)
+            if "period" in model.candidates[law.places[0]].effect.needs:
+                self.waves.setdefault(law.effect, []).append(mixed)
+            self._keep(rows, law, strength * np.abs(values), felt * float(np.abs(values).mean()))
+            scale = model.amplitude_scale(law)
+            self.amplitudes.setdefault(law.effect, []).append(values * scale)
+            self.shapes.setdefault(law.effect, []).append(
+                _shape_draws(own, weighed, column, len(values), rng)
+            )
+
+    def take_phases(
+        self,
+        rows: slice,
+        own: LinearModel,
+        weighed: Weighed,
+        wide: Wide | None,
+        forms: Mapping[str, FormShare],
+        rng: np.random.Generator,
+    ) -> Array:
+        """Take draws of effects with phases, and return the mean square of their force [N²]."""
+        model, acting, at = self._model, weighed.acting, weighed.at
+        hidden2 = np.zeros(rows.stop - rows.start)
+        for place, law in enumerate(acting.phases):
+            middle = at.psi[len(model.noise) + place]
+            spread = _log_spread(own, at.psi, acting, place, wide, forms)
+            values = np.exp(middle + spread * rng.standard_normal(hidden2.size))
+            self.amplitudes.setdefault(law.effect, []).append(values)
+            share = values * _phase_share(model, law.places[0])
+            real = model.candidates[law.places[0]].effect.acts_on != "reading"
+            self._keep(rows, law, share, float(share.mean()) if real else 0.0)
+            if real:
+                hidden2 = hidden2 + (share * self._residuals.friction_rms) ** 2
+        return hidden2
+
+    def _keep(self, rows: slice, law: Law, strength: Array, left: float) -> None:
+        """Keep draws of an effect's strength, and what a recalibrated law leaves of it."""
+        self.strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength
+        self.left.setdefault(law.effect, []).append(left)
+
+
+def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:
+    """Return the rms of a force over rms friction where it acts, and what the law leaves."""
+    rigs = [rig for rig in np.unique(residuals.rig) if np.any(column[residuals.rig == rig])]
+    on_rigs = np.isin(residuals.rig, rigs)
+    weight = residuals.weight * on_rigs
+    friction2 = (weight * residuals.friction_n**2).sum()
+    if friction2 == 0:
+        return 0.0, 0.0
+    left = residuals.without_law(column)
+    return (
+        float(np.sqrt((weight * column**2).sum() / friction2)),
+        float(np.sqrt((residuals.weight * left**2).sum()) / residuals.friction_rms),
+    )
+
+
+def _phase_share(model: LinearModel, place: int) -> float:
+    """Return the share of friction that phases of unit amplitude make, rms."""
+    return relative_rms([rig.rows for rig in model.rigs], model.candidates[place])
+
+
+def _log_spread(
+    model: LinearModel,
+    psi: Array,
+    acting: Acting,
+    place: int,
+    wide: Wide | None,
+    form: Mapping[str, FormShare],
+) -> float:
+    """Return the standard deviation of the logarithm of an amplitude with phases."""
+    step = np.zeros_like(psi)
+    step[len(model.noise) + place] = 0.1
+    below, middle, above = (
+        model.evaluate(at, acting, wide, form).value for at in (psi - step, psi, psi + step)
+    )
+    return float(np.sqrt(0.1**2 / max(2 * middle - below - above, 1e-2 * 0.1**2)))
+
+
+def _shape_draws(
+    model: LinearModel, weighed: Weighed, column: int, count: int, rng: np.random.Generator
+) -> Array:
+    """Draw the shape of an effect around the best, others held; nothing where there is none."""
+    law = weighed.acting.laws[column]
+    effect = model.candidates[law.places[0]].effect
+    if effect.shape is None:
+        return np.empty(0)
+    places = [place for acting_law in weighed.acting.laws for place in acting_law.places]
+    reduced = model.reduced(
+        weighed.at.psi, Acting(phases=weighed.acting.phases), weighed.forms, places
+    )
+    quadratic = Quadratic(model, reduced, places)
+    centre = weighed.acting.shapes[column]
+    width = 2.0
+    for _ in range(4):
+        grid = np.clip(centre + width * np.linspace(-1, 1, 41), -2.4, 2.4)
+        shapes = [np.array([shape]) for shape in weighed.acting.shapes]
+        shapes[column] = grid
+        logs = quadratic.values(weighed.acting.laws, shapes) - 0.5 * grid**2
+        weights = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        mean = float(weights @ grid)
+        sd = float(np.sqrt(weights @ (grid - mean) ** 2))
+        if sd > width / 12:
+            break
+        centre, width = float(grid[np.argmax(logs)]), max(6 * sd, width / 15)
+    picked = rng.choice(grid, size=count, p=weights)
+    picked = picked + (grid[1] - grid[0]) * rng.uniform(-0.5, 0.5, count)
+    return np.asarray(from_normal(effect.shape.prior, np.clip(picked, -2.4, 2.4)))

@@ -1,0 +1,55 @@
+"""Conditions that could be measured next: levels that were recorded, each with each other.
+
+What one more trial tells is asked of these by :mod:`bayesfric.planning` and
+:mod:`bayesfric.diagnosis.next_experiment`; a rig says which columns make its conditions.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Whole
+
+
+def evenly(count: int, most: int) -> Whole:
+    """Return at most `most` of `count` places, evenly, the ends among them."""
+    return np.unique(np.linspace(0, count - 1, most).astype(np.intp))
+
+
+def levels_of(column: "pd.Series[float]", most: int | None = None) -> pd.DataFrame:
+    """Return values of a column that were recorded, ascending, as a table."""
+    values = np.unique(column.to_numpy())
+    return pd.DataFrame({column.name: values[evenly(values.size, most or values.size)]})
+
+
+def every_condition(
+    measured: pd.DataFrame, levels: Callable[[pd.DataFrame], Sequence[pd.DataFrame]]
+) -> pd.DataFrame:
+    """Return every condition that the levels of each pulley size make together.
+
+    Parameters
+    ----------
+    measured : DataFrame
+        Trials that were recorded.
+    levels : callable
+        Of the trials of one size, to a table of the levels of each of their settings.
+
+    Returns
+    -------
+    DataFrame
+        A row a condition, as a trial on an assembly of its own.
+    """
+    laid = []
+    for size, own in measured.groupby("pulley_size", sort=False):
+        cells = pd.DataFrame({"pulley_size": [size]})
+        for level in levels(own):
+            cells = cells.merge(level, how="cross")
+        laid.append(cells)
+    return numbered(pd.concat(laid, ignore_index=True))
+
+
+def numbered(conditions: pd.DataFrame) -> pd.DataFrame:
+    """Return conditions as trials, each on an assembly of its own."""
+    names = [f"t{place:04d}" for place in range(len(conditions))]
+    return conditions.reset_index(drop=True).assign(trial=names, setup=names)
