@@ -151,6 +151,12 @@ class DiagnosisThresholds:
     instrument_keeps: float = rule(
         0.5, "1", "and of which it tells this part of what least squares tell", "joints"
     )
+    instrument_weak: float = rule(
+        10.0, "1", "an instrument whose F statistic is smaller tells no numbers", "joints"
+    )
+    instrument_sure: float = rule(
+        1e-6, "1", "but that least squares are bent, where chance makes less than this", "joints"
+    )
     runs_of_scatter: int = rule(
         4, "runs", "fewer do not tell how far the law is off for runs to come", "joints"
     )

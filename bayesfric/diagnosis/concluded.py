@@ -12,7 +12,7 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import not_held, why_bent
+from bayesfric.diagnosis.instrumental import not_held, why_bent, why_unsettled
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
@@ -201,7 +201,7 @@ def conclude(
         shown=not_shown is None and left_in_order is None,
     )
     could_be_open = bent is None and not contradicted and verdict == "unknown"
-    open_because = _why_open(rig, judged.residuals) if could_be_open else bent
+    open_because = _why_open(rig, judged.residuals, instrument) if could_be_open else bent
     if could_be_open and open_because is not None:
         verdict, probability = "undecided", max(judged.above, 1 - judged.above)
     if verdict == "unknown" and apart.search.unknown is not None:
@@ -264,11 +264,12 @@ def _why_bent(
     return not_held(instrument, {name: whose.get(name, name) for name in named})
 
 
-def _why_open(rig: RigTrials, residuals: Residuals) -> str | None:
+def _why_open(rig: RigTrials, residuals: Residuals, instrument: Instrument | str) -> str | None:
     """Return why an unknown force along a path is not sure; None where it is."""
     if not rig.along_path:
         return None
-    return rig.open_still or few_windows(residuals, along_path=True)
+    few = few_windows(residuals, along_path=True)
+    return rig.open_still or few or why_unsettled(instrument)
 
 
 def _as_judged(judged: Judged) -> Overruled:

@@ -38,6 +38,28 @@ def why_bent(instrument: Instrument | str) -> str | None:
     )
 
 
+def why_unsettled(instrument: Instrument | str) -> str | None:
+    """Return why the loop may have made what is left, and nothing sets it right; None if not.
+
+    That least squares are bent is sure by instruments of any strength; by how much is told by
+    strong ones alone.
+
+    Parameters
+    ----------
+    instrument : Instrument or str
+        Beside least squares, or why there is none.
+    """
+    if isinstance(instrument, str) or instrument.alarms:
+        return None
+    if instrument.p_value >= RULES.instrument_sure or instrument.strength >= RULES.instrument_weak:
+        return None
+    return (
+        "errors of the encoder, or what disturbs the joint inside its loop, bend least squares "
+        f"(Durbin, Wu and Hausman: p = {instrument.p_value:.1g}), and the motion before is too "
+        f"weak an instrument to set them right (F = {instrument.strength:.2g}): log the reference"
+    )
+
+
 def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | None:
     """Return which causes an instrument that alarms does not tell; None where it tells all.
 
@@ -48,7 +70,9 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
     named : mapping of str to str
         The causes by least squares, each with the effect whose law it has: itself, or a twin.
     """
-    if isinstance(instrument, str) or not instrument.alarms:
+    if isinstance(instrument, str):
+        return None
+    if not instrument.alarms and why_unsettled(instrument) is None:
         return None
     parts = []
     for name, whose in named.items():

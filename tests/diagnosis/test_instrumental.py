@@ -4,7 +4,7 @@ import pytest
 from rigs.looped_joint import LoopedJoint
 
 import bayesfric as bf
-from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent
+from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent, why_unsettled
 from bayesfric.diagnosis.verdict import decide
 from bayesfric.hypothesis import NONE
 from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
@@ -82,6 +82,20 @@ def test_a_cause_that_an_instrument_does_not_tell_is_not_held(backlash, alarmed,
     reason = not_held(beside, {"backlash": "backlash"})
     assert (reason is None) == (why is None)
     assert why is None or why in reason
+
+
+@pytest.mark.parametrize(
+    ("p_value", "strength", "unsettled"),
+    [(1e-20, 1.8, True), (1e-20, 30.0, False), (1e-4, 1.8, False)],
+)
+def test_a_weak_instrument_that_is_sure_leaves_a_cause_open(p_value, strength, unsettled):
+    """That least squares are bent shows by any instrument; only a strong one sets them right."""
+    changed = {"alarms": False, "p_value": p_value, "strength": strength}
+    beside = of_backlash(0.09, 0.04, 0.08).model_copy(update=changed)
+    assert (why_unsettled(beside) is not None) == unsettled
+    assert (not_held(beside, {"backlash": "backlash"}) is not None) == unsettled
+    told = of_backlash(0.5, 0.4, 0.05).model_copy(update=changed)
+    assert not_held(told, {"backlash": "backlash"}) is None
 
 
 def test_a_cause_with_the_law_of_its_twin_is_held_by_that():
