@@ -297,7 +297,7 @@ def gap_row(
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
         if np.median(ratio) > RULES.most_shrink:
-            why = "what the causes leave is further below the floor than chance would have it"
+            why = "data held out are off by less with the causes than scatter makes by chance"
         else:
             shrink = interval(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None

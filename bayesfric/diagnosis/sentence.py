@@ -149,7 +149,10 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     if causes:
         open_still = f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}"
         return f"{open_still}; {better}." if better else f"{open_still}."
-    sizes = f"({row.before.q50:.3g} {gap.unit} rms beside {row.floor.q50:.3g} {gap.unit})"
+    sizes = (
+        f"({row.before.q50:.3g} {gap.unit} rms, where scatter makes {row.floor.q50:.3g} {gap.unit} "
+        "on average)"
+    )
     if row.below_floor <= 1 - RULES.above_floor:
         return f"The law misses data held out by more than scatter explains {sizes}."
     return f"The law misses data held out by no more than scatter explains {sizes}."

@@ -48,10 +48,14 @@ def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
     """Return that there are too few windows for the law's numbers; None where there are enough."""
     least = RULES.windows_a_number_of_joints if along_path else RULES.windows_a_number
     windows, numbers = residuals.independent, _numbers(residuals)
-    if windows >= least * numbers:
+    trials = np.unique(residuals.trial).size
+    # Windows of one trial on a board share its scatter, so that they are one reading of the law.
+    few_trials = not along_path and trials < windows
+    count, what = (trials, "trial") if few_trials else (windows, "window")
+    if count >= least * numbers:
         return None
     return (
-        f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
+        f"{count} {what if count == 1 else f'{what}s'} of motion for {numbers} numbers "
         f"of the law, and {least * numbers} are needed"
     )
 

@@ -12,7 +12,7 @@ from bayesfric.diagnosis.showing import loosely_known, why_not_shown
 from bayesfric.errors import InputError
 
 
-def recorded(windows, numbers=2):
+def recorded(windows, numbers=2, trials=None):
     """Return windows of one size, in which some numbers of the law do something."""
     columns = np.zeros((windows, 3))
     columns[:, :numbers] = 1.0
@@ -21,6 +21,7 @@ def recorded(windows, numbers=2):
         columns=columns,
         names=("a", "b", "c"),
         independent=windows,
+        trial=np.arange(windows) % (trials or windows),
         shared=(),
     )
 
@@ -53,6 +54,13 @@ def test_a_dozen_windows_along_a_path_are_no_proof_of_no_gap(windows, shown):
     found = why_not_shown(search(-3.0), recorded(windows), along_path=True)
     assert (found is None) == shown
     assert shown or "16 are needed" in found
+
+
+@pytest.mark.parametrize(("trials", "shown"), [(2, False), (6, True)])
+def test_windows_of_one_trial_on_a_board_are_one_reading_of_the_law(trials, shown):
+    found = why_not_shown(search(-3.0), recorded(60, trials=trials), along_path=False)
+    assert (found is None) == shown
+    assert shown or "2 trials of motion for 2 numbers of the law, and 6 are needed" in found
 
 
 def test_what_does_nothing_is_no_number_that_needs_windows():

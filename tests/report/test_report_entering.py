@@ -85,4 +85,11 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
         block = stored().record.model_copy(update={"enter": (COULOMB,), "verdict": verdict})
         captions[verdict] = next(iter(numbers_to_enter(block))).caption
     assert "They may be biased" in captions["unknown"]
-    assert captions["no-gap"] == "Enter these numbers in your simulator for the joint elbow."
+    assert captions["no-gap"] == (
+        "Enter these numbers in your simulator for the joint elbow. "
+        "Its own are outside of the 90 % interval: coulomb."
+    )
+    own = COULOMB.model_copy(update={"in_your_simulator": COULOMB.value.q50})
+    block = stored().record.model_copy(update={"enter": (own,), "verdict": "no-gap"})
+    (table, *_) = numbers_to_enter(block)
+    assert table.caption == "Enter these numbers in your simulator for the joint elbow."

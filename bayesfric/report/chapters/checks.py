@@ -88,7 +88,8 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         rows,
         label="coverage",
         note="If made again: the share that the fit expects of another recording of the same "
-        "design, 90 % interval. It is wide, since trials that share a scatter move together.",
+        "design, 90 % interval. The interval is wide, since trials of an assembly deviate "
+        "together.",
     )
 
 

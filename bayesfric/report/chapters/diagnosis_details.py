@@ -349,8 +349,9 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
             if effect not in absent
         ],
         label="effects",
-        note="Around the baseline's own law; hypotheses of the table of probabilities are compared "
-        "again around the law of the leader."
+        note="Compared with the law that was fitted alone. Hypotheses of the table of "
+        "probabilities are compared again with the law that was refitted with the most probable "
+        "of them."
         + "".join(f" No figure for {', '.join(them)}: {why}." for why, them in without.items())
         + (f" {len(absent)} further effects need what no rig here has." if absent else ""),
     ).filled()

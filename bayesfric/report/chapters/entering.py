@@ -24,7 +24,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         if joint.verdict in ("unknown", "unseparated"):
             after += " They may be biased, since the law misses a force that has no cause yet."
         yield Table(
-            f"Enter these numbers in your simulator{of}.{after}",
+            f"Enter these numbers in your simulator{of}.{_wrong(joint)}{after}",
             [ISAAC_HEAD if title == CALLED["isaaclab"] else title for title in COLUMNS],
             [list(map(_shown, row)) for row in entered_rows(joint.enter)],
             label="enter" if not diagnosis.joints else f"enter-{place}",
@@ -39,6 +39,19 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
 def _shown(cell: str) -> str:
     """Return a cell as it is printed: a true minus, and no prefix that the head has."""
     return re.sub(r"-(?=\d)", "−", cell.removeprefix(ISAAC))
+
+
+def _wrong(joint: DiagnosisFile) -> str:
+    """Return which of the simulator's own numbers lie outside of their 90 % intervals."""
+    wrong = [
+        number.parameter
+        for number in joint.enter
+        if number.in_your_simulator is not None
+        and not number.value.q05 <= number.in_your_simulator <= number.value.q95
+    ]
+    if not wrong:
+        return ""
+    return f" Its own are outside of the 90 % interval: {', '.join(wrong)}."
 
 
 def _listed(joint: DiagnosisFile) -> str:

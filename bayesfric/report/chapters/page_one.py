@@ -29,6 +29,7 @@ from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
+    claims_beside,
     coefficient_heads,
     fitted_numbers,
     numbers_to_use,
@@ -54,6 +55,10 @@ from bayesfric.schemas import FitFile, RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 USE = "Use these coefficients"
+OF_THE_LAW_ALONE = (
+    "By the law alone: what the named causes make at the speeds of these runs is in it. "
+)
+PAPERS_LAW = " The law: n pulleys at wrap angle θ have n ((c₁ + c₃ (θ − 85°)) T + c₂)."
 FEW = 3  # remarks that stand as boxes; more of them are a list
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
@@ -84,6 +89,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     yield from faults(stored)
     if stored.claims is not None:
         yield fallen(stored.claims.record)
+        if diagnosed is not None:
+            yield from claims_beside(diagnosed.record)
     if stored.margins is not None:
         yield from gain_lines(stored.margins, alone=fitted is None)
     if stored.scorecard is not None and fitted is None:
@@ -176,9 +183,10 @@ def expected(
             for size in sizes
         ],
         label="expected",
-        note=("Coefficients: mean ± half of the 90 % interval. " if numbers else "")
+        note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
         + "Friction: of the law at the most frequent condition and its middle tension, ± half of "
-        "the 90 % interval. On a new assembly: nine runs in ten, scatter included.",
+        "the 90 % interval. On a new assembly: nine runs in ten, scatter included."
+        + (PAPERS_LAW if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
 
@@ -232,9 +240,9 @@ def coefficients_figure(stored: StoredFit, refitted: Quantiles) -> Iterator[Figu
     biased = " In colour: refitted with the named causes (90 %). Grey: the law alone, biased."
     yield Figure(
         svg_of(coefficients_relative_to_paper, stored.predictive, uninformed, refitted),
-        "Each coefficient over its value in Table I: median, 50 % and 90 % intervals. A bar that "
-        "misses the dashed line says that data and paper differ by more than the uncertainty."
-        + (biased if refitted else ""),
+        "Each coefficient over its value in the paper's Table I: median, 50 % and 90 % "
+        "intervals. A bar that misses the dashed line says that data and paper differ by more "
+        "than the uncertainty." + (biased if refitted else ""),
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",
         label="relative",
@@ -267,7 +275,7 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     remarks = attention_of_all(stored.records)
     lines: Sequence[str] = [line if fit is None else _remark(line, fit) for _, line in remarks]
     if len(lines) > FEW:
-        yield Notice("attention", f"{len(lines)} remarks must be read before the numbers:")
+        yield Notice("attention", f"{len(lines)} remarks must be read with the numbers:")
         yield BulletList(lines)
         return
     for line in lines:

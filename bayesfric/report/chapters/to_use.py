@@ -6,7 +6,17 @@ from bayesfric.effects import all_effects
 from bayesfric.effects.base import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
-from bayesfric.report.content import Block, Code, Column, Inline, Notice, Strong, Table, Text
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Inline,
+    Notice,
+    Paragraph,
+    Strong,
+    Table,
+    Text,
+)
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells
 from bayesfric.schemas import (
@@ -153,6 +163,16 @@ def refitted_coefficients(diagnosis: DiagnosisFile) -> dict[str, tuple[float, fl
         name: (number.after.q05, number.after.q50, number.after.q95)
         for name, number in diagnosis.law.items()
     }
+
+
+def claims_beside(diagnosis: DiagnosisFile) -> Iterator[Paragraph]:
+    """Yield that the claims were judged without the force that the diagnosis found."""
+    causes = " and ".join(cause.effect for cause in _acting_causes(diagnosis))
+    if causes or diagnosis.verdict == "unknown":
+        yield Paragraph(
+            f"The claims are judged with laws that lack {causes or 'the unknown force'}: where one "
+            "is refuted, that force may be the reason."
+        )
 
 
 def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
