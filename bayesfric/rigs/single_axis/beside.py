@@ -11,7 +11,8 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
-LEAST = 2e-3  # of the mean force, which friction is, that a direction adds at the least
+LEAST = 1e-3  # of the rms force of all rows, that a direction adds at the least
+LEAST_OF_FRICTION = 2e-3  # or of the mean force, which friction is, where that is less
 FRICTION_SHARE = 0.1  # of the rms force, that friction counts as at the least
 MOST = 120  # directions
 NO_LESS = 0.02  # of the rms force, that is left at the least, in a rough estimate
@@ -111,7 +112,8 @@ def leading(columns: Array, force: Array) -> tuple[Array, Mixing]:
     left, size, right = np.linalg.svd(columns, full_matrices=False)
     rms = size / np.sqrt(len(columns))
     whole = float(np.sqrt(np.mean(force**2))) or 1.0
-    least = LEAST * max(abs(float(np.mean(force))), FRICTION_SHARE * whole)
+    friction = max(abs(float(np.mean(force))), FRICTION_SHARE * whole)
+    least = min(LEAST * whole, LEAST_OF_FRICTION * friction)
     count = min(MOST, len(columns) // AXIS_RULES.rows_a_number, int(np.sum(rms > least)))
     rest = float(np.sqrt(np.sum(rms[count:] ** 2))) / whole
     return left[:, :count] * size[:count], Mixing(right[:count], rest)
