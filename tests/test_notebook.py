@@ -9,7 +9,7 @@ import pytest
 import bayesfric as bf
 from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.notebook import calls
-from bayesfric.notebook.results import DiagnosisResult, FitResult
+from bayesfric.notebook.results import ClaimsResult, DiagnosisResult, FitResult
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Gravity
 from bayesfric.resources import data_folder, reference_folder
@@ -44,10 +44,18 @@ def test_the_examples_of_the_docstrings_run(desk, monkeypatch, name):
 @pytest.mark.parametrize(
     ("verb", "computes", "title"),
     [
-        ("fit", "fit_recording", "sampling small-recording"),
-        ("check_claims", "judge", "comparing the claims with their rivals"),
-        ("diagnose", "diagnose_recording", "weighing the effects that the baseline leaves out"),
-        ("compute_margins", "compute", "computing margins"),
+        ("fit", "bayesfric.fitting.posterior.fit", "sampling small-recording"),
+        (
+            "check_claims",
+            "bayesfric.claims.check_claims",
+            "comparing the claims with their rivals",
+        ),
+        (
+            "diagnose",
+            "bayesfric.diagnosis.diagnose",
+            "weighing the effects that the baseline leaves out",
+        ),
+        ("compute_margins", "bayesfric.margins.compute_margins", "computing margins"),
     ],
 )
 def test_what_takes_long_is_told(desk, monkeypatch, caplog, verb, computes, title):
@@ -64,7 +72,7 @@ def test_what_takes_long_is_told(desk, monkeypatch, caplog, verb, computes, titl
     def own(done, total):
         steps.append((done, total))
 
-    monkeypatch.setattr(calls, computes, compute)
+    monkeypatch.setattr(computes, compute)
     given = ("own.toml", desk / "my-results") if verb == "compute_margins" else (desk / "my-board",)
     caplog.set_level(logging.INFO, "bayesfric")
     with pytest.raises(KeyboardInterrupt):
@@ -85,7 +93,7 @@ def test_a_path_and_an_object_settings_as_keys_and_as_an_object_are_the_same(des
         seen.append((recording.sha256, analysis, options))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(calls, "fit_recording", record)
+    monkeypatch.setattr("bayesfric.fitting.posterior.fit", record)
     keys = {"priors": {"c1": {"family": "half-normal", "scale": 0.1}}}
     (desk / "own.toml").write_text('[priors]\nc1 = { family = "half-normal", scale = 0.1 }\n')
     board = bf.read_recording(desk / "my-board")
@@ -121,7 +129,7 @@ def test_one_loop_file_is_one_loop(monkeypatch, desk):
         seen.append((loops, draws))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(calls, "compute", record)
+    monkeypatch.setattr("bayesfric.margins.compute_margins", record)
     with pytest.raises(KeyboardInterrupt):
         bf.compute_margins("own.toml", desk / "my-results")
     assert seen == [(["own.toml"], desk / "my-results" / "draws.nc")]
@@ -143,15 +151,15 @@ def test_a_fit_shows_itself_in_ten_lines_as_a_table_and_in_figures(small_fit):
 
 def test_stored_json_shows_itself_too():
     claims = read_json(ClaimsFile, reference_folder() / "claims.json")
-    table = calls.ClaimsResult(claims, None, 0.0).to_dataframe()
+    table = ClaimsResult(claims, None, 0.0).to_dataframe()
     assert dict(table["verdict"]) == {one.id: one.verdict for one in claims.claims}
-    (axes,) = calls.ClaimsResult(claims, None, 0.0).plot_rivals().axes
+    (axes,) = ClaimsResult(claims, None, 0.0).plot_rivals().axes
     drawn = [text.get_text() for text in axes.get_yticklabels()]
     rivals = [one.figures.get("log10_bayes_factor_against") or {} for one in claims.claims]
     assert sorted(name for name in drawn if name) == sorted(name for one in rivals for name in one)
     alone = claims.model_copy(update={"claims": ()})
     with pytest.raises(ValueError, match="none was compared"):
-        calls.ClaimsResult(alone, None, 0.0).plot_smallest_found()
+        ClaimsResult(alone, None, 0.0).plot_smallest_found()
     summary = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")
     found = DiagnosisResult.of(Diagnosed(summary, None, 0.0))
     assert summary.sentence in repr(found)

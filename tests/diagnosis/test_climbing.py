@@ -33,6 +33,10 @@ class Tilted:
         slope = np.append(end * PULL - CURVATURE * free, PULL @ free + SLOPE)
         return At(psi, value, slope, None, None, None)
 
+    def reweighted(self, psi, acting, wide=None, form=None):
+        """Its scatter is normal."""
+        return self
+
 
 def test_a_number_at_the_end_of_its_range_spoils_no_step_of_the_others():
     """Its slope changes with the others, which is no curvature of theirs."""

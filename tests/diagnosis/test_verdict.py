@@ -269,6 +269,7 @@ def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, 
 
     monkeypatch.setattr(remainder, "unknown_force", unknown_force)
     model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
+    model.reweighted, model.weight_volume = lambda *_: model, 0.0  # its scatter is normal
     found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
     draws = None if left is None else left + np.linspace(-0.01, 0.01, 201)
     left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, gap, draws)
@@ -285,6 +286,7 @@ def test_a_remainder_without_evidence_is_not_significant(monkeypatch):
 
     monkeypatch.setattr(remainder, "unknown_force", unknown_force)
     model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
+    model.reweighted, model.weight_volume = lambda *_: model, 0.0  # its scatter is normal
     found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
     draws = 0.31 + np.linspace(-0.01, 0.01, 201)
     left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, 0.07, draws)

@@ -168,6 +168,10 @@ class Density:
         slope = np.array([-16 * first, -10 * second - self.skew * (np.exp(second) - 1)])
         return At(psi, value, slope if gradient else None, None, None, None)
 
+    def reweighted(self, psi, acting, wide=None, form=None):
+        """Its scatter is normal."""
+        return self
+
 
 @dataclass
 class Bounded:

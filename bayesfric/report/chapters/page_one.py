@@ -54,11 +54,14 @@ from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.schemas import FitFile, RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
+NO_BREAK = "\u00a0"
 USE = "Use these coefficients"
 OF_THE_LAW_ALONE = (
     "By the law alone: what the named causes make at the speeds of these runs is in it. "
 )
-PAPERS_LAW = " The law of n pulleys at wrap angle θ: n\u00a0((c₁\u00a0+\u00a0c₃\u00a0(θ\u00a0−\u00a085°))\u00a0T\u00a0+\u00a0c₂)."
+PAPERS_LAW = " The law of n pulleys at wrap angle θ: " + "n ((c₁ + c₃ (θ − 85°)) T + c₂).".replace(
+    " ", NO_BREAK
+)
 FEW = 3  # remarks that stand as boxes; more of them are a list
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
