@@ -124,15 +124,22 @@ def summarise(
 
 
 def _not_followed(analysis: Analysis, data: Data, model: Model) -> tuple[str, ...]:
-    """Return, in sentences, the settings of scatter that a rig's likelihood does not follow."""
-    return tuple(
+    """Return, in sentences, the settings that change nothing in this fit."""
+    normal = [
         line
         for trials, likelihood in zip(data.rigs, model.likelihoods, strict=True)
         if isinstance(likelihood, ExactLikelihood)
         for line in kept_normal(
             analysis.scatter, trials.rig.words.rig, likelihood.model.scatter.heavy_levels
         )
-    )
+    ]
+    elsewhere = [
+        f"priors.pulleys.{size} is of no pulley size of these data "
+        f"({', '.join(data.sizes)}), and changes nothing"
+        for size in analysis.priors.pulleys
+        if size not in data.sizes
+    ]
+    return (*normal, *elsewhere)
 
 
 def _sampler(draws: Draws, theta: Array, least_ess: float) -> SamplerSummary:
