@@ -1,5 +1,6 @@
 """Deviations that rows share, integrated out in closed form: of a group, and of its assembly."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,7 +56,8 @@ class SharedDeviation:
 
     def left(self, sums: Array) -> Array:
         """Return sums of groups, (G, R, …), without what their deviations take up."""
-        lost = self.stiffness @ (self.taken @ sums.reshape(*sums.shape[:2], -1))
+        rest = math.prod(sums.shape[2:])  # -1 would be any number where no group is left
+        lost = self.stiffness @ (self.taken @ sums.reshape(*sums.shape[:2], rest))
         return np.asarray(sums - lost.reshape(sums.shape))
 
     def taken_by(self, groups: Flags) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from bayesfric.observation.shared_deviation import NestedDeviations, indicator
+from bayesfric.observation.shared_deviation import NestedDeviations, SharedDeviation, indicator
 
 GROUP = np.array([0, 0, 1, 1, 1, 2, 3, 3, 3])
 SETUP = np.array([0, 0, 1, 1])
@@ -68,3 +68,10 @@ def test_sums_are_those_of_the_whole_precision(rows):
     np.testing.assert_allclose(left, inverse @ y)
     left = 1 / variance - np.einsum("ir,irs,is->i", pulls, deviation, pulls)
     np.testing.assert_allclose(left, np.diag(inverse))
+
+
+def test_where_no_group_is_left_nothing_is_taken_up():
+    """All assemblies of a size may be held out at once."""
+    none = SharedDeviation.of(np.zeros((0, 2, 3)), np.zeros((0, 2)), np.zeros((0, 2, 2)), 1.0)
+    assert none.constant == 0.0
+    assert none.left(none.columns).shape == (0, 2, 3)
