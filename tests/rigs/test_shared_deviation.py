@@ -72,6 +72,8 @@ def test_sums_are_those_of_the_whole_precision(rows):
 
 def test_where_no_group_is_left_nothing_is_taken_up():
     """All assemblies of a size may be held out at once."""
-    none = SharedDeviation.of(np.zeros((0, 2, 3)), np.zeros((0, 2)), np.zeros((0, 2, 2)), 1.0)
+    none = SharedDeviation.of(
+        np.zeros((0, 2, 3)), np.zeros((0, 2)), np.zeros((0, 2, 2)), np.ones(2)
+    )
     assert none.constant == 0.0
     assert none.left(none.columns).shape == (0, 2, 3)
