@@ -37,7 +37,7 @@ def test_the_arc_is_sampled_in_square_roots(data):
 @pytest.mark.nightly
 def test_every_hypothesis_has_an_evidence_whatever_the_seed(data):
     claim = next(one for one in registered() if one.name == "no-viscous-motor")
-    tasks = [Task(SUBJECT, one) for one in (LawWithEffects(), *claim.rivals)]
+    tasks = [Task(SUBJECT, law) for law in (LawWithEffects(), *claim.rivals)]
     first, second = (
         study_all(tasks, data, analysis, rival_effects(analysis), None)
         for analysis in (Analysis(seed=2015), Analysis(seed=7))

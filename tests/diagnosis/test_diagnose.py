@@ -58,10 +58,10 @@ def named():
 @pytest.mark.nightly
 @pytest.mark.parametrize("level", ["trial", "assembly"])
 def test_student_t_scatter_of_normal_trials_is_found_to_leave_no_gap(nothing, empty, level):
-    found = diagnose(nothing, Analysis(scatter=Scatter(**{level: "student-t"}))).summary
-    assert found.verdict == empty.verdict == "no-gap"
-    assert found.gap != empty.gap
-    (line,) = found.attention
+    summary = diagnose(nothing, Analysis(scatter=Scatter(**{level: "student-t"}))).summary
+    assert summary.verdict == empty.verdict == "no-gap"
+    assert summary.gap != empty.gap
+    (line,) = summary.attention
     assert f"scatter.{level}" in line
     assert "on the motor board" in line
     assert empty.attention == ()

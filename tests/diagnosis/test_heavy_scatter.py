@@ -51,9 +51,9 @@ def value_at(model, psi, weight):
     (heavy,) = model.heavy
     own = model._with_heavy([replace(heavy, weight=weight)])
     half = heavy.freedom / 2
-    known = half + heavy.rank / 2
+    shape = half + heavy.rank / 2  # of the gamma density of a deviation that is known
     kept = own.evaluate(psi, Acting()).value
-    return kept - weight.size * (gammaln(known) - known * np.log(known) + known)
+    return kept - weight.size * (gammaln(shape) - shape * np.log(shape) + shape)
 
 
 @pytest.mark.parametrize("level", ["trial", "assembly"])
@@ -71,8 +71,8 @@ def test_the_evidence_is_that_of_the_integral_over_the_weights(level):
     expected = logsumexp(values) - np.log(len(values))
     error = np.std(np.exp(np.array(values) - expected)) / np.sqrt(len(values))
     assert error < 0.05
-    found = own.evaluate(psi, Acting()).value + own.weight_volume
-    assert found == pytest.approx(expected, abs=3 * error + 0.05)
+    log_evidence = own.evaluate(psi, Acting()).value + own.weight_volume
+    assert log_evidence == pytest.approx(expected, abs=3 * error + 0.05)
 
 
 def test_a_deviation_that_is_known_has_the_density_of_a_student_t():
@@ -80,8 +80,8 @@ def test_a_deviation_that_is_known_has_the_density_of_a_student_t():
     off = np.array([0.3, -1.5, 8.0])
     heavy = HeavyScatter.equal("trial", FREEDOM, 1, off.size)
     for _ in range(60):
-        known = np.sqrt(heavy.weight) * off
-        heavy = heavy.updated(Deviations(known[:, None], np.zeros((off.size, 1, 1))))
+        over_scale = np.sqrt(heavy.weight) * off
+        heavy = heavy.updated(Deviations(over_scale[:, None], np.zeros((off.size, 1, 1))))
     density = norm(0, heavy.weight**-0.5).logpdf(off).sum()
     density += heavy.log_density(np.arange(off.size)) + heavy.volume.sum()
     assert density == pytest.approx(student(FREEDOM).logpdf(off).sum(), abs=1e-9)
@@ -98,12 +98,12 @@ def test_derivatives_are_those_of_differences_at_the_mode_of_the_weights(level):
     def at(noise):
         return model.reweighted(noise, Acting()).evaluate(noise, Acting(), gradient=True)
 
-    found = at(psi).gradient
+    gradient = at(psi).gradient
     for place in range(psi.size):
         step = np.zeros_like(psi)
         step[place] = 3e-3
         difference = (at(psi + step).value - at(psi - step).value) / 6e-3
-        assert found[place] == pytest.approx(difference, rel=2e-3, abs=0.01)
+        assert gradient[place] == pytest.approx(difference, rel=2e-3, abs=0.01)
 
 
 def test_many_degrees_of_freedom_are_normal_scatter():
@@ -111,10 +111,10 @@ def test_many_degrees_of_freedom_are_normal_scatter():
     expected = normal.evaluate(psi, Acting())
     heavy, _ = model_with("trial", 100.0)
     own = heavy.reweighted(psi, Acting())
-    found = own.evaluate(psi, Acting())
-    assert found.value + own.weight_volume == pytest.approx(expected.value, abs=0.3)
+    heavy_tailed = own.evaluate(psi, Acting())
+    assert heavy_tailed.value + own.weight_volume == pytest.approx(expected.value, abs=0.3)
     sd = np.sqrt(np.diag(expected.covariance))
-    np.testing.assert_allclose((found.mean - expected.mean) / sd, 0.0, atol=0.1)
+    np.testing.assert_allclose((heavy_tailed.mean - expected.mean) / sd, 0.0, atol=0.1)
 
 
 def test_a_climb_ends_at_the_mode_of_weights_and_noise():

@@ -94,8 +94,8 @@ def test_a_weak_instrument_that_is_sure_leaves_a_cause_open(p_value, strength, u
     beside = of_backlash(0.09, 0.04, 0.08).model_copy(update=changed)
     assert (why_unsettled(beside) is not None) == unsettled
     assert (not_held(beside, {"backlash": "backlash"}) is not None) == unsettled
-    told = of_backlash(0.5, 0.4, 0.05).model_copy(update=changed)
-    assert not_held(told, {"backlash": "backlash"}) is None
+    agreeing = of_backlash(0.5, 0.4, 0.05).model_copy(update=changed)
+    assert not_held(agreeing, {"backlash": "backlash"}) is None
 
 
 def test_a_cause_with_the_law_of_its_twin_is_held_by_that():

@@ -17,6 +17,7 @@ from bayesfric.rigs.single_axis.paths import Path
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 AROUND = 2  # joints on either side whose sums of positions gravity is told by
+TAKEN = 2.0  # what moves over what gravity's forms leave: they take what goes with the position
 KNOWN_TO = 0.15  # of a known force: how far it may be wrong, as a model's masses are
 
 
@@ -43,7 +44,7 @@ class Scales(NamedTuple):
 
     def of_one(self, count: int) -> float:
         """Return what each of so many forms of what moves may take."""
-        return float(self.moving / np.sqrt(count))
+        return float(TAKEN * self.moving / np.sqrt(count))
 
 
 def scales_of(
