@@ -22,7 +22,7 @@ from bayesfric.blind.engines.mujoco_cable import STEP_S, Cable, closed_form, mov
 from bayesfric.blind.engines.recorder import event_trains, gravity_tables, recorded
 from bayesfric.blind.engines.reference import Made as Made
 from bayesfric.blind.engines.reference import Withheld as Withheld
-from bayesfric.blind.engines.reference import coefficients_of, stream_of
+from bayesfric.blind.engines.reference import coefficients_of, stream
 from bayesfric.blind.engines.state import Array
 
 LONGEST_S = 8.0
@@ -165,11 +165,11 @@ def make(
     del beside
     if design != "quick" or any(name not in BY_NAME for name, _ in withheld.effects):
         raise ValueError(f"no design {design!r}, or no effects {withheld.effects!r}")
-    nature, trials = draw_nature(stream_of(seed, NATURE)), trials_of(stream_of(seed, TRIALS))
-    factor = _scatter(nature, trials, stream_of(seed, SCATTER)) if noise else np.ones(len(trials))
+    nature, trials = draw_nature(stream(seed, NATURE)), trials_of(stream(seed, TRIALS))
+    factor = _scatter(nature, trials, stream(seed, SCATTER)) if noise else np.ones(len(trials))
     chosen = [(BY_NAME[name], strength) for name, strength in withheld.effects]
     amplitudes = [_amplitude(mechanism, strength, nature, trials) for mechanism, strength in chosen]
-    soft = stream_of(seed, SOLVER).uniform(0.002, 0.006, len(trials))
+    soft = stream(seed, SOLVER).uniform(0.002, 0.006, len(trials))
     cables = _cables(
         nature,
         trials,
@@ -179,13 +179,13 @@ def make(
     )
     motion = _motion([moved(cable, _time_of(cable)) for cable in cables])
     phases = {
-        at_load: stream_of(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
+        at_load: stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
         for at_load in (False, True)
     }
-    clock = stream_of(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
+    clock = stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     board = board_of(nature, trials)
     quiet = nature if noise else None
-    trains = event_trains(board, motion, (), phases, clock, quiet, stream_of(seed, EVENTS))
+    trains = event_trains(board, motion, (), phases, clock, quiet, stream(seed, EVENTS))
     tables, lost = gravity_tables(trials, trains, ticks=noise)
     truth = {
         "coefficients": coefficients_of(nature),
