@@ -129,7 +129,7 @@ def test_numbers_that_are_biased_alike_are_one_remark():
     numbers = {name: law(0.011, 0.010, 1e-4) for name in ("c1[large]", "c3[large]")}
     worst = {"c2[small]": law(0.0439, 0.0261)}
     biased = diagnosis(causes=(cause("viscous"),), law=numbers | worst)
-    (line,) = [line for line in of_diagnosis(biased) if "Fitted without viscous" in line]
+    (line,) = [line for line in of_diagnosis(biased) if "Without viscous" in line]
     assert "c2[small] as 0.0439 N" in line
     assert "Also biased: c1[large], c3[large]." in line
 
