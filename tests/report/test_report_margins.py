@@ -72,10 +72,7 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     lost = next(one for one in loop.metrics if one.name == "lost_motion")
     tight = bad.model_copy(update={"metrics": (lost.model_copy(update={"spec": 1e-5}),)})
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
-    assert (
-        f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} ["
-        in line.text
-    )
+    assert f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} [" in line.text
     assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text
 
 
