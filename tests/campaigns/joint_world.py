@@ -10,11 +10,11 @@ import hashlib
 from collections.abc import Iterator
 from itertools import combinations, count, islice
 
-from campaigns import mujoco_joints
 from campaigns.evidence import Gathered
 from campaigns.promises import rate
 from scipy.stats import binomtest
 
+from bayesfric.blind.engines import mujoco_joints
 from bayesfric.blind.engines.reference import Withheld
 from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose

@@ -14,10 +14,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from campaigns.joint_arm import Acting, Arm, Control, Moved, mjcf, moved
-from campaigns.joint_forms import MECHANISMS, OUTSIDERS, Mechanism, Scales
 from numpy.random import Generator
 
+from bayesfric.blind.engines.joint_arm import Acting, Arm, Control, Moved, mjcf, moved
+from bayesfric.blind.engines.joint_forms import MECHANISMS, OUTSIDERS, Mechanism, Scales
 from bayesfric.blind.engines.reference import Made, Withheld, stream
 from bayesfric.blind.engines.state import Array
 from bayesfric.recording import Recording, read_recording

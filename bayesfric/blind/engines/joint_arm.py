@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from campaigns.joint_forms import Mechanism, Now
 
+from bayesfric.blind.engines.joint_forms import Mechanism, Now
 from bayesfric.blind.engines.state import Array
 
 REST = 1e-3  # rad/s, below which a joint rests
