@@ -17,7 +17,7 @@ SINGULAR = 1e-6
 class Section(BaseModel):
     """A table of a loop file: unknown keys are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
 
 
 class CableRun(Section):

@@ -173,6 +173,7 @@ class Kick(Section):
     )
     reference_range_rad_s: tuple[Speed, Speed] | None = Field(
         None,
+        strict=False,  # a file has lists
         description="Slowest and fastest reference at the motor that hunting is looked for at, "
         "besides rest; both 0 is rest alone. Absent: 0.1 to 10 encoder counts a sample, as far "
         "as the joint's peak velocity goes.",

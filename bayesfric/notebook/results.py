@@ -54,7 +54,7 @@ class FitResult(Fit):
 
     def plot_residuals(self) -> "Figure":
         """Draw the residual of each trial from the law, in the order of measuring."""
-        from bayesfric.plots.residuals import residuals_by_order
+        from bayesfric.plots.residuals_by_order import residuals_by_order
 
         return residuals_by_order(self.predictive)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
+from bayesfric.recording.cells import Table
 from bayesfric.recording.joint_rules import joint_of_run
-from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
 COARSEST_S = 1.0  # between samples: what a drive does in between is not to be seen

@@ -6,10 +6,10 @@ import pandas as pd
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
+from bayesfric.recording.cells import check_cells
 from bayesfric.recording.columns import STEADY_CONDITION, TableFormat
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.frames import typed
-from bayesfric.recording.schemas import check_cells
 
 FORMAT = TableFormat("conditions.csv", STEADY_CONDITION, keeps_covariates=True)
 

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault, near
+from bayesfric.recording.cells import Table
 from bayesfric.recording.csv_text import LISTED, with_more, with_rest
 from bayesfric.recording.frames import did_not_move, individual_angles, stands_in
 from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
-from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
 from bayesfric.recording.tables import RigConstants

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
+from bayesfric.recording.cells import Table
 from bayesfric.recording.frames import stands_in
-from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import Axis, Gravity, Recording
 
 SPREAD = 1e-3  # of a reading, by which honest repeats differ at the least

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
-from bayesfric.recording.schemas import Table
+from bayesfric.recording.cells import Table
 from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE
 from bayesfric.recording.tables import RigConstants
 

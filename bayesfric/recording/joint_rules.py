@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault, near
+from bayesfric.recording.cells import Table
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.robot_file import faults_of_joints
-from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
 SAMPLES = "axis_samples.csv"

@@ -10,6 +10,7 @@ import pandas as pd
 
 from bayesfric.errors import Fault
 from bayesfric.recording.axis_units import axis_in_other_units
+from bayesfric.recording.cells import Table
 from bayesfric.recording.energy import (
     drops_the_weight,
     gains_energy,
@@ -17,7 +18,6 @@ from bayesfric.recording.energy import (
     pushes_a_cable,
     tears_a_cable,
 )
-from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
 CABLE_BEARS_N = 311.0  # the paper's 0.61 mm 7×19 stainless cable

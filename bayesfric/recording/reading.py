@@ -9,6 +9,7 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.axis_notes import notes_on_axis
+from bayesfric.recording.cells import Table, check_cells
 from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
 from bayesfric.recording.copies import without_copies
@@ -18,7 +19,6 @@ from bayesfric.recording.frames import no_events, sorted_events, typed, with_set
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
 from bayesfric.recording.plausibility import implausible
 from bayesfric.recording.robot_file import faults_of_model, files_of_model
-from bayesfric.recording.schemas import Table, check_cells
 from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
 from bayesfric.recording.tested_range import notes_on_range

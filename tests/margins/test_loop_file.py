@@ -69,6 +69,10 @@ def refused(tmp_path, changes):
         ({"compensation.signal": "error"}, "compensation", "boundary_rad"),
         ({"tool.lever_m": None}, None, "lever_m"),
         ({"joint.kind": "hinge"}, "joint.kind", "revolute"),
+        ({"joint.inertia_kg_m2": "0.3"}, "joint.inertia_kg_m2", "number"),
+        ({"spec": {"headroom_clip_min": "0.3"}}, "spec.headroom_clip_min", "number"),
+        ({"runs.0.count": "3"}, "runs.0.count", "integer"),
+        ({"runs.0.count": True}, "runs.0.count", "integer"),
     ],
 )  # fmt: skip
 def test_a_bad_loop_is_one_clear_fault(tmp_path, changes, column, expected):

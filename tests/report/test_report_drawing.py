@@ -7,7 +7,7 @@ from report.sample import document
 
 from bayesfric.campaign import processes
 from bayesfric.plots.posterior import coefficients_relative_to_paper
-from bayesfric.plots.residuals import residuals_by_order
+from bayesfric.plots.residuals_by_order import residuals_by_order
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Document, Figure
 from bayesfric.report.drawing import draw_figures, get_ready

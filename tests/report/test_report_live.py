@@ -12,7 +12,7 @@ from report.diagnosis_sample import stored_diagnosis
 from report.sample import document
 
 from bayesfric.plots.live import Chart, Cloud, Curve, chart_data
-from bayesfric.plots.residuals import residual_charts
+from bayesfric.plots.residuals_by_order import residual_charts
 from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report import html, live
 from bayesfric.report.content import Document, Figure

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from functools import partial
 
-from bayesfric.plots.residuals import residual_charts, residuals_by_order
+from bayesfric.plots.residuals_by_order import residual_charts, residuals_by_order
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.one_left_out import left_out
