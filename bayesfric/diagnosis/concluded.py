@@ -286,9 +286,11 @@ def _without_causes(judged: Judged, rivals: list[str]) -> Overruled:
 def _why_not_shown(
     model: LinearModel, search: Search, judged: Judged, instrument: Instrument | str
 ) -> str | None:
-    """Return why these data could not have shown a gap, the first reason of three."""
-    return (
-        why_not_shown(search, judged.residuals, along_path=model.data.rigs[0].along_path)
+    """Return why these data could not have shown a gap: the first reason, and what it hides."""
+    rig = model.data.rigs[0]
+    first = (
+        why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior)
         or why_bent(instrument)
     )
+    return first and "; ".join(filter(None, (first, rig.open_still)))
