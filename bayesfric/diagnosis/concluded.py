@@ -290,9 +290,11 @@ def _why_not_shown(
     instrument: Instrument | str,
     practical: float,
 ) -> str | None:
-    """Return why these data could not have shown a gap, the first reason of three."""
-    return (
-        why_not_shown(search, judged.residuals, along_path=model.data.rigs[0].along_path)
+    """Return why these data could not have shown a gap: the first reason, and what it hides."""
+    rig = model.data.rigs[0]
+    first = (
+        why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)
         or why_bent(instrument)
     )
+    return first and "; ".join(filter(None, (first, rig.open_still)))

@@ -8,6 +8,7 @@ import pytest
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
+from bayesfric.diagnosis.concluded import _why_not_shown
 from bayesfric.diagnosis.showing import loosely_known, why_not_shown
 from bayesfric.errors import InputError
 
@@ -47,6 +48,17 @@ def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, 
     found = why_not_shown(search(unknown), recorded(windows), along_path=False)
     assert (found is None) == (why is None)
     assert why is None or why in found
+
+
+def test_a_joint_that_turned_once_is_said_to_have_shown_nothing_of_its_places():
+    """There and back past a pull of twice its friction: effects of a place are not examined."""
+    turned_once = "the joint turns 1 time"
+    rig = SimpleNamespace(along_path=True, open_still=turned_once)
+    model = SimpleNamespace(data=SimpleNamespace(rigs=[rig]))
+    judged = SimpleNamespace(residuals=recorded(60))
+    why = _why_not_shown(model, search(0.6), judged, "none")
+    assert why.startswith("60 windows do not tell an unknown force from none")
+    assert why.endswith(f"; {turned_once}")
 
 
 @pytest.mark.parametrize(("windows", "shown"), [(12, False), (15, False), (16, True)])
