@@ -61,7 +61,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
         box(record),
         [
             Strong(f"{VERDICTS[record.verdict]}."),
-            f" {record.sentence} ",
+            f" {_with_meanings(record)} ",
             f"What may act: {listed(record.possible)}. " if open_still else "",
             "See ",
             Reference("diagnosis"),
@@ -69,6 +69,14 @@ def verdict_line(record: DiagnosisFile) -> Notice:
         ],
         title="Sim-to-real gap",
     )
+
+
+def _with_meanings(record: DiagnosisFile) -> str:
+    """Return the verdict's sentence, in which each cause is followed by what it is."""
+    said = record.sentence
+    for cause in record.causes:
+        said = said.replace(cause.effect, f"{cause.effect} ({cause.sentence})", 1)
+    return said
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
