@@ -97,7 +97,7 @@ def test_effects_that_were_tried_once_have_no_smallest_strength(card):
 def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
     assert "28 of 32 verdicts are correct" in line
-    assert "these cases judge 5: 3 kept so far, 2 missed so far (so far: too few" in line
+    assert "judge 5 of 11 promises: 3 kept so far, 2 missed so far (so far: with too few" in line
     assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
     assert scorecard_line(card).kind == "attention"
     fine = card_of([scored()] * 60)

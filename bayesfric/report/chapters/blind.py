@@ -48,10 +48,10 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     ]
     said = f"{_of(card.accuracy)} verdicts are correct"
     if counts:
-        said += f". Of {len(card.targets)} promises these cases judge {len(outcomes)}: "
+        said += f". These cases judge {len(outcomes)} of {len(card.targets)} promises: "
         said += ", ".join(counts)
     if any("so far" in count for count in counts):
-        said += " (so far: too few cases to be sure)"
+        said += " (so far: with too few cases to be sure)"
     which = f". Missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
     proof = " These seeds were used to tune the effects: the rates prove nothing." if tuning else ""

@@ -52,7 +52,7 @@ def _wrong(joint: DiagnosisFile) -> str:
     if not wrong:
         return ""
     lie = "lies" if len(wrong) == 1 else "lie"
-    return f" Its own {' and '.join(wrong)} {lie} outside of the 90 % interval."
+    return f" Its own {', '.join(wrong)} {lie} outside of the 90 % interval."
 
 
 def _listed(joint: DiagnosisFile) -> str:

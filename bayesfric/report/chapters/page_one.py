@@ -25,7 +25,7 @@ from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.faults import faults
-from bayesfric.report.chapters.gain import gain_lines
+from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
@@ -88,12 +88,17 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from convergence(pooled)
         yield population(pooled, pooled.pooled)
     yield from faults(stored)
-    yield from worries(stored)
+    if fitted is not None or pooled is not None or diagnosed is not None:
+        yield from worries(stored)
     if stored.claims is not None:
         lacking = "" if diagnosed is None else lacking_force(diagnosed.record)
         yield fallen(stored.claims.record, lacking)
     if stored.margins is not None:
         yield from gain_lines(stored.margins, alone=fitted is None)
+    if fitted is None and pooled is None and diagnosed is None:  # the answer stands first
+        yield from worries(stored)
+    if stored.margins is not None and fitted is None:
+        yield from gain_figures(stored.margins)
     if stored.scorecard is not None and fitted is None:
         yield scorecard_line(stored.scorecard)
     if stored.calibration is not None and fitted is None:
@@ -275,7 +280,10 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     remarks = attention_of_all(stored.records)
-    lines: Sequence[str] = [line if fit is None else _remark(line, fit) for _, line in remarks]
+    lines: Sequence[str] = [
+        line.removesuffix(".") + "." if fit is None else _remark(line, fit)
+        for _, line in remarks
+    ]
     if len(lines) > FEW:
         yield Notice("attention", f"Read these {len(lines)} remarks with the numbers:")
         yield BulletList(lines)
