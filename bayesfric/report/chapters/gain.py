@@ -190,7 +190,9 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
         name = " ".join(filter(None, (metric.name, metric.direction)))
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
         words = ", ".join(filter(None, (WORDS.get(metric.name, metric.name), metric.direction)))
-        low, high = (format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95))
+        low, high = (
+            format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95)
+        )
         row = [
             words,
             f"{metric.sense} {scale * metric.spec:g}\u202f{unit}".rstrip(),
