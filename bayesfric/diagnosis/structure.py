@@ -71,7 +71,7 @@ def differs_within_runs(noise: Mapping[str, float], practical: float) -> str | N
         Practical share of friction.
     """
     in_time = noise.get(SLOW, 0.0)
-    along = float(np.hypot(*(noise.get(name, 0.0) for name in MAPS)))
+    along = float(np.linalg.norm([noise.get(name, 0.0) for name in MAPS]))
     share = float(np.hypot(in_time, along))
     if share < practical:
         return None
