@@ -74,7 +74,7 @@ def _distribution(axes: Axes, table: xr.Dataset, title: str) -> None:
     axes.step(at, table["pit_difference"].to_numpy(), where="mid", color=COLORS["blue"])
     axes.set_xlim(0, 1)
     axes.set_title(title)
-    axes.set_xlabel("probability of less friction, left out")
+    axes.set_xlabel("probability of less friction")
     axes.set_ylabel("share below it\nless the uniform")
 
 
@@ -86,7 +86,7 @@ def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str,
     axes.plot(middle, score.to_numpy(), "o", color=COLORS["blue"], markersize=size)
     axes.set_title(title)
     axes.set_xlabel("score expected of its rank")
-    axes.set_ylabel(f"score of {what}")
+    axes.set_ylabel(f"score of\n{what}")
 
 
 def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
@@ -127,4 +127,4 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     axes.set_xticks(range(len(written)), written, rotation=upright, fontsize=6.5)
     by = "by pulley size, number and wrap angle" if several else "in their order"
     axes.set_title(f"{title}: {by}")
-    axes.set_ylabel(f"score of one {what}")
+    axes.set_ylabel(f"score of\none {what}")
