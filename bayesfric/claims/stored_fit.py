@@ -4,12 +4,10 @@ from pathlib import Path
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.arrays import Array
-from bayesfric.chains import by_walker
 from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
-from bayesfric.results import read_beside, read_json
+from bayesfric.results import draws_by_name, read_beside, read_json
 from bayesfric.schemas import FitFile
-from bayesfric.stored_names import name_of
 
 
 def current_posterior(
@@ -46,12 +44,4 @@ def current_posterior(
     )
     if not current:
         return {}
-    posterior = by_walker(read_beside(summary, folder / "draws.nc")["posterior"].to_dataset())
-    draws: dict[str, Array] = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
-        else:
-            draws[name_of(str(name))] = variable.to_numpy().ravel()
-    return {summary.rigs[0]: draws}
+    return {summary.rigs[0]: draws_by_name(read_beside(summary, folder / "draws.nc"))}

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, needs_extra
 from bayesfric.logs.table import (
     LARGEST_FILE,
     Cells,
@@ -104,11 +104,8 @@ def _check_unpacked(path: Path) -> None:
 
 
 def _of_version_7(path: Path) -> dict[str, Any]:
-    try:
+    with needs_extra("logs", "an installation that reads MAT 7.3", path.name):
         import h5py
-    except ImportError as error:
-        expected = 'an installation that reads MAT 7.3: pip install ".[logs]" in a clone'
-        raise InputError([Fault(path.name, expected)]) from error
     arrays: dict[str, Any] = {}
     with h5py.File(path, "r") as file:
         _walk(path.name, h5py, file, "", 0, arrays)
