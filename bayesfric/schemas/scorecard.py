@@ -86,6 +86,18 @@ class Target(Record):
     met: bool | None = Field(description="By the point estimate; null where too few cases count.")
     met_why: str | None = Field(None, description="Why it is null.")
 
+    @property
+    def outcome(self) -> str:
+        """Whether it is kept or missed, in words: surely by its interval, or so far."""
+        rate, least = self.rate, self.at_least or 0.0
+        if self.met is None:
+            return self.met_why or "not tried"
+        above, below = rate.low >= least, self.at_most is None or rate.high <= self.at_most
+        if self.met:
+            return "kept" if above and below else "kept so far"
+        outside = rate.high < least or (self.at_most is not None and rate.low > self.at_most)
+        return "missed" if outside else "missed so far"
+
 
 class ScoredCase(Record):
     """A case, opened after its verdict was written."""
