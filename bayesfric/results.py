@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.arrays import Array
-from bayesfric.chains import by_walker, with_chains
+from bayesfric.chains import with_chains
 from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import file_bytes
@@ -29,7 +28,7 @@ from bayesfric.interrupts import uninterrupted
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 from bayesfric.source_date import source_date
-from bayesfric.stored_names import name_of, restored, storable, variable_of
+from bayesfric.stored_names import restored, storable, variable_of
 
 Record = TypeVar("Record", bound=BaseModel)
 Value = TypeVar("Value")
@@ -252,25 +251,6 @@ def read_tree(path: Path) -> xr.DataTree:
     if restored_tree.attrs.get("layout", _layout(restored_tree)) != _layout(restored_tree):
         raise InputError([_not_netcdf(path, "a part of it is not there")])
     return restored_tree
-
-
-def draws_by_name(stored: xr.DataTree) -> dict[str, Array]:
-    """Return the draws of a stored fit by parameter, each of shape (S,), walker by walker.
-
-    Parameters
-    ----------
-    stored : DataTree
-        ``draws.nc``.
-    """
-    posterior = by_walker(stored["posterior"].to_dataset())
-    draws: dict[str, Array] = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
-        else:
-            draws[name_of(str(name))] = variable.to_numpy().ravel()
-    return draws
 
 
 def _check_bytes(path: Path) -> None:

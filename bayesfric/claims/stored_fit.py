@@ -4,10 +4,12 @@ from pathlib import Path
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.arrays import Array
+from bayesfric.chains import by_walker
 from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
-from bayesfric.results import draws_by_name, read_beside, read_json
+from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import FitFile
+from bayesfric.stored_names import by_parameter
 
 
 def current_posterior(
@@ -44,4 +46,5 @@ def current_posterior(
     )
     if not current:
         return {}
-    return {summary.rigs[0]: draws_by_name(read_beside(summary, folder / "draws.nc"))}
+    draws = by_walker(read_beside(summary, folder / "draws.nc")["posterior"].to_dataset())
+    return {summary.rigs[0]: by_parameter(draws)}

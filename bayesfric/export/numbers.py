@@ -8,10 +8,12 @@ import numpy as np
 import xarray as xr
 
 from bayesfric.arrays import Array
+from bayesfric.chains import by_walker
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
-from bayesfric.results import draws_by_name, read_tree
+from bayesfric.results import read_tree
 from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
+from bayesfric.stored_names import by_parameter
 
 MOST_DRAWS = 200
 OF_FIT = {"inertia": "mass", "armature": "mass"}  # by its name in a diagnosis
@@ -104,7 +106,7 @@ def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[
             read_tree(folder / "diagnosis.nc")["law"].to_dataset(), diagnosis, by_refit
         )
     else:
-        flat = draws_by_name(read_tree(folder / "draws.nc"))
+        flat = by_parameter(by_walker(read_tree(folder / "draws.nc")["posterior"].to_dataset()))
     count = next(iter(flat.values())).size
     chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
     return {name: values[chosen].tolist() for name, values in flat.items()}

@@ -19,8 +19,7 @@ from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_margins import loop_margins
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
-from bayesfric.margins.population import read_draws
-from bayesfric.margins.posterior import Posterior, RigDiscrepancy
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.results import identified, provenance, read_json, replace_outputs
 from bayesfric.schemas import FitFile, MarginsFile

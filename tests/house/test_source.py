@@ -28,7 +28,6 @@ NOT_YET_SMALL: set[str] = {
     "blind/engines/mujoco_joints.py",
     "diagnosis/model.py",
     "effects/base.py",
-    "planning.py",
     "replaying.py",
     "rigs/gravity_board/rows.py",
     "rigs/single_axis/trials.py",
