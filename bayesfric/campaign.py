@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, needs_extra
 from bayesfric.files import write_whole
 
 Case = TypeVar("Case")
@@ -107,12 +107,8 @@ def cluster(address: str) -> Iterator[Executor]:
     InputError
         Dask is not installed, or no scheduler answers there.
     """
-    try:
+    with needs_extra("dask", "an installation with Dask", "command line", "--scheduler", address):
         from distributed import Client
-    except ImportError as error:
-        expected = 'an installation with Dask: pip install ".[dask]" in a clone'
-        fault = Fault("command line", expected, column="--scheduler", value=address)
-        raise InputError([fault]) from error
     try:
         # A client that finds nobody waits long to be closed: knock first.
         place = urlsplit(address if "://" in address else f"tcp://{address}")

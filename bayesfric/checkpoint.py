@@ -11,8 +11,7 @@ import json
 import shutil
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from functools import cache
 from itertools import count
 from pathlib import Path
@@ -22,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, RootModel, TypeAdapter
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import write_whole
 
 P = ParamSpec("P")
@@ -59,7 +58,7 @@ class Checkpoint:
             return
         key = f"{code_sha256()} {key}"
         label = folder / "key"
-        with _writable(folder):
+        with writable(folder):
             if not label.is_file() or label.read_bytes() != key.encode():
                 _remove(folder)
                 folder.mkdir(parents=True)
@@ -88,7 +87,7 @@ class Checkpoint:
             computed = compute()
             stream = io.BytesIO()
             np.savez(stream, allow_pickle=False, **computed)
-            with _writable(self._folder):
+            with writable(self._folder):
                 _remove(path)
                 write_whole(path, stream.getvalue())
             kept = _read(path)
@@ -205,13 +204,3 @@ def _remove(path: Path) -> None:
         shutil.rmtree(path)
     else:
         path.unlink(missing_ok=True)
-
-
-@contextmanager
-def _writable(folder: Path) -> Iterator[None]:
-    """Raise an InputError where a folder cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror or error})"
-        raise InputError([Fault(str(folder), expected)]) from error

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.results import json_bytes, read_json, refuse_mixed, replace_outputs
+from bayesfric.results import read_json, refuse_mixed, replace_outputs
 from bayesfric.schemas import (
     ClaimsFile,
     ComparisonFile,
@@ -92,8 +92,7 @@ def write_comparison(comparison: ComparisonFile, folder: Path) -> None:
     InputError
         The folder cannot be written.
     """
-    data = json_bytes(comparison)
-    replace_outputs(folder, {"comparison.json": lambda path: path.write_bytes(data)})
+    replace_outputs(folder, {"comparison.json": comparison})
 
 
 def comparison_text(comparison: ComparisonFile) -> list[str]:

@@ -4,9 +4,11 @@ Every reader (recordings, ``analysis.toml``) collects all the faults it can see
 and raises them together, so that a user mends a file in one go.
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
+from pathlib import Path
 
 LONGEST_VALUE = 120  # characters of a value
 
@@ -81,3 +83,25 @@ def near(name: str, among: Iterable[str]) -> str:
 def one_of(names: Collection[str], value: str) -> str:
     """Return what is expected where one of these names was, and which of them may be meant."""
     return f"one of {', '.join(names)}{near(value, names)}"
+
+
+@contextmanager
+def writable(folder: Path | str) -> Iterator[None]:
+    """Raise an InputError where something cannot be written into a folder."""
+    try:
+        yield
+    except OSError as error:
+        expected = f"a folder that can be written ({error.strerror or error})"
+        raise InputError([Fault(str(folder), expected)]) from error
+
+
+@contextmanager
+def needs_extra(
+    extra: str, installation: str, place: str, column: str | None = None, value: str | None = None
+) -> Iterator[None]:
+    """Raise an InputError that says what to install where a library of an extra is absent."""
+    try:
+        yield
+    except ImportError as error:
+        expected = f'{installation}: pip install ".[{extra}]" in a clone'
+        raise InputError([Fault(place, expected, column=column, value=value)]) from error

@@ -11,7 +11,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import netCDF4
 import numpy as np
@@ -22,7 +22,7 @@ from pydantic import BaseModel, ValidationError
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.chains import with_chains
 from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import file_bytes
 from bayesfric.interrupts import uninterrupted
 from bayesfric.observation.coefficients import coefficient_name
@@ -33,6 +33,7 @@ from bayesfric.stored_names import restored, storable, variable_of
 Record = TypeVar("Record", bound=BaseModel)
 Value = TypeVar("Value")
 File = TypeVar("File", bound=Provenance)
+Output: TypeAlias = BaseModel | bytes | Callable[[Path], object]
 ARRAYS = {
     "fit.json": ("draws.nc", "predictive.nc"),
     "claims.json": ("claims.nc",),
@@ -189,7 +190,7 @@ def json_bytes(record: BaseModel) -> bytes:
     return (record.model_dump_json(indent=2, by_alias=True) + "\n").encode()
 
 
-def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> None:
+def replace_outputs(folder: Path, outputs: Mapping[str, Output]) -> None:
     """Write several files, all of them or none.
 
     They are prepared beside the target and renamed in the given order. Renaming cannot be
@@ -200,31 +201,32 @@ def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]
     ----------
     folder : Path
         Created if it is not there; files of other names are left alone.
-    writers : mapping of str to callable
-        File name to a function that writes the path it is given.
+    outputs : mapping of str to record, bytes or callable
+        File name to what it holds, a record as JSON, or to what writes the path it is given.
 
     Raises
     ------
     InputError
         The folder cannot be made or written.
     """
-    try:
+    with writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        if folders := [name for name in writers if (folder / name).is_dir()]:
+        if folders := [name for name in outputs if (folder / name).is_dir()]:
             raise InputError([Fault(str(folder / name), "no folder here") for name in folders])
         scratch = folder / ".writing"
         shutil.rmtree(scratch, ignore_errors=True)  # of a run that was killed here
         scratch.mkdir()
         try:
-            for name, write in writers.items():
-                write(scratch / name)
-            for name in writers:
+            for name, output in outputs.items():
+                if isinstance(output, BaseModel | bytes):
+                    data = output if isinstance(output, bytes) else json_bytes(output)
+                    (scratch / name).write_bytes(data)
+                else:
+                    output(scratch / name)
+            for name in outputs:
                 (scratch / name).replace(folder / name)
         finally:
             shutil.rmtree(scratch)
-    except OSError as error:
-        problem = f"a folder that can be written ({error.strerror or error})"
-        raise InputError([Fault(str(folder), problem)]) from error
 
 
 def read_tree(path: Path) -> xr.DataTree:

@@ -12,7 +12,9 @@ import unicodedata
 from collections.abc import Collection, Mapping
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 _CODE = re.compile(r"%([0-9A-F]{2})")
 _LONGEST = 200  # bytes of a name; netCDF holds 256
@@ -45,6 +47,24 @@ def variable_of(name: str, taken: Collection[str] = ()) -> str:
 def name_of(variable: str) -> str:
     """Return the user's name from which :func:`variable_of` made a variable's."""
     return _CODE.sub(lambda code: chr(int(code[1], 16)), variable)
+
+
+def by_parameter(posterior: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+    """Return stored draws by the user's name of the parameter, each of shape (S,).
+
+    Parameters
+    ----------
+    posterior : Dataset
+        The group of ``draws.nc``, its chains as :func:`bayesfric.chains.by_walker` has them.
+    """
+    draws = {}
+    for name, variable in posterior.data_vars.items():
+        if "pulley" in variable.dims:
+            for size in posterior["pulley"].to_numpy():
+                draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
+        else:
+            draws[name_of(str(name))] = variable.to_numpy().ravel()
+    return draws
 
 
 def tree_of(groups: Mapping[str, xr.Dataset]) -> xr.DataTree:

@@ -16,9 +16,9 @@ from bayesfric.blind.scorecard import scorecard_of
 from bayesfric.blind.scoring import score
 from bayesfric.campaign import case_folder, run_cases
 from bayesfric.effects import all_effects
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, writable
 from bayesfric.recording.tables import Recording
-from bayesfric.results import json_bytes, package_versions, replace_outputs
+from bayesfric.results import package_versions, replace_outputs
 from bayesfric.schemas import RecordingId, ScorecardFile, ScoredCase
 
 CASES = "blind"
@@ -122,7 +122,7 @@ def run_blind(
         planned=number,
         hypotheses=hypotheses,
     )
-    _write(folder, scorecard)
+    replace_outputs(folder, {"scorecard.json": scorecard})
     return scorecard
 
 
@@ -160,11 +160,8 @@ def score_recording(
         "recording_sha256": recording.sha256,
     }
     place = folder / CASES / f"user-{recording.sha256[:12]}"
-    try:
+    with writable(folder):
         digest = seal(place, truth, public, analysis.seed)
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror or error})"
-        raise InputError([Fault(str(folder), expected)]) from error
     diagnosis = diagnose_sealed(recording, analysis, place)
     scored = score(
         public | {"envelope_sha256": digest},
@@ -186,7 +183,7 @@ def score_recording(
         hypotheses="user",
         recording=identity,
     )
-    _write(folder, scorecard)
+    replace_outputs(folder, {"scorecard.json": scorecard})
     return scorecard
 
 
@@ -194,22 +191,13 @@ def _done(kept: Path, name: str) -> Path:
     return kept / "scored" / f"{name}.json"
 
 
-def _write(folder: Path, scorecard: ScorecardFile) -> None:
-    replace_outputs(
-        folder, {"scorecard.json": lambda path: path.write_bytes(json_bytes(scorecard))}
-    )
-
-
 def _write_log(folder: Path, **entry: Any) -> None:
     """Append a line to the log of campaigns."""
     record = entry | {"versions": package_versions(), "commit": _commit()}
-    try:
+    with writable(folder):
         (folder / CASES).mkdir(parents=True, exist_ok=True)
         with (folder / CASES / LOG).open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(record, sort_keys=True, allow_nan=False) + "\n")
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror or error})"
-        raise InputError([Fault(str(folder), expected)]) from error
 
 
 def _commit() -> str | None:

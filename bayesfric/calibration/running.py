@@ -13,7 +13,7 @@ from bayesfric.calibration.ranks import band_of
 from bayesfric.campaign import case_folder, run_cases
 from bayesfric.inference.priors import describe
 from bayesfric.physics.friction import Coefficients
-from bayesfric.results import created_date, json_bytes, package_versions, replace_outputs
+from bayesfric.results import created_date, package_versions, replace_outputs
 from bayesfric.schemas import CalibratedQuantity, CalibrationCase, CalibrationFile
 
 CASES = "calibration"
@@ -81,7 +81,7 @@ def calibrate(
         progress,
     )
     result = calibration_of(list(cases.values()), analysis, planned=number)
-    replace_outputs(folder, {"calibration.json": lambda path: path.write_bytes(json_bytes(result))})
+    replace_outputs(folder, {"calibration.json": result})
     return result
 
 

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task
@@ -25,6 +25,13 @@ WORDS = {
 }
 COLUMNS = ("n_pulleys", "wrap_angle_deg", "tension_n", "velocity_m_s")
 """Of friction at constant speed, which a table of points may lack; a board has them all."""
+
+
+def verdict_by(rules: ClaimRules, probability: float) -> Verdict:
+    """Return the verdict on a claim that holds with a probability."""
+    if probability >= rules.support_probability:
+        return "supported"
+    return "refuted" if probability <= rules.refute_probability else "undecided"
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from bayesfric.claims.kept_draws import models_kept
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import Output, identified, provenance, replace_outputs, write_netcdf
 from bayesfric.schemas import (
     ClaimResult,
     ClaimsFile,
@@ -92,11 +92,11 @@ class Checked:
         InputError
             The folder cannot be written.
         """
-        writers: dict[str, Callable[[Path], object]] = {
+        outputs: dict[str, Output] = {
             "claims.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
-            "claims.json": lambda path: path.write_bytes(json_bytes(self.summary)),
+            "claims.json": self.summary,
         }
-        replace_outputs(Path(folder), writers)
+        replace_outputs(Path(folder), outputs)
         if junit is not None:
             write_junit(self.summary, junit)
 

@@ -25,8 +25,7 @@ def write_junit(summary: ClaimsFile, path: Path) -> None:
     InputError
         Its folder cannot be written.
     """
-    data = _junit(summary)
-    replace_outputs(path.resolve().parent, {path.name: lambda place: place.write_bytes(data)})
+    replace_outputs(path.resolve().parent, {path.name: _junit(summary)})
 
 
 def _junit(summary: ClaimsFile) -> bytes:

@@ -6,7 +6,7 @@ import pandas as pd
 from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.apart import differences
-from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, verdict_by
 from bayesfric.claims.comparison import share
 from bayesfric.claims.studies import Task
 from bayesfric.probabilities import stated
@@ -78,11 +78,6 @@ def _judge(claim: Claim, case: Case) -> Finding:
     sizes = _conditions(case, task)
     by_size = differences(studied.theta, tuple(sizes.unique()))
     probability = float(agree(rules, off).mean())
-    verdict: Verdict = "undecided"
-    if probability >= rules.support_probability:
-        verdict = "supported"
-    elif probability <= rules.refute_probability:
-        verdict = "refuted"
     medians = {size: float(np.median(off)) for size, off in by_size.items()}
     furthest = max(medians, key=lambda size: abs(medians[size]))
     figures: dict[str, float | int | dict[str, float]] = {
@@ -99,7 +94,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
             low, middle, high = np.quantile(studied.theta[p.name], [0.05, 0.5, 0.95])
             figures |= {p.name: middle, f"{p.name}_q05": low, f"{p.name}_q95": high}
     return Finding(
-        verdict,
+        verdict_by(rules, probability),
         f"With probability {stated(probability)} all {len(sizes)} conditions agree within "
         f"{share(rules.rig_tolerance)} and most within {share(rules.rig_usual_tolerance)}, the "
         "calibration of each rig as uncertain as its prior and these data leave it; "

@@ -1,6 +1,6 @@
 """The two rigs mostly agree within 5 %."""
 
-from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, verdict_by
 from bayesfric.claims.comparison import share
 from bayesfric.claims.rigs_agree import difference_of_conditions, most_within
 from bayesfric.probabilities import stated
@@ -14,14 +14,9 @@ def _judge(claim: Claim, case: Case) -> Finding:
     rules = case.analysis.claims
     within = most_within(rules, off)
     probability = float(within.mean())
-    verdict: Verdict = "undecided"
-    if probability >= rules.support_probability:
-        verdict = "supported"
-    elif probability <= rules.refute_probability:
-        verdict = "refuted"
     close = (abs(off) <= rules.rig_usual_tolerance).mean(axis=0)
     return Finding(
-        verdict,
+        verdict_by(rules, probability),
         f"With probability {stated(probability)} most of {len(off)} conditions agree within "
         f"{share(rules.rig_usual_tolerance)}.",
         {

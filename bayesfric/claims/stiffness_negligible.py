@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, verdict_by
 from bayesfric.claims.comparison import share
 from bayesfric.inference.priors import draw
 from bayesfric.physics.cable import Cable
@@ -31,13 +31,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
         return Finding("not-testable", ratios.reason)
     off = np.abs(ratios - 1)
     probability = float((off < rules.stiffness_tolerance).mean())
-    verdict: Verdict = "undecided"
-    if probability >= rules.support_probability:
-        verdict = "supported"
-    elif probability <= rules.refute_probability:
-        verdict = "refuted"
     return Finding(
-        verdict,
+        verdict_by(rules, probability),
         f"A stretching cable changes friction by less than {share(rules.stiffness_tolerance)} "
         f"with probability {stated(probability)}; in the median by {share(float(np.median(off)))}. "
         "The stiffness is that of the prior; these data give masses, times and noise alone.",

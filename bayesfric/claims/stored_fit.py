@@ -9,7 +9,7 @@ from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import FitFile
-from bayesfric.stored_names import name_of
+from bayesfric.stored_names import by_parameter
 
 
 def current_posterior(
@@ -46,12 +46,5 @@ def current_posterior(
     )
     if not current:
         return {}
-    posterior = by_walker(read_beside(summary, folder / "draws.nc")["posterior"].to_dataset())
-    draws: dict[str, Array] = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
-        else:
-            draws[name_of(str(name))] = variable.to_numpy().ravel()
-    return {summary.rigs[0]: draws}
+    draws = by_walker(read_beside(summary, folder / "draws.nc")["posterior"].to_dataset())
+    return {summary.rigs[0]: by_parameter(draws)}

@@ -1,6 +1,5 @@
 """``bayesfric export``: the calibrated, diagnosed numbers for your own simulator."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -169,9 +168,6 @@ def _drawn(
 def _write(folder: Path, texts: "Mapping[str, str]") -> None:
     from bayesfric.results import replace_outputs
 
-    def writer(text: str) -> Callable[[Path], object]:
-        return lambda path: path.write_text(text, encoding="utf-8", newline="")
-
-    replace_outputs(folder, {file: writer(text) for file, text in texts.items()})
+    replace_outputs(folder, {file: text.encode() for file, text in texts.items()})
     for file in texts:
         say(f"{folder / file}")

@@ -150,13 +150,13 @@ def run_into(
 
 def _add_timings(path: Path, stages: "Stages") -> None:
     """Write the seconds of the stages beside those of the parts of the fit."""
-    from bayesfric.results import json_bytes, read_json, replace_outputs
+    from bayesfric.results import read_json, replace_outputs
     from bayesfric.schemas import TimingsFile
 
     of_fit = read_json(TimingsFile, path)
     seconds = {name: value for name, value in stages.seconds.items() if name != "fit"}
-    timings = json_bytes(of_fit.model_copy(update={"seconds": of_fit.seconds | seconds}))
-    replace_outputs(path.parent, {path.name: lambda place: place.write_bytes(timings)})
+    timings = of_fit.model_copy(update={"seconds": of_fit.seconds | seconds})
+    replace_outputs(path.parent, {path.name: timings})
     stages.rewritten(path)
 
 

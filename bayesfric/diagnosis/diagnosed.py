@@ -1,12 +1,11 @@
 """A diagnosis, ready to be written."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
 
-from bayesfric.results import json_bytes, replace_outputs, write_netcdf
+from bayesfric.results import Output, replace_outputs, write_netcdf
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import DiagnosisFile
 
@@ -49,8 +48,8 @@ class Diagnosed:
         InputError
             The folder cannot be written.
         """
-        writers: dict[str, Callable[[Path], object]] = {
+        outputs: dict[str, Output] = {
             "diagnosis.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
-            "diagnosis.json": lambda path: path.write_bytes(json_bytes(self.summary)),
+            "diagnosis.json": self.summary,
         }
-        replace_outputs(Path(folder), writers)
+        replace_outputs(Path(folder), outputs)

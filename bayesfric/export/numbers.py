@@ -13,7 +13,7 @@ from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_tree
 from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
-from bayesfric.stored_names import name_of
+from bayesfric.stored_names import by_parameter
 
 MOST_DRAWS = 200
 OF_FIT = {"inertia": "mass", "armature": "mass"}  # by its name in a diagnosis
@@ -106,7 +106,7 @@ def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[
             read_tree(folder / "diagnosis.nc")["law"].to_dataset(), diagnosis, by_refit
         )
     else:
-        flat = _of_fit(by_walker(read_tree(folder / "draws.nc")["posterior"].to_dataset()))
+        flat = by_parameter(by_walker(read_tree(folder / "draws.nc")["posterior"].to_dataset()))
     count = next(iter(flat.values())).size
     chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
     return {name: values[chosen].tolist() for name, values in flat.items()}
@@ -134,15 +134,4 @@ def _of_refit(
         if cause.effect in drawn:
             values = table["amplitude"].isel(effect=drawn[cause.effect]).to_numpy()
             flat[f"amplitude[{cause.effect}]"] = values
-    return flat
-
-
-def _of_fit(posterior: xr.Dataset) -> dict[str, Array]:
-    flat: dict[str, Array] = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                flat[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
-        else:
-            flat[name_of(str(name))] = variable.to_numpy().ravel()
     return flat

@@ -2,9 +2,6 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +12,7 @@ from bayesfric.arrays import Array
 from bayesfric.attention import of_pooled, unsettled
 from bayesfric.chains import by_walker
 from bayesfric.errors import Fault, InputError
-from bayesfric.fitting.inference_data import flat_attributes, write_csv
+from bayesfric.fitting.inference_data import flat_attributes
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
@@ -29,10 +26,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     draws_tree,
     identified,
-    json_bytes,
     provenance,
-    replace_outputs,
-    write_netcdf,
 )
 from bayesfric.rigs.opening import chosen_rigs
 from bayesfric.schemas import (
@@ -46,7 +40,6 @@ from bayesfric.schemas import (
     Provenance,
     RecordingId,
     SamplerSummary,
-    TimingsFile,
 )
 
 SHARED = (
@@ -54,45 +47,6 @@ SHARED = (
     "deviation between them"
 )
 OWN = "its coefficients, and all scatter and noise, with the priors of a fit of it alone"
-
-
-@dataclass(frozen=True)
-class PooledFit:
-    """The posterior of a population of boards, ready to be written.
-
-    Parameters
-    ----------
-    summary : FitFile
-        What ``fit.json`` says.
-    draws : DataTree
-        What ``draws.nc`` holds: ``posterior`` with the population's ``c1`` and its scatter
-        ``between_c1`` over ``pulley``, and ``board_c1`` over ``board`` and ``pulley``.
-    predictive : DataTree
-        What ``predictive.nc`` holds: ``new_board``, coefficients of one that was not measured.
-    """
-
-    summary: FitFile
-    draws: xr.DataTree
-    predictive: xr.DataTree
-
-    def write(
-        self, folder: Path, *, csv: bool = False, inputs: Mapping[str, Sequence[str]] | None = None
-    ) -> None:
-        """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
-
-        Parameters and errors are those of :meth:`bayesfric.fitting.result.Fit.write`.
-        """
-        run_id = self.summary.run_id
-        timings = json_bytes(TimingsFile(seconds={}, run_id=run_id, inputs=dict(inputs or {})))
-        writers = {
-            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
-            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
-            "timings.json": lambda path: path.write_bytes(timings),
-        }
-        if csv:
-            writers["draws.csv"] = partial(write_csv, self.draws)
-        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
-        replace_outputs(folder, writers)
 
 
 def board_folder(name: str) -> str:
@@ -160,7 +114,7 @@ def pool(
     analysis: Analysis,
     *,
     progress: Progress | None = None,
-) -> PooledFit:
+) -> Fit:
     """Fit the population from which the coefficients of several boards are drawn.
 
     Parameters
@@ -173,6 +127,13 @@ def pool(
         Sampler, seed, and the prior of the scatter between boards.
     progress : callable or None
         Called with the sampler's steps done and steps in all.
+
+    Returns
+    -------
+    Fit
+        Of the population: ``draws.nc`` has a ``posterior`` with its ``c1`` and its scatter
+        ``between_c1`` over ``pulley``, and ``board_c1`` over ``board`` and ``pulley``;
+        ``predictive.nc`` has ``new_board``, coefficients of one that was not measured.
     """
     first = next(iter(fits.values())).summary
     models, alone = {}, {}
@@ -190,7 +151,7 @@ def pool(
     summary = identified(_summary(attributes, fits, drawn, alone, own_names, analysis))
     origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
     draws, predictive = _trees(drawn, own_names, flat_attributes(origin), analysis.seed)
-    return PooledFit(summary, draws, predictive)
+    return Fit(summary, draws, predictive, {})
 
 
 def _stored(fit: Fit, names: Sequence[str]) -> Array:

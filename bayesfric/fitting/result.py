@@ -1,13 +1,14 @@
 """A fit as it is held in memory, and how it is written."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import xarray as xr
 
 from bayesfric.fitting.inference_data import write_csv
-from bayesfric.results import json_bytes, replace_outputs, write_netcdf
+from bayesfric.results import Output, replace_outputs, write_netcdf
 from bayesfric.schemas import FitFile, TimingsFile
 
 
@@ -57,12 +58,11 @@ class Fit:
         """
         run_id = self.summary.run_id
         timings = TimingsFile(seconds=dict(self.seconds), run_id=run_id, inputs=dict(inputs or {}))
-        writers: dict[str, Callable[[Path], object]] = {
+        outputs: dict[str, Output] = {
             "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
             "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
-            "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
+            "timings.json": timings,
         }
         if csv:
-            writers["draws.csv"] = lambda path: write_csv(self.draws, path)
-        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
-        replace_outputs(Path(folder), writers)
+            outputs["draws.csv"] = partial(write_csv, self.draws)
+        replace_outputs(Path(folder), {**outputs, "fit.json": self.summary})

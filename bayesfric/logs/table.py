@@ -136,6 +136,39 @@ def columns_of_array(name: str, array: npt.NDArray[Any]) -> tuple[dict[str, Cell
     return {f"{name}[{place}]": array[:, place] for place in range(array.shape[1])}, note
 
 
+def log_of_arrays(
+    name: str, arrays: Mapping[str, npt.NDArray[Any]], expected: str, *notes: str
+) -> Log:
+    """Return a log whose columns are those of arrays.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    arrays : mapping of str to ndarray
+        By name; one without columns is left out.
+    expected : str
+        What a file has from which a column comes.
+    *notes : str
+        What is to be told of the file beside which way arrays were taken.
+
+    Raises
+    ------
+    InputError
+        No array has a column, or there are too many cells.
+    """
+    columns: dict[str, Cells] = {}
+    turned = []
+    for key, array in arrays.items():
+        parts, note = columns_of_array(key, array)
+        columns |= parts
+        turned += [] if note is None else [note]
+    if not columns:
+        raise InputError([Fault(name, expected)])
+    check_cells(name, sum(map(len, columns.values())), len(columns))
+    return Log(name, columns, 1, (*turned, *notes))
+
+
 def texts_of(cells: Cells) -> list[str | None]:
     """Return cells as texts that lose nothing, None where there is no number."""
     if not isinstance(cells, np.ndarray):

@@ -19,10 +19,9 @@ from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_margins import loop_margins
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
-from bayesfric.margins.population import read_draws
-from bayesfric.margins.posterior import Posterior, RigDiscrepancy
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
 from bayesfric.margins.reflecting import at_shaft
-from bayesfric.results import identified, json_bytes, provenance, read_json, replace_outputs
+from bayesfric.results import identified, provenance, read_json, replace_outputs
 from bayesfric.schemas import FitFile, MarginsFile
 
 if TYPE_CHECKING:
@@ -59,8 +58,7 @@ class Margins:
         InputError
             The folder cannot be written.
         """
-        data = json_bytes(self.summary)
-        replace_outputs(Path(folder), {"margins.json": lambda path: path.write_bytes(data)})
+        replace_outputs(Path(folder), {"margins.json": self.summary})
 
     def to_control(
         self, loop: str | None = None, *, draws: int = 50, direction: Direction | None = None

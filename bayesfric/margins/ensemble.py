@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, needs_extra
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
@@ -58,11 +58,8 @@ class Ensemble:
         InputError
             python-control is not installed, or the loop has no such direction.
         """
-        try:
+        with needs_extra("control", "an installation with python-control", "to_control"):
             import control
-        except ImportError as error:
-            expected = 'an installation with python-control: pip install ".[control]" in a clone'
-            raise InputError([Fault("to_control", expected)]) from error
         has = self.drawn.directions
         if direction is not None and direction not in has:
             expected = ", ".join(filter(None, has)) or "None: a pair of cables is one both ways"

@@ -67,6 +67,10 @@ class Table:
         """One fault, at `column`, for each row in which `mask` is true."""
         return self.text.faults_at(np.flatnonzero(mask), column, expected)
 
+    def first_where(self, mask: npt.ArrayLike, column: str, expected: str) -> list[Fault]:
+        """One fault, at `column`, of the first row in which `mask` is true, and how many follow."""
+        return self.text.faults_at(np.flatnonzero(mask), column, expected, most=1)
+
 
 def check_cells(text: TextTable, table: TableFormat) -> Table:
     """Type the columns of a table and collect the faults of its cells.

@@ -8,8 +8,9 @@ import pandas as pd
 from bayesfric.errors import Fault, near
 from bayesfric.recording.cells import Table
 from bayesfric.recording.csv_text import LISTED, with_more, with_rest
-from bayesfric.recording.frames import did_not_move, individual_angles, stands_in
+from bayesfric.recording.frames import did_not_move, stands_in
 from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
+from bayesfric.recording.numbers import to_numbers_apart
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
 from bayesfric.recording.tables import RigConstants
@@ -70,7 +71,7 @@ def _masses(trials: Table) -> list[Fault]:
     expected = "more than mass_load_kg of the same row"
     if wrong.sum() > 1 and wrong.all():
         expected += " (are the columns swapped?)"
-        return trials.text.faults_at(np.flatnonzero(wrong), "mass_drive_kg", expected, most=1)
+        return trials.first_where(wrong, "mass_drive_kg", expected)
     return trials.faults_where(wrong, "mass_drive_kg", expected)
 
 
@@ -122,7 +123,7 @@ def _angles(trials: Table) -> list[Fault]:
     faults = []
     for row in np.flatnonzero(frame[column].notna()).tolist():
         count, mean = frame.loc[row, ["n_pulleys", "wrap_angle_deg"]]
-        angles = individual_angles(str(frame.loc[row, column]))
+        angles = to_numbers_apart(str(frame.loc[row, column]))
         inside = bool(((angles >= 0) & (angles <= LARGEST_WRAP_DEG)).all())
         if not inside:
             expected = f"numbers from 0 to {LARGEST_WRAP_DEG:g}, separated by blanks"
@@ -207,7 +208,7 @@ def _conventions(points: Table) -> list[Fault]:
         f"{push.sum()} of {len(complete)} rows push; a weight or a bias is to be taken off first"
     )
     mask = pd.Series(push, index=complete.index).reindex(points.frame.index, fill_value=False)
-    return points.text.faults_at(np.flatnonzero(mask), "friction_n", expected, most=1)
+    return points.first_where(mask, "friction_n", expected)
 
 
 def _not_increasing(table: Table, group: pd.Series, keys: list[str]) -> list[Fault]:

@@ -120,7 +120,7 @@ def drops_the_weight(
         "a current that holds the weight that it raises, beyond that of the motor alone (are it "
         "and the torque constant in A and N·m/A, and the radius in m?)"
     )
-    return runs.text.faults_at(np.flatnonzero(dropped), "current_a", expected, most=1)
+    return runs.first_where(dropped, "current_a", expected)
 
 
 def tears_a_cable(points: Table) -> list[Fault]:
@@ -149,4 +149,4 @@ def _where_many(table: Table, wrong: "pd.Series[bool]", column: str, expected: s
     """Return the fault of the first wrong row, where many are."""
     if wrong.mean() <= SYSTEMATIC_SHARE:
         return []
-    return table.text.faults_at(np.flatnonzero(wrong), column, expected, most=1)
+    return table.first_where(wrong, column, expected)

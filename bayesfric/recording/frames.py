@@ -1,11 +1,9 @@
 """Checked cells → the frames of a recording: final types, defaults and order."""
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from bayesfric.recording.columns import GRAVITY_EVENTS, TableFormat
-from bayesfric.recording.numbers import to_numbers_apart
 from bayesfric.recording.spacing import spacing_counts
 
 SENSOR_ORDER = {"drive": 0, "load": 1}
@@ -50,11 +48,6 @@ def stands_in(names: pd.Series, rows: pd.Series) -> "pd.Series[bool]":
     pandas makes a list of Python's text of all that it looks among: a second for a million rows.
     """
     return names.isin(rows.unique())
-
-
-def individual_angles(cell: str) -> npt.NDArray[np.float64]:
-    """Return the wrap angles of a trial's pulleys from their cell [deg]; NaN for no number."""
-    return to_numbers_apart(cell)
 
 
 def no_events() -> pd.DataFrame:

@@ -76,10 +76,6 @@ def implausible(
     return faults
 
 
-def _first_of(table: Table, mask: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
-    return table.text.faults_at(np.flatnonzero(mask), column, expected, most=1)
-
-
 def _radians(table: Table) -> list[Fault]:
     column = "wrap_angle_deg"
     if not table.has(column):
@@ -88,7 +84,7 @@ def _radians(table: Table) -> list[Fault]:
     if angles.empty or not 0 < angles.max() < RADIANS_BELOW:
         return []
     expected = f"wrap angles in degrees; all are below {RADIANS_BELOW:g} (are they in radians?)"
-    return _first_of(table, table.frame[column].notna(), column, expected)
+    return table.first_where(table.frame[column].notna(), column, expected)
 
 
 def _swapped(table: Table) -> list[Fault]:
@@ -99,7 +95,7 @@ def _swapped(table: Table) -> list[Fault]:
     if not (numbers.min() >= LEAST_WRAP_DEG and angles.max() <= MOST_PULLEYS):  # NaN: no entry
         return []
     expected = "a number of pulleys (are n_pulleys and wrap_angle_deg swapped?)"
-    return _first_of(table, table.frame["n_pulleys"].notna(), "n_pulleys", expected)
+    return table.first_where(table.frame["n_pulleys"].notna(), "n_pulleys", expected)
 
 
 def _overloaded(
@@ -115,7 +111,7 @@ def _overloaded(
         f"a tension of at most {bears:g} N, what the cable bears (rig.limits.tension_n), "
         f"and not {tension:,.0f} N (are they {mistake}?)"
     )
-    return _first_of(table, over, column, expected)
+    return table.first_where(over, column, expected)
 
 
 def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
@@ -128,7 +124,7 @@ def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
     )
     falling = trials.frame[column].abs() >= rig.gravity_m_s2
     measured = trials.frame[column].dropna()
-    return _first_of(trials, falling, column, expected) or gains_energy(
+    return trials.first_where(falling, column, expected) or gains_energy(
         trials, measured, rig, column
     )
 
@@ -153,7 +149,7 @@ def _too_fast(table: Table) -> list[Fault]:
     if not table.has(column):
         return []
     expected = f"a speed of at most {FASTEST_M_S:g} m/s (is it in mm/s?)"
-    return _first_of(table, table.frame[column].abs() > FASTEST_M_S, column, expected)
+    return table.first_where(table.frame[column].abs() > FASTEST_M_S, column, expected)
 
 
 def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fault]:

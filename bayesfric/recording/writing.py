@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, writable
 from bayesfric.recording.columns import TABLES, TableFormat
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
@@ -68,16 +68,14 @@ def write_recording(recording: Recording, folder: str | PathLike[str]) -> None:
     target = Path(folder).resolve()
     temporary = target.with_name(f".{target.name}.{uuid.uuid4().hex}")
     try:
-        temporary.mkdir(parents=True)
-        for name, content in contents.items():
-            (temporary / name).parent.mkdir(parents=True, exist_ok=True)
-            (temporary / name).write_bytes(content)
-        if target.exists():  # empty: not every platform renames over a folder
-            target.rmdir()
-        temporary.rename(target)
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror})"
-        raise InputError([Fault(str(folder), expected)]) from None
+        with writable(str(folder)):
+            temporary.mkdir(parents=True)
+            for name, content in contents.items():
+                (temporary / name).parent.mkdir(parents=True, exist_ok=True)
+                (temporary / name).write_bytes(content)
+            if target.exists():  # empty: not every platform renames over a folder
+                target.rmdir()
+            temporary.rename(target)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 

@@ -45,14 +45,11 @@ def write_report(
     document = build_document(stored)
     if executor is not None:
         document = draw_figures(document, executor)
-    pdf = render_pdf(document)
-    html = render_html(document).encode()
-    summary = render_summary(document).encode()
     replace_outputs(
         folder,
         {
-            "report.pdf": lambda path: path.write_bytes(pdf),
-            "report.html": lambda path: path.write_bytes(html),
-            "summary.md": lambda path: path.write_bytes(summary),
+            "report.pdf": render_pdf(document),
+            "report.html": render_html(document).encode(),
+            "summary.md": render_summary(document).encode(),
         },
     )

@@ -10,7 +10,7 @@ import pandas as pd
 from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn
 from bayesfric.paper import table1
-from bayesfric.recording.frames import individual_angles
+from bayesfric.recording.numbers import to_numbers_apart
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
@@ -113,4 +113,4 @@ def wrap_spread(table: pd.DataFrame) -> Array:
     if "wrap_angles_deg" not in table:
         return np.full(len(table), np.nan)
     cells = table["wrap_angles_deg"]
-    return np.array([individual_angles(c).std() if isinstance(c, str) else np.nan for c in cells])
+    return np.array([to_numbers_apart(c).std() if isinstance(c, str) else np.nan for c in cells])

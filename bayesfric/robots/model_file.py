@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.errors import Fault, InputError, needs_extra, one_of
 from bayesfric.files import file_bytes
 
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
@@ -243,11 +243,8 @@ def _meshes(
 
 
 def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
-    try:
+    with needs_extra("mujoco", "the extra that reads robots", "rig.robot"):
         import mujoco
-    except ImportError as error:
-        expected = 'the extra that reads robots: pip install ".[mujoco]" in a clone'
-        raise InputError([Fault("rig.robot", expected)]) from error
     text = ET.tostring(root, encoding="unicode")
     try:
         compiled = mujoco.MjModel.from_xml_string(text, dict(assets))

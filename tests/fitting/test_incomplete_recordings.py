@@ -196,7 +196,7 @@ def test_columns_that_are_left_out_say_what_is_lost(fit_of):
     summary = fit_of("no setup column")[1].summary
     assert summary.data_quality.setups == 9
     assert summary.data_quality.replicated_cells == 0
-    assert any("no replicates" in line for line in summary.attention)
+    assert any("assembled twice" in line for line in summary.attention)
 
 
 @pytest.mark.nightly

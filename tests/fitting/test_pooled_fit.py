@@ -13,7 +13,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.cli.verbs import app
 from bayesfric.errors import InputError
 from bayesfric.fitting.pooled import check_boards, pool
-from bayesfric.margins.population import read_draws
+from bayesfric.margins.posterior import read_draws
 from bayesfric.recording import write_recording
 from bayesfric.report.writing import write_report
 from bayesfric.results import read_json, write_netcdf

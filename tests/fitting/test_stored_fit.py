@@ -186,7 +186,7 @@ def test_without_replicates_the_reader_is_told():
     recording = by_acceleration(simulate_recording(design, seed=2))
     summary = bf.fit(recording, Analysis(sampler=SHORT)).summary
     assert summary.data_quality.replicated_cells == 0
-    assert any("no replicates" in line for line in summary.attention)
+    assert any("assembled twice" in line for line in summary.attention)
 
 
 def test_too_few_draws_are_called_unconverged(fast):

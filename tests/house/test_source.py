@@ -28,8 +28,6 @@ NOT_YET_SMALL: set[str] = {
     "blind/engines/mujoco_joints.py",
     "diagnosis/model.py",
     "effects/base.py",
-    "fitting/pooled.py",
-    "planning.py",
     "replaying.py",
     "rigs/gravity_board/rows.py",
     "rigs/single_axis/trials.py",

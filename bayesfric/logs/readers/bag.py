@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, needs_extra
 from bayesfric.logs.table import LARGEST_FILE, MOST_CELLS, Cells, Log, check_cells, damaged_is_told
 
 NANO = 10**9
@@ -25,12 +25,9 @@ def read_bag(path: Path) -> Log:
     InputError
         rosbags is not installed; the bag is damaged or has none of these messages.
     """
-    try:
+    with needs_extra("logs", "an installation that reads bags", str(path)):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        expected = 'an installation that reads bags: pip install ".[logs]" in a clone'
-        raise InputError([Fault(str(path), expected)]) from error
     tables: dict[str, list[Row]] = {}
     unstamped: set[str] = set()
     rows = 0

@@ -6,15 +6,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bayesfric.errors import Fault, InputError
-from bayesfric.logs.table import (
-    LARGEST_FILE,
-    Cells,
-    Log,
-    check_cells,
-    columns_of_array,
-    damaged_is_told,
-)
+from bayesfric.errors import Fault, InputError, needs_extra
+from bayesfric.logs.table import LARGEST_FILE, Log, check_cells, damaged_is_told, log_of_arrays
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 HDF5_PLACES = (0, 512)  # MATLAB puts a block of text before it
@@ -41,16 +34,7 @@ def read(path: Path) -> Log:
             head = stream.read(HDF5_PLACES[-1] + len(HDF5))
         is_hdf5 = any(head[place : place + len(HDF5)] == HDF5 for place in HDF5_PLACES)
         arrays = _of_version_7(path) if is_hdf5 else _of_version_5(path)
-        columns: dict[str, Cells] = {}
-        notes = []
-        for name, array in arrays.items():
-            parts, note = columns_of_array(name, array)
-            columns |= parts
-            notes += [] if note is None else [note]
-        if not columns:
-            raise InputError([Fault(path.name, "arrays of numbers along time")])
-        check_cells(path.name, sum(map(len, columns.values())), len(columns))
-    return Log(path.name, columns, 1, tuple(notes))
+        return log_of_arrays(path.name, arrays, "arrays of numbers along time")
 
 
 def _of_version_5(path: Path) -> dict[str, Any]:
@@ -104,11 +88,8 @@ def _check_unpacked(path: Path) -> None:
 
 
 def _of_version_7(path: Path) -> dict[str, Any]:
-    try:
+    with needs_extra("logs", "an installation that reads MAT 7.3", path.name):
         import h5py
-    except ImportError as error:
-        expected = 'an installation that reads MAT 7.3: pip install ".[logs]" in a clone'
-        raise InputError([Fault(path.name, expected)]) from error
     arrays: dict[str, Any] = {}
     with h5py.File(path, "r") as file:
         _walk(path.name, h5py, file, "", 0, arrays)

@@ -9,14 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.logs.table import (
-    LARGEST_FILE,
-    Cells,
-    Log,
-    check_cells,
-    columns_of_array,
-    damaged_is_told,
-)
+from bayesfric.logs.table import LARGEST_FILE, Log, check_cells, damaged_is_told, log_of_arrays
 
 MOST_MEMBERS = 1000
 LONGEST_HEADER = 10_000  # bytes; that of a table of many fields
@@ -95,19 +88,11 @@ def _array(name: str, stream: IO[bytes], size: int) -> npt.NDArray[Any]:
 
 
 def _log(name: str, arrays: dict[str, npt.NDArray[Any]], left_out: list[str]) -> Log:
-    columns: dict[str, Cells] = {}
-    notes = []
-    for key, array in arrays.items():
-        fields = array.dtype.names
-        parts = {f"{key}.{field}": array[field] for field in fields} if fields else {key: array}
-        for part, values in parts.items():
-            split, note = columns_of_array(part, values)
-            columns |= split
-            notes += [] if note is None else [note]
-    if left_out:
-        notes.append(f"Arrays of Python objects are never unpickled: {', '.join(left_out)}.")
-    if not columns:
-        expected = "arrays of numbers along time; Python objects are never unpickled"
-        raise InputError([Fault(name, expected)])
-    check_cells(name, sum(len(cells) for cells in columns.values()), len(columns))
-    return Log(name, columns, 1, tuple(notes))
+    parts = {
+        f"{key}.{field}" if field else key: array[field] if field else array
+        for key, array in arrays.items()
+        for field in array.dtype.names or ("",)
+    }
+    expected = "arrays of numbers along time; Python objects are never unpickled"
+    note = f"Arrays of Python objects are never unpickled: {', '.join(left_out)}."
+    return log_of_arrays(name, parts, expected, *((note,) if left_out else ()))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, needs_extra
 from bayesfric.files import file_bytes
 from bayesfric.logs.table import LARGEST_FILE, Cells, Log, check_cells, damaged_is_told
 
@@ -27,12 +27,9 @@ def read(path: Path, wanted: Collection[str | int] | None = None) -> Log:
     InputError
         pyarrow is not installed; the file is damaged or too large.
     """
-    try:
+    with needs_extra("logs", "an installation that reads parquet", path.name):
         import pyarrow as pa
         import pyarrow.parquet as pq
-    except ImportError as error:
-        expected = 'an installation that reads parquet: pip install ".[logs]" in a clone'
-        raise InputError([Fault(path.name, expected)]) from error
     columns: dict[str, Cells] = {}
     described = _described(path)
     with damaged_is_told(path, "a parquet file"), pq.ParquetFile(path) as file:
