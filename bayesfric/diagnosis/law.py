@@ -163,12 +163,17 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
     }
 
 
-def wider(known: Interval, factor: float, name: str) -> Interval:
+def wider(interval_told: Interval, factor: float, name: str) -> Interval:
     """Return an interval that is a factor as wide, within what the number of a name can be."""
-    low, high = (known.q50 + factor * (end - known.q50) for end in (known.q05, known.q95))
+    low, high = (
+        interval_told.q50 + factor * (end - interval_told.q50)
+        for end in (interval_told.q05, interval_told.q95)
+    )
     if name in POSITIVE:
         low = max(low, 0.0)
-    return known.model_copy(update={"sd": factor * known.sd, "q05": low, "q95": high})
+    return interval_told.model_copy(
+        update={"sd": factor * interval_told.sd, "q05": low, "q95": high}
+    )
 
 
 def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:
