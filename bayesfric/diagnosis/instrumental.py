@@ -122,10 +122,10 @@ def by_the_instrument(
     unsettled = why_unsettled(instrument) is not None
     if isinstance(instrument, str) or not (instrument.alarms or unsettled):
         return dict(law)
-    restated = _by_as_much if unsettled else _number_told
+    widened = _by_as_much if unsettled else _number_told
     values = {name: instrument.numbers.get(CALLED.get(name, name)) for name in law}
     return {
-        name: number if (value := values[name]) is None else restated(name, number, value)
+        name: number if (value := values[name]) is None else widened(name, number, value)
         for name, number in law.items()
     }
 

@@ -163,17 +163,12 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
     }
 
 
-def wider(interval_told: Interval, factor: float, name: str) -> Interval:
+def wider(interval: Interval, factor: float, name: str) -> Interval:
     """Return an interval that is a factor as wide, within what the number of a name can be."""
-    low, high = (
-        interval_told.q50 + factor * (end - interval_told.q50)
-        for end in (interval_told.q05, interval_told.q95)
-    )
+    low, high = (interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95))
     if name in POSITIVE:
         low = max(low, 0.0)
-    return interval_told.model_copy(
-        update={"sd": factor * interval_told.sd, "q05": low, "q95": high}
-    )
+    return interval.model_copy(update={"sd": factor * interval.sd, "q05": low, "q95": high})
 
 
 def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:
