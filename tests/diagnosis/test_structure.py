@@ -114,7 +114,7 @@ def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     told = Statement("undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%"))
     said = sentence_of(told)
     assert "a force of 2.8% goes together along trial in setup" in said
-    assert "Something else acts, or scatter is not what it is taken for" in said
+    assert "Either something else acts, or the assumed scatter is wrong" in said
 
 
 @pytest.mark.parametrize(
