@@ -120,12 +120,12 @@ def test_sdf_has_what_its_schema_asks_for(unit):
     assert (root.tag, root.get("version"), len(root.findall("model"))) == ("sdf", "1.9", 1)
     links = [link.get("name") for link in root.iter("link")]
     assert len(set(links)) == len(links)
-    for joint in root.iter("joint"):
-        assert joint.get("name")
-        assert joint.get("type") in {"revolute", "prismatic"}
-        assert {joint.findtext("parent"), joint.findtext("child")} == set(links)
-        assert np.linalg.norm([float(one) for one in joint.findtext("axis/xyz").split()]) == 1
-        assert {part.tag for part in joint.find("axis")} == SDF_PARTS["axis"]
+    for pivot in root.iter("joint"):
+        assert pivot.get("name")
+        assert pivot.get("type") in {"revolute", "prismatic"}
+        assert {pivot.findtext("parent"), pivot.findtext("child")} == set(links)
+        assert np.linalg.norm([float(one) for one in pivot.findtext("axis/xyz").split()]) == 1
+        assert {part.tag for part in pivot.find("axis")} == SDF_PARTS["axis"]
     for element in root.iter():
         if element.tag in SDF_NUMBERS:
             tags = [part.tag for part in element]
