@@ -299,7 +299,7 @@ def gap_row(
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
         if np.median(ratio) > RULES.most_shrink:
-            why = "with the causes they are off by less than scatter makes by chance"
+            why = "with the causes the law is off by less than scatter alone would make"
         else:
             shrink = interval(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None

@@ -112,7 +112,10 @@ class Statement:
         for axis in self.where:
             if axis.answers and axis.share is not None:
                 name = axis.axis.replace("_", " ")
-                return f" It varies most with {name}: {_of_variance(axis.share)} of its variance."
+                return (
+                    f" It varies most with {name}, which explains {_of_variance(axis.share)} of "
+                    "its variance."
+                )
         return ""
 
     @property
@@ -304,5 +307,6 @@ def _share(shrink: Interval) -> str:
     if shrink.q05 >= ALL_BUT:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
-    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    ends = (shrink.q05, shrink.q50, min(shrink.q95, 1.0))
+    low, middle, high = (f"{end:.{digits}%}" for end in ends)
     return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"

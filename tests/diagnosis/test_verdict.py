@@ -206,7 +206,7 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
     def said(where):
         return told(verdict, gap, 0.02, causes, where=where)
 
-    lies = "It varies most with velocity: 60% [55%, 65%] of its variance."
+    lies = "It varies most with velocity, which explains 60% [55%, 65%] of its variance."
     assert lies in said(placed(0.6, 0.1, leads=True))
     for where in (placed(0.3, 0.3, leads=False), placed(0.1, 0.02, leads=True), ()):
         assert "varies most" not in said(where)

@@ -58,10 +58,20 @@ def rows(blocks, label):
 def test_each_promise_stands_with_its_rate_and_whether_it_is_kept(blocks):
     promises = rows(blocks, "promises")
     assert promises["full strength named, own form"] == [
-        *("≥\u00a095.0\u202f%", "95.0\u202f%", "75.1\u202f% to 99.9\u202f%", "19 of 20", "yes"),
+        *(
+            "≥\u00a095.0\u202f%",
+            "95.0\u202f%",
+            "75.1\u202f% to 99.9\u202f%",
+            "19 of 20",
+            "kept so far",
+        ),
     ]
     falsely = promises["no effect, falsely named"]
-    assert (falsely[0], falsely[1], falsely[4]) == ("≤\u00a02.0\u202f%", "10.0\u202f%", "no")
+    assert (falsely[0], falsely[1], falsely[4]) == (
+        "≤\u00a02.0\u202f%",
+        "10.0\u202f%",
+        "missed so far",
+    )
     (table,) = [b for b in blocks if isinstance(b, Table) and b.label == "promises"]
     assert "both of a pair named" not in promises  # no case can judge it
     assert "No case yet for: full strength named, foreign form; " in words(table.note)
@@ -99,7 +109,7 @@ def test_effects_that_were_tried_once_have_no_smallest_strength(card):
 def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
     assert "28 of 32 verdicts are correct" in line
-    assert "3 of 5 promises that these cases can judge are kept" in line
+    assert "judge 5 of 11 promises: 3 kept so far, 2 missed so far (so far: with too few" in line
     assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
     assert scorecard_line(card).kind == "attention"
     fine = card_of([scored()] * 60)

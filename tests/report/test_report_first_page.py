@@ -133,7 +133,7 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
     notice, listed = page_one.worries(found)
     assert (notice.kind, notice.text) == (
         "attention",
-        "4 remarks must be read with the numbers:",
+        "Read these 4 remarks with the numbers:",
     )
     assert listed.items == [
         "The sensors are apart.",

@@ -19,7 +19,7 @@ from bayesfric.plots.margins import (
     nyquist_fan,
 )
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters.gain import gain_lines
+from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
@@ -50,7 +50,7 @@ def test_the_first_line_says_which_gain_to_set(computed):
 
 def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     loop = computed.summary.loops[0]
-    box, _, specs, decided, _, hunting, *figures = gain_lines(computed.summary, alone=True)
+    box, _, specs, decided, _, hunting = gain_lines(computed.summary, alone=True)
     gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
     assert box.title == f"bench: safe at γ = {loop.compensation_gain:g}, meets its spec"
     assert f" Safe up to γ = {gamma:.2f}: hunts in at most 5\u202f% of the draws." in box.text
@@ -59,7 +59,10 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert {row[0] for row in specs.rows} == {"bench", "second"}
     assert "c1, c2 and c3 make" in decided.text[1]
     assert hunting.text[0].startswith("To hunt is to swing")
-    assert [one.label for one in figures] == ["limit-cycle", "error-headroom"]
+    assert [one.label for one in gain_figures(computed.summary)] == [
+        "limit-cycle",
+        "error-headroom",
+    ]
     bad = loop.model_copy(
         update={"missed_specs": ("lost_motion", "limit_cycle_probability"),
                 "largest_safe_compensation_gain": None,

@@ -25,7 +25,7 @@ from bayesfric.report.content import (
     from_file,
     right_columns,
 )
-from bayesfric.report.quantities import MISSING, format_interval, format_share, interval_cells
+from bayesfric.report.quantities import MISSING, format_interval, format_number, format_share
 from bayesfric.report.words import sentences
 from bayesfric.schemas import LoopMargins, MarginsFile
 
@@ -52,7 +52,7 @@ WORDS = {
     "headroom_clip": "headroom to the clip",
     "headroom_continuous": "headroom to continuous torque",
     "gamma_necessary": "γ necessary to hunt",
-    "gamma_hunting": "γ that hunts",
+    "gamma_hunting": "γ from which it hunts",
     "amplitude_margin": "amplitude margin",
     "limit_cycle_amplitude": "amplitude of the limit cycle",
     "limit_cycle_frequency": "frequency of the limit cycle",
@@ -79,7 +79,7 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
     margins : MarginsFile
         What ``bayesfric margins`` wrote.
     alone : bool
-        Whether nothing else is on that page, which then has the specs and the figures.
+        Whether nothing else is on that page, which then has the specs.
     """
     for loop in margins.loops:
         beside = () if alone else _missed(loop)
@@ -92,7 +92,6 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         if decided:
             yield Paragraph([Code(loop.name), f": {decided}"])
     yield Paragraph([HUNTING, " What was not examined: ", Reference("margins"), "."])
-    yield from gain_figures(margins)
 
 
 def _title(loop: LoopMargins) -> str:
@@ -191,9 +190,8 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
         name = " ".join(filter(None, (metric.name, metric.direction)))
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
         words = ", ".join(filter(None, (WORDS.get(metric.name, metric.name), metric.direction)))
-        interval = metric.interval
-        _, low, high = interval_cells(
-            scale * interval.q50, scale * interval.q05, scale * interval.q95
+        low, high = (
+            format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95)
         )
         row = [
             words,
@@ -201,7 +199,9 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
             f"{low} to {high}\u202f{unit}".rstrip(),
             chance_of_missing(metric) or MISSING,
         ]
-        missed = name in (loop.missed_specs or ())
+        missed = {name, HUNTS if metric.name == "gamma_hunting" else name} & {
+            *(loop.missed_specs or ())
+        }
         yield [Strong(cell) if missed else cell for cell in row]
 
 

@@ -6,21 +6,21 @@ from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
 from bayesfric.report.chapters.plain_law import plain_coefficients, plain_table
 from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
-from bayesfric.report.content import Block, Heading, Notice, Paragraph, Table, decimal_columns
+from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_columns
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile, ParameterSummary
 
 
-def summary(stored: StoredFit, warnings: Iterable[Notice] = ()) -> Iterator[Block]:
+def summary(stored: StoredFit, warnings: Iterable[Block] = ()) -> Iterator[Block]:
     """Yield the coefficients and the scatter.
 
     Parameters
     ----------
     stored : StoredFit
         Whose numbers they are.
-    warnings : iterable of Notice
+    warnings : iterable of blocks
         That stand before them.
     """
     fit = stored.fit

@@ -157,7 +157,7 @@ class AxisRuns(PlainTrials):
         offered = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
         for turns, shown in TURNS.items():
             offered -= shown if self.turns < turns else set()
-        offered -= self.measures.endless
+        offered -= self.measures.untold
         # Of runs that are all alike a mass beside the one that is declared is an error of that.
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
