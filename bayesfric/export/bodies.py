@@ -49,13 +49,16 @@ SDF = (
     <link name="base"/>
     <link name="moving">
       <inertial><mass>{mass}</mass>
-        <inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz></inertia>
+        <inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz>
+          <ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>
       </inertial>
     </link>
     <joint name="joint" type="{kind}">
       <parent>base</parent><child>moving</child>
       <axis><xyz>0 0 1</xyz>
-        <dynamics><friction>{frictionloss}</friction><damping>{damping}</damping></dynamics>
+        <dynamics><friction>{frictionloss}</friction><damping>{damping}</damping>
+          <spring_reference>0</spring_reference><spring_stiffness>0</spring_stiffness></dynamics>
+        <limit><lower>-1e16</lower><upper>1e16</upper></limit>
       </axis>
     </joint>
   </model>

@@ -79,7 +79,7 @@ def smallest_told_apart(error: float, threshold: float, probability: float) -> f
     """Return the smallest amplitude at which data prefer an effect to another, or 0.
 
     Each of two effects of like priors takes what it can of the data. Where the first acts, their
-    log evidences differ by N(d² / 2, d²), d being its amplitude in errors.
+    log evidences differ by N(d² / 2, d²), d being its amplitude in errors, where that is above 1.
 
     Parameters
     ----------

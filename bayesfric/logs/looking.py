@@ -154,6 +154,8 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
     if numbers is None:
         return Belief(column, None, None, "its cells are no numbers", texts[0][:40], rows)
     shown = f"{numbers.min():.6g} to {numbers.max():.6g}"
+    if rows > len(few):
+        shown += f" in the first {len(few):,}"
     if np.ptp(numbers) == 0:
         shown = f"{numbers[0]:.6g} throughout"
     words = _words(column)

@@ -7,7 +7,12 @@ from pathlib import Path
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.logs.mapping import RobotModel
-from bayesfric.recording.robot_file import LARGEST_MODEL, faults_of_model, files_of_model
+from bayesfric.recording.robot_file import (
+    LARGEST_MODEL,
+    faults_of_model,
+    files_of_model,
+    moving_joints,
+)
 from bayesfric.recording.tables import Robot
 
 
@@ -41,6 +46,9 @@ def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> R
         places = dict(model.joints)
     robot = Robot(model.model, places, load(model.model))
     robot = replace(robot, files=files_of_model(robot, load))
+    only = moving_joints(robot)
+    if list(joints) == [None] and not model.joints and len(only) == 1:  # no other can be meant
+        robot = replace(robot, joints=dict.fromkeys(places, only[0]))
     faults = faults_of_model(robot)
     if faults:
         raise InputError([_of_mapping(fault) for fault in faults])

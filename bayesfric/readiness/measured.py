@@ -94,7 +94,8 @@ def power_of_measured(
         return replace(
             tellable,
             coefficients=numbers.assign(
-                sd_where_law_is_off=[spread[name] for name in numbers.index]
+                # A recalibrated law may be known better than its numbers beside an effect's.
+                sd_where_law_is_off=[max(spread[n], numbers.loc[n, "sd"]) for n in numbers.index]
             ),
             effects=_effects(look),
             beside=tuple(law.effect for law in acting.laws),

@@ -106,19 +106,25 @@ def faults_of_model(robot: Robot) -> list[Fault]:
     if root.tag not in ("robot", "mujoco"):
         expected = "URDF, whose first element is robot, or MJCF, whose first is mujoco"
         return [Fault(file, expected, row=1, value=root.tag)]
-    if root.tag == "robot":
-        places = list(root.findall("joint"))
-    else:
-        included = [
-            _parsed(content_of_file)
-            for name, content_of_file in robot.files.items()
-            if name.endswith(".xml")
-        ]
-        places = [
-            joint for part in (root, *included) if part is not None for joint in part.iter("joint")
-        ]
-    names = [name for place in places if (name := place.get("name"))]
+    names = [name for place in _joints(robot, root) if (name := place.get("name"))]
     return list(_unknown(robot.joints, names, file))
+
+
+def moving_joints(robot: Robot) -> list[str]:
+    """Return the names of the joints of a model that move; none of what is no model."""
+    root = _parsed(robot.content)
+    places = [] if root is None else _joints(robot, root)
+    return [
+        name for place in places if (name := place.get("name")) and place.get("type") != "fixed"
+    ]
+
+
+def _joints(robot: Robot, root: Element) -> list[Element]:
+    """Return the elements of the joints of a model, those of files that it includes too."""
+    if root.tag == "robot":
+        return list(root.findall("joint"))
+    included = [_parsed(content) for name, content in robot.files.items() if name.endswith(".xml")]
+    return [joint for part in (root, *included) if part is not None for joint in part.iter("joint")]
 
 
 def _unknown(joints: Mapping[str, str], names: Collection[str], file: str) -> list[Fault]:

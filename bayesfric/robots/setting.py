@@ -14,6 +14,8 @@ from bayesfric.robots.xml_text import (
     with_text,
 )
 
+SDF_SPRING = {"spring_reference": "0", "spring_stiffness": "0"}
+"""What SDFormat asks for wherever there is a ``dynamics``."""
 KINDS = {"mujoco": "mjcf", "robot": "urdf", "sdf": "sdf"}
 """Formats by the element that a file begins with."""
 TURNS = {
@@ -180,7 +182,8 @@ class ModelText:
         if dynamics is not None:
             yield from with_text(self.content, dynamics, own)
         elif own:
-            written = "".join(f"<{name}>{value}</{name}>" for name, value in own.items())
+            fields = own | SDF_SPRING
+            written = "".join(f"<{name}>{value}</{name}>" for name, value in fields.items())
             yield inserted(self.content, axis, f"<dynamics>{written}</dynamics>")
         if limit is not None and values.limit is not None:
             yield from with_text(self.content, limit, {"effort": values.limit})

@@ -20,6 +20,19 @@ class Hinge:
     frictionloss: float = 0.6
     damping: float = 0.3
     armature: float = 0.05
+    rod: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """By which its mass [share], centre [m] and inertia about that [share] are not the usual."""
+
+    def inertial(self):
+        """Return the rod's numbers as MJCF has them; nothing of the usual one, by its shape."""
+        if not any(self.rod):
+            return ""
+        heavier, shifted, rounder = self.rod
+        slim, stout = (inertia * (1 + rounder) for inertia in (0.000236, 0.010816))
+        return (
+            f'<inertial pos="{0.15 + shifted} 0 0" mass="{1.2 * (1 + heavier)}"'
+            f' diaginertia="{slim} {stout} {stout}"/>'
+        )
 
     def model(self, further="", joint="hinge"):
         """Return MJCF with these numbers."""
@@ -31,6 +44,7 @@ class Hinge:
     <body name="rod">
       <joint name="{joint}" axis="0 1 0" frictionloss="{self.frictionloss}" damping="{self.damping}"
              armature="{self.armature}" {further}/>
+      {self.inertial()}
       <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" mass="1.2"/>
     </body>
   </worldbody>

@@ -97,6 +97,45 @@ def test_an_inertia_is_no_mass():
     assert slide.find("worldbody/body/inertial").get("mass") == "2.00"
 
 
+SDF_NUMBERS = {
+    "inertial": ("mass",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "dynamics": ("damping", "friction", "spring_reference", "spring_stiffness"),
+    "limit": ("lower", "upper"),
+}
+"""What SDFormat 1.9 asks for in these elements (sdf/1.9/joint.sdf, inertial.sdf), as numbers."""
+SDF_PARTS = {
+    "model": {"link", "joint"},
+    "link": {"inertial"},
+    "joint": {"parent", "child", "axis"},
+    "axis": {"xyz", "dynamics", "limit"},
+    "inertial": {"mass", "inertia"},
+}
+"""Children that they may have, of those that are written."""
+
+
+@pytest.mark.parametrize("unit", ["N", "N·m"])
+def test_sdf_has_what_its_schema_asks_for(unit):
+    root = ElementTree.fromstring(export_text(axis_law(unit=unit), "sdf"))
+    assert (root.tag, root.get("version"), len(root.findall("model"))) == ("sdf", "1.9", 1)
+    links = [link.get("name") for link in root.iter("link")]
+    assert len(set(links)) == len(links)
+    for pivot in root.iter("joint"):
+        assert pivot.get("name")
+        assert pivot.get("type") in {"revolute", "prismatic"}
+        assert {pivot.findtext("parent"), pivot.findtext("child")} == set(links)
+        assert np.linalg.norm([float(one) for one in pivot.findtext("axis/xyz").split()]) == 1
+        assert {part.tag for part in pivot.find("axis")} == SDF_PARTS["axis"]
+    for element in root.iter():
+        if element.tag in SDF_NUMBERS:
+            tags = [part.tag for part in element]
+            assert {*SDF_NUMBERS[element.tag]} <= {*tags}
+            assert len(set(tags)) == len(tags)
+            assert np.isfinite([float(element.findtext(t)) for t in SDF_NUMBERS[element.tag]]).all()
+        if element.tag in SDF_PARTS:
+            assert {part.tag for part in element} <= SDF_PARTS[element.tag]
+
+
 def test_numbers_are_those_of_the_refit_where_a_cause_is_named():
     """0.0522 alone, 0.0500 fitted with what acts: the latter, and that it is, in every format."""
     law = {

@@ -5,7 +5,12 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.inference.power import amplitude_error, log_bayes_factor, smallest_found
+from bayesfric.inference.power import (
+    amplitude_error,
+    log_bayes_factor,
+    smallest_found,
+    smallest_told_apart,
+)
 
 ERROR, WIDTH, TEN = 0.03, 0.2, float(np.log(10))
 
@@ -82,3 +87,14 @@ def test_draws_with_a_heavier_tail_than_any_normal_cut_at_zero():
     """The second moment over the square of the mean, 2 for the heaviest, is 10 here."""
     draws = np.concatenate([np.full(900, 1e-6), np.full(100, 1e-3)])
     assert amplitude_error(draws, HalfNormal(scale=WIDTH)) > draws.mean()
+
+
+def test_two_effects_are_told_apart_as_often_as_asked():
+    """Directions at 60°: that which acts has the larger projection by the odds, so often."""
+    rng, odds = np.random.default_rng(5), np.log(9)
+    first, second = np.array([1.0, 0.0]), np.array([0.5, np.sqrt(0.75)])
+    error = 1 / np.sqrt(1 - (first @ second) ** 2)
+    amplitude = smallest_told_apart(error, odds, 0.9)
+    data = amplitude * first + rng.standard_normal((200_000, 2))
+    ahead = 0.5 * ((data @ first) ** 2 - (data @ second) ** 2) > odds
+    assert ahead.mean() == pytest.approx(0.9, abs=0.02)

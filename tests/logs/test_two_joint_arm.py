@@ -124,3 +124,17 @@ def test_a_model_that_cannot_be_taken_along_is_one_clear_line(tmp_path, robot, s
     with pytest.raises(InputError) as raised:
         import_log(tmp_path / "log.csv", "all", mapping=tmp_path / "map.toml")
     assert said in str(raised.value)
+
+
+def test_a_log_of_one_joint_and_a_model_of_one_need_no_name(tmp_path):
+    rows = "".join(f"{k / 100},{k % 50 / 50},{k % 7 / 7}\n" for k in range(200))
+    (tmp_path / "bench.csv").write_text(f"t,q,tau\n{rows}", encoding="utf-8")
+    model = '<mujoco><worldbody><body><joint name="pivot"/></body></worldbody></mujoco>'
+    (tmp_path / "robot.xml").write_text(model, encoding="utf-8")
+    mapping = (
+        '[time]\ncolumn = "t"\n[position]\ncolumn = "q"\nunit = "rad"\n'
+        '[force]\ncolumn = "tau"\nunit = "N·m"\nforce_is = "motor"\n[robot]\nmodel = "robot.xml"\n'
+    )
+    (tmp_path / "map.toml").write_text(mapping, encoding="utf-8")
+    made = import_log(tmp_path / "bench.csv", mapping=tmp_path / "map.toml").recording
+    assert made.rig.robot.joints == {"joint": "pivot"}

@@ -73,6 +73,9 @@ def test_what_is_told_what_is_not_and_what_to_record(told):
     assert {"stribeck", "load-friction", "delay"} <= set(can)
     assert {"thermal", "stiction"} <= set(cannot)
     assert "viscous" not in cannot  # the law has it
+    laws = told.power.effects
+    assert (laws["unseen"] < laws["smallest"]).all()
+    assert ", and not below " in can["stribeck"]
     assert told.advice["a temperature column, from cold to warm"] == ["thermal"]
     text = "\n".join(told.lines())
     assert "What to record next" in text

@@ -80,6 +80,8 @@ def test_sdf_has_texts_that_were_there_and_that_were_not():
     values = JointValues(frictionloss="0.61", damping="0.3")
     done = model_text(SDF, "m.sdf").with_values({"j1": values, "j2": values}).content
     both = b"<damping>0.3</damping><friction>0.61</friction>"
+    # Where there is a <dynamics>, SDFormat asks for both of these.
+    both += b"<spring_reference>0</spring_reference><spring_stiffness>0</spring_stiffness>"
     assert b"<axis><dynamics>" + both + b"</dynamics><xyz>0 0 1</xyz></axis>" in done
     assert b"<friction>0.61</friction><damping>0.3</damping></dynamics>" in done
 
