@@ -19,7 +19,6 @@ from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI, from_normal, log_density, prior_sd
 
 NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
-NARROW = 1 / 3  # of an error: nodes around an estimate pass a narrower prior by
 LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
 LEAST_PRECISION_RATIO = (
     1.05  # least ratio of posterior to prior precision of an amplitude that data inform
@@ -38,7 +37,7 @@ def log_bayes_factor(estimate: float, error: float, prior: Prior) -> float:
         Of the amplitude.
     """
     step = float(np.log(NODES[1] - NODES[0]))
-    if prior_sd(prior) < NARROW * error:
+    if prior_sd(prior) < error:  # far out nodes around an estimate pass it by
         amplitude = from_normal(prior, NODES)
         gained = amplitude * (estimate - amplitude / 2) / error**2
         return float(logsumexp(gained - 0.5 * (NODES**2 + LOG_2PI))) + step
@@ -68,7 +67,7 @@ def smallest_found(error: float, prior: Prior, threshold: float, probability: fl
     def beyond(errors: float) -> float:
         return log_bayes_factor(errors * error, error, prior) - threshold
 
-    most = 1.0  # far out of a narrow prior the nodes around an estimate no longer reach it
+    most = 1.0
     while most < LARGEST and beyond(most) <= 0:
         most *= 2
     smallest = 0.0 if beyond(0.0) > 0 else float(scipy.optimize.brentq(beyond, 0.0, most))

@@ -40,13 +40,14 @@ def test_nine_of_ten_such_effects_are_found(prior):
     assert found == pytest.approx(0.9, abs=4 * np.sqrt(0.09 / 4000))
 
 
-@pytest.mark.parametrize("widths", [1.45, 2.9, 3.1, 4.4])
-def test_a_poor_error_beside_a_narrow_prior(widths):
+@pytest.mark.parametrize("odds", [TEN, 5.65])
+@pytest.mark.parametrize("widths", [0.98, 1.45, 2.5, 4.4])
+def test_a_poor_error_beside_a_narrow_prior(widths, odds):
     """Solved for the estimate at which the closed form is the odds, up to what data barely tell."""
     error = widths * WIDTH
-    amplitude = smallest_found(error, Normal(mean=0.0, sd=WIDTH), TEN, 0.9)
+    amplitude = smallest_found(error, Normal(mean=0.0, sd=WIDTH), odds, 0.9)
     shrink = WIDTH**2 / (WIDTH**2 + error**2)
-    score = np.sqrt((2 * TEN + np.log1p((WIDTH / error) ** 2)) / shrink)
+    score = np.sqrt((2 * odds + np.log1p((WIDTH / error) ** 2)) / shrink)
     assert amplitude == pytest.approx(error * (score + stats.norm.ppf(0.9)), rel=1e-4)
 
 

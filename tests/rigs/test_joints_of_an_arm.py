@@ -14,6 +14,7 @@ from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.joints import joints_of, parted_by_joint
 from bayesfric.rigs.single_axis import RIG
 from bayesfric.rigs.single_axis.other_joints import machine_of
+from bayesfric.rigs.single_axis.period import strongest_wave
 from bayesfric.rigs.single_axis.simulated import log_of
 
 pytest.importorskip("mujoco")
@@ -45,6 +46,14 @@ def test_a_log_is_parted_with_the_motion_of_all_other_joints():
         assert set(own.axis.others) == set(arm.JOINTS) - {joint}
         assert own.axis.place == place
     assert parted_by_joint(parted["base"]) == {}
+
+
+def test_a_pull_of_other_joints_is_no_slow_wave_along_this_one():
+    """Without a model two waves over the stroke of an elbow are what the base and it pull with."""
+    rows = runs_of(arm.recording(), "elbow")
+    stroke = np.ptp(rows.readings.position)
+    assert stroke / strongest_wave(rows.readings).period < 3
+    assert stroke / rows.measures.wave.period > 4.99
 
 
 KINDS = ("model", "model that is off", "known force")

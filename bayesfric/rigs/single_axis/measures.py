@@ -21,7 +21,7 @@ from bayesfric.rigs.single_axis.declared import mass_sd_kg
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
 from bayesfric.rigs.single_axis.limit import Limit
-from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
+from bayesfric.rigs.single_axis.period import BESIDE_JOINTS, LEAST, SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
@@ -205,6 +205,7 @@ def measures_of(
     rough = rough_law_of(readings, inside)
     force = float(np.sqrt(np.mean(readings.force[inside] ** 2)))
     acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
+    pulled_unmodelled = readings.beside.shape[1] > 0 and constants.robot is None
     least = readings.position_sd / readings.half_s**2  # what the positions would not show
     return Measures(
         stroke=max(float(np.ptp(log.position)) for log in logs),
@@ -216,7 +217,7 @@ def measures_of(
         known_mass=constants.moving_mass_kg,
         known_mass_sd=mass_sd_kg(constants),
         rotary=constants.rotary,
-        wave=strongest_wave(readings),
+        wave=strongest_wave(readings, BESIDE_JOINTS if pulled_unmodelled else LEAST),
         limit=limit,
         pull=rough.pull,
         rough_mass=rough.mass,

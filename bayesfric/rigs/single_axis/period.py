@@ -8,6 +8,9 @@ from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.readings import Readings
 
 LEAST, MOST = 2.0, 100.0  # waves over the path that are looked for
+BESIDE_JOINTS = 5.0
+"""The least where other joints are logged and no model says how they pull: what varies as slowly
+over the stroke is theirs as well as the drive's, and poles and teeth come closer."""
 APART = 0.25  # waves over the path, between two that are tried
 PHASES = 6  # that tell a wave from its neighbours
 SEARCHED = round(2 * (MOST - LEAST)) * PHASES
@@ -33,7 +36,7 @@ class Wave(NamedTuple):
     spread: float
 
 
-def strongest_wave(readings: Readings) -> Wave:
+def strongest_wave(readings: Readings, least: float = LEAST) -> Wave:
     """Return the wave that takes most of the force which the law leaves.
 
     The law, and what is smooth in the position, is fitted along with it by least squares.
@@ -42,6 +45,8 @@ def strongest_wave(readings: Readings) -> Wave:
     ----------
     readings : Readings
         Rows; positions inside a window are averaged as the force is.
+    least : float
+        Waves over the path, from which on it is looked.
     """
     low, span = float(readings.position.min()), float(np.ptp(readings.position)) or 1.0
     middle = low + 0.5 * span
@@ -64,9 +69,9 @@ def strongest_wave(readings: Readings) -> Wave:
         pair_numbers = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
         return float(left @ pair @ pair_numbers), np.asarray(pair_numbers, dtype=np.float64)
 
-    tried = np.arange(LEAST, MOST, APART)
+    tried = np.arange(least, MOST, APART)
     best = tried[np.argmax([numbers(tried_period)[0] for tried_period in tried])]
-    tried = best + APART * FINER
+    tried = np.maximum(best + APART * FINER, least)
     best = float(tried[np.argmax([numbers(tried_period)[0] for tried_period in tried])])
     cosine, sine = numbers(best)[1]
     period = span / best
