@@ -194,6 +194,7 @@ def importance_points(
     chart: Chart,
     rng: Random,
     least_effective: float = LEAST_EFFECTIVE,
+    size: int = POINTS,
 ) -> Array | None:
     """Draw points of a density by importance sampling around its mode.
 
@@ -212,27 +213,29 @@ def importance_points(
         Source of randomness.
     least_effective : float
         Share of the points that have to count.
+    size : int
+        Of each sample: many numbers take many points, since a covariance is fitted to them.
 
     Returns
     -------
-    ndarray, shape (1000, D), or None
+    ndarray, shape (size, D), or None
         Points of the sampling space, some more than once; None where the weights of no sample
         are to be relied on.
     """
     proposal = Proposal.at_mode(laplace, chart)
     for _ in range(PASSES):
-        z, possible = proposal.draw(POINTS, rng)
+        z, possible = proposal.draw(size, rng)
         z = z[possible]
         log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
         if not np.isfinite(log_weights).any():
             return None
         weights = np.exp(log_weights - logsumexp(log_weights))
-        good = k < SAMPLING_RULES.pareto_k and 1 / (weights**2).sum() > least_effective * POINTS
+        good = k < SAMPLING_RULES.pareto_k and 1 / (weights**2).sum() > least_effective * size
         # Few points may hold most of the weight, and their covariance would be singular.
-        weights = np.minimum(weights, 1 / np.sqrt(POINTS))
+        weights = np.minimum(weights, 1 / np.sqrt(size))
         if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
             return None
-        points: Array = z[resampled(weights, POINTS, rng)]
+        points: Array = z[resampled(weights, size, rng)]
         if good:
             return points
         proposal = Proposal.around(points, chart)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from inference import densities
 from inference.test_sampling import EXPONENTIAL, skewed
-from scipy.special import gammaln
+from scipy.special import digamma, gammaln, polygamma
 
 from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import Laplace, laplace_approximation
@@ -80,3 +80,18 @@ def test_one_seed_one_result():
     first, again, other = (importance_draws(known.log_density, laplace, s)[0] for s in (1, 1, 2))
     assert first == again
     assert first != other
+
+
+def test_many_numbers_take_a_larger_sample():
+    """Logarithms of 26 gammas, of which too few of 1,000 points count for a covariance."""
+    shape, count = 2.5, 26
+    laplace = Laplace(np.full(count, np.log(shape)), np.eye(count) / shape, 0.0)
+
+    def log_density(z):
+        return (shape * z - np.exp(z) - gammaln(shape)).sum(axis=1)
+
+    assert importance_draws(log_density, laplace, 1, least_effective=0.1) is None
+    found, draws = importance_draws(log_density, laplace, 1, least_effective=0.1, points=4000)
+    assert abs(found.log_evidence) < 3 * found.error
+    off = (draws.mean(axis=0) - digamma(shape)) / np.sqrt(polygamma(1, shape))
+    assert np.abs(off).max() < 4 * np.hypot(found.error, 1 / np.sqrt(4000))

@@ -27,6 +27,7 @@ from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
     LEAST_EFFECTIVE,
+    POINTS,
     SAMPLING_SPACE,
     Chart,
     LogDensity,
@@ -51,6 +52,7 @@ def importance_draws(
     chart: Chart = SAMPLING_SPACE,
     size: int = SIZE,
     least_effective: float = LEAST_EFFECTIVE,
+    points: int = POINTS,
 ) -> tuple[Evidence, Array] | None:
     """Estimate the log evidence around one mode, and resample the points by their weights.
 
@@ -71,6 +73,8 @@ def importance_draws(
         Points of the sample that is weighed.
     least_effective : float
         Share that has to count of the sample that the proposal is fitted to.
+    points : int
+        Of that sample.
 
     Returns
     -------
@@ -82,16 +86,16 @@ def importance_draws(
     None where no sample around the mode is to be relied on.
     """
     rng = np.random.default_rng(seed)
-    points = importance_points(log_density, laplace, chart, rng, least_effective)
+    fitted_to = importance_points(log_density, laplace, chart, rng, least_effective, points)
     for _ in range(TRIES):
-        if points is None:
+        if fitted_to is None:
             return None
-        z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), size, rng)
+        z, log_weights, k = _weighed(log_density, Proposal.around(fitted_to, chart), size, rng)
         total = logsumexp(log_weights)
         weights = np.exp(log_weights - total)
         if k <= SAMPLING_RULES.pareto_k:
             break
-        points = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
+        fitted_to = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
     else:
         return None
     # Points outside of the sampling space are draws too, of weight zero.
