@@ -293,7 +293,9 @@ def gap_row(
     gap2 = before2 - floor2
     shrink, why = None, no_shrink
     if why is None and np.mean(gap2 > 0) < RULES.above_floor:
-        why = f"the gap exceeds what scatter makes with a probability of only {np.mean(gap2 > 0):.2f}"
+        why = (
+            f"the gap exceeds what scatter makes with a probability of only {np.mean(gap2 > 0):.2f}"
+        )
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
         if np.median(ratio) > RULES.most_shrink:

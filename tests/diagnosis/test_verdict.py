@@ -138,13 +138,17 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
     def sentence(practical):
         return told("unknown", gap, practical)
 
-    assert f"of friction), less than the {1.1 * share:.1%} that counts, and" in sentence(1.1 * share)
+    assert f"of friction), less than the {1.1 * share:.1%} that counts, and" in sentence(
+        1.1 * share
+    )
     assert "of friction), and none" in sentence(0.9 * share)
 
 
 def test_no_gap_says_how_much_was_recorded():
     said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows")
-    assert said.endswith("% of friction). This rests on 60 windows, each the mean friction over a stretch of motion.")
+    assert said.endswith(
+        "% of friction). This rests on 60 windows, each the mean friction over a stretch of motion."
+    )
 
 
 def test_a_gap_of_sensors_alone_is_told_as_none():

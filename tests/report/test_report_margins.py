@@ -59,7 +59,10 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert {row[0] for row in specs.rows} == {"bench", "second"}
     assert "c1, c2 and c3 make" in decided.text[1]
     assert hunting.text[0].startswith("To hunt is to swing")
-    assert [one.label for one in gain_figures(computed.summary)] == ["limit-cycle", "error-headroom"]
+    assert [one.label for one in gain_figures(computed.summary)] == [
+        "limit-cycle",
+        "error-headroom",
+    ]
     bad = loop.model_copy(
         update={"missed_specs": ("lost_motion", "limit_cycle_probability"),
                 "largest_safe_compensation_gain": None,
@@ -72,10 +75,7 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     lost = next(one for one in loop.metrics if one.name == "lost_motion")
     tight = bad.model_copy(update={"metrics": (lost.model_copy(update={"spec": 1e-5}),)})
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
-    assert (
-        f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} ["
-        in line.text
-    )
+    assert f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} [" in line.text
     assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text
 
 

@@ -64,7 +64,9 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
     if lacking and by_verdict["refuted"]:
         said += [" ", Strong("Refuted:"), " ", *_codes(by_verdict["refuted"])]
-        said.append(f". The claims are judged by laws that lack {lacking}, which may be the reason.")
+        said.append(
+            f". The claims are judged by laws that lack {lacking}, which may be the reason."
+        )
     for claim in () if lacking else by_verdict["refuted"]:
         said += [" ", Strong("Refuted:"), " ", Code(claim.id), f": {claim.reason}"]
     for verdict, word in (("undecided", "Undecided"), ("not-testable", "Not testable")):

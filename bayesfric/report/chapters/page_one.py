@@ -281,8 +281,7 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     remarks = attention_of_all(stored.records)
     lines: Sequence[str] = [
-        line.removesuffix(".") + "." if fit is None else _remark(line, fit)
-        for _, line in remarks
+        line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
     ]
     if len(lines) > FEW:
         yield Notice("attention", f"Read these {len(lines)} remarks with the numbers:")

@@ -52,7 +52,8 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
     Yields
     ------
     Table, Paragraph
-        One table at most, and what the causes' parameters are; none for a joint, whose numbers :func:`numbers_to_enter` has.
+        One table at most, and what the causes' parameters are; none for a joint, whose numbers
+        :func:`numbers_to_enter` has.
     """
     causes = _acting_causes(diagnosis)
     if diagnosis.enter:
@@ -78,20 +79,21 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
     damping = [Column("damping of a pulley", "N·s/m")] if dampings else []
+    rows: list[list[Text]] = [
+        [whose or "law", *map(Strong, cells), *map(Strong, dampings.get(whose, []))]
+        for whose, cells in _numbers(law, lambda number: number.after)
+    ]
+    rows += [
+        [f"{whose}, law alone (biased)".removeprefix(", "), *cells, *([""] if dampings else [])]
+        for whose, cells in _numbers(law, lambda number: number.before)
+    ]
     return Table(
         f"Use these numbers: the law refitted together with {names}.",
         ["", *_heads(law), *damping],
-        [
-            [whose or "law", *map(Strong, cells), *(Strong(d) for d in dampings.get(whose, []))]
-            for whose, cells in _numbers(law, lambda number: number.after)
-        ]
-        + [
-            [f"{whose}, law alone (biased)".removeprefix(", "), *cells, *([""] if dampings else [])]
-            for whose, cells in _numbers(law, lambda number: number.before)
-        ],
+        rows,
         label="use",
-        note=f"{HALF} The law alone takes up a part of the force of {names}: its coefficients, which "
-        "fit.json, draws.nc and the chapters on the fit have, are biased.",
+        note=f"{HALF} The law alone takes up a part of the force of {names}: its coefficients, "
+        "which fit.json, draws.nc and the chapters on the fit have, are biased.",
     ).filled()
 
 
