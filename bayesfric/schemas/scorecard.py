@@ -90,7 +90,7 @@ class Target(Record):
     def outcome(self) -> str:
         """Whether it is kept or missed, in words: surely by its interval, or so far."""
         rate, least, most = self.rate, self.at_least or 0.0, self.at_most
-        if self.met is None or rate.low is None or rate.high is None:
+        if self.met is None:
             return self.met_why or "not tried"
         above, below = rate.low >= least, most is None or rate.high <= most
         if self.met:
