@@ -19,6 +19,7 @@ from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI, from_normal, log_density, prior_sd
 
 NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
+NARROW = 1 / 3  # of an error: nodes around an estimate pass a narrower prior by
 LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
 LEAST_PRECISION_RATIO = (
     1.05  # least ratio of posterior to prior precision of an amplitude that data inform
@@ -36,10 +37,14 @@ def log_bayes_factor(estimate: float, error: float, prior: Prior) -> float:
     prior : Prior
         Of the amplitude.
     """
+    step = float(np.log(NODES[1] - NODES[0]))
+    if prior_sd(prior) < NARROW * error:
+        amplitude = from_normal(prior, NODES)
+        gained = amplitude * (estimate - amplitude / 2) / error**2
+        return float(logsumexp(gained - 0.5 * (NODES**2 + LOG_2PI))) + step
     amplitude = estimate + error * NODES
     with np.errstate(divide="ignore"):
         density = log_density(prior, amplitude) - 0.5 * (NODES**2 + LOG_2PI)
-    step = float(np.log(NODES[1] - NODES[0]))
     return float(logsumexp(density) + step + 0.5 * ((estimate / error) ** 2 + LOG_2PI)) + float(
         np.log(error)
     )
@@ -68,6 +73,25 @@ def smallest_found(error: float, prior: Prior, threshold: float, probability: fl
         most *= 2
     smallest = 0.0 if beyond(0.0) > 0 else float(scipy.optimize.brentq(beyond, 0.0, most))
     return error * max(smallest + float(ndtri(probability)), 0.0)
+
+
+def smallest_told_apart(error: float, threshold: float, probability: float) -> float:
+    """Return the smallest amplitude at which data prefer an effect to another, or 0.
+
+    Each of two effects of like priors takes what it can of the data. Where the first acts, their
+    log evidences differ by N(d² / 2, d²), d being its amplitude in errors.
+
+    Parameters
+    ----------
+    error : float
+        Of the amplitude, beside any amount of the other effect.
+    threshold : float
+        Log odds from which on the first is preferred [nat].
+    probability : float
+        Of that.
+    """
+    normal = float(ndtri(probability))
+    return error * max(normal + float(np.sqrt(normal**2 + 2 * threshold)), 0.0)
 
 
 def amplitude_error(draws: Array, prior: Prior) -> float | None:

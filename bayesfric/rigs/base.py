@@ -2,78 +2,46 @@
 
 A :class:`Rig` is a kind of rig; its :meth:`~Rig.trials` are what a recording holds of it,
 and of these a likelihood, predictions and a linear model are made. No room below this one
-asks which rig it has.
+asks which rig it has. What only annotations name is not loaded.
 """
+
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-import numpy as np
-import pandas as pd
-import xarray as xr
-
-from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.arrays import Array
-from bayesfric.effects import Effect, State
-from bayesfric.effects.candidates import Candidate
-from bayesfric.effects.terms import ActiveEffect
-from bayesfric.errors import Fault
-from bayesfric.inference.model import RigLikelihood
-from bayesfric.observation.linear import LinearRows
 from bayesfric.observation.unsupported import Unsupported as Unsupported
 from bayesfric.observation.unsupported import why_inert as why_inert
-from bayesfric.physics.cable import Cable
-from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
-from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.changes import Change
-from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.own_design import OwnDesign
-from bayesfric.rigs.own_design import Simulated as Simulated
-from bayesfric.rigs.own_law import OwnLaw
-from bayesfric.rigs.protocols import Protocol as Design
-from bayesfric.rigs.remaking import Remade
-from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import Instrument, LawNumber, PointEstimate
-from bayesfric.simulators import SimulatorCalls
+from bayesfric.rigs.kind import Regime as Regime
+from bayesfric.rigs.kind import Words as Words
 
-Regime = Literal["accelerated", "steady"]
-"""Whether a trial gathers speed along a path, or is one measurement at one speed."""
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    import xarray as xr
 
-
-@dataclass(frozen=True)
-class Words:
-    """What a rig and its parts are called in sentences.
-
-    Parameters
-    ----------
-    rig : str
-        As in ``gravity board``.
-    trial, trials : str
-        One of its measurements, and several.
-    law : str
-        What its law and its likelihood are, in sentences; nothing where they are the paper's.
-    group, groups : str
-        What trials of one value of ``setup`` are together, and several of these.
-    regime : str
-        How its trials move.
-    paper : bool
-        Whether it is one of the paper's own, which its protocols are for.
-    thresholds : dataclass or None
-        By which its log is read, where there are some: fields made by
-        :func:`bayesfric.rules.rule`.
-    """
-
-    rig: str
-    trial: str
-    trials: str
-    law: str = ""
-    group: str = "assembly"
-    groups: str = "assemblies"
-    regime: Regime = "steady"
-    paper: bool = False
-    thresholds: Any = None
+    from bayesfric.analysis import Analysis, PriorOverrides
+    from bayesfric.arrays import Array
+    from bayesfric.effects import Effect, State
+    from bayesfric.effects.candidates import Candidate
+    from bayesfric.effects.terms import ActiveEffect
+    from bayesfric.errors import Fault
+    from bayesfric.inference.model import RigLikelihood
+    from bayesfric.observation.linear import LinearRows
+    from bayesfric.physics.cable import Cable
+    from bayesfric.physics.friction import Coefficients
+    from bayesfric.recording.tables import Recording, RigConstants
+    from bayesfric.rigs.changes import Change
+    from bayesfric.rigs.model_amounts import ModelAmounts
+    from bayesfric.rigs.own_design import OwnDesign, Simulated
+    from bayesfric.rigs.own_law import OwnLaw
+    from bayesfric.rigs.protocols import Protocol as Design
+    from bayesfric.rigs.remaking import Remade
+    from bayesfric.rigs.truth import Truth
+    from bayesfric.schemas import Instrument, LawNumber, PointEstimate
+    from bayesfric.simulators import SimulatorCalls
 
 
 class Rig(Protocol):
@@ -95,7 +63,7 @@ class Rig(Protocol):
     def own_design(self) -> OwnDesign | None:
         """What it is simulated with, where no protocol of the paper's lays it out; else None."""
 
-    def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
+    def trials(self, recording: Recording, *, exclude: bool = True) -> RigTrials | None:
         """Return the trials of a recording that enter; None where it has none of this rig.
 
         Parameters
@@ -131,7 +99,7 @@ class Rig(Protocol):
 
     def simulate(
         self, design: Design, constants: RigConstants, truth: Truth, seed: int
-    ) -> "Simulated":
+    ) -> Simulated:
         """Return what the rig records; the mirror of :meth:`RigTrials.likelihood`.
 
         Parameters
@@ -169,7 +137,7 @@ class RigTrials(Protocol):
     def levels(self, name: str) -> int:
         """Return how many values a column takes; ``tension`` is how the cable is loaded."""
 
-    def select(self, keep: "pd.Series[bool]") -> "RigTrials | None":
+    def select(self, keep: pd.Series[bool]) -> RigTrials | None:
         """Return the trials of a mask over the table; None without any."""
 
     @property
@@ -180,7 +148,7 @@ class RigTrials(Protocol):
     def excluded(self) -> Mapping[str, str] | None:
         """Trials that a rule keeps from entering, with its name; None where there is no rule."""
 
-    def moved(self) -> "RigTrials | None":
+    def moved(self) -> RigTrials | None:
         """Return the trials that moved all the way; None where all did, or none."""
 
     def supports(self, effect: Effect) -> Unsupported | None:
@@ -242,10 +210,10 @@ class RigTrials(Protocol):
     def own_law(self) -> OwnLaw | None:
         """What has the place of a law in a diagnosis: a user's simulator; None without one."""
 
-    def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":
+    def beside(self, simulator: SimulatorCalls) -> RigTrials | Unsupported:
         """Return the trials beside a user's simulator of them, or why there can be none."""
 
-    def under(self, law: FrictionLaw) -> "RigTrials":
+    def under(self, law: FrictionLaw) -> RigTrials:
         """Return the same trials, which a diagnosis makes linear around another law."""
 
     def linear(
@@ -263,10 +231,10 @@ class RigTrials(Protocol):
             Effects on friction with which trials start to move, with their amplitudes.
         """
 
-    def entering(self) -> "RigTrials":
+    def entering(self) -> RigTrials:
         """Return the trials that enter a diagnosis: what the rig itself does stays in."""
 
-    def planned(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+    def planned(self, laws: Mapping[str, Coefficients]) -> RigTrials | None:
         """Return the same conditions without noise, on time by a law; None where none moves."""
 
     @property
@@ -299,7 +267,7 @@ class RigTrials(Protocol):
             Effects that act beside the law, with their amplitudes.
         """
 
-    def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> RigTrials | None:
         """Return feasible trials without noise, on time by a law; None where none moves."""
 
     def likelihood(
@@ -332,7 +300,7 @@ class RigTrials(Protocol):
     def paper_estimates(self) -> Mapping[str, PointEstimate]:
         """Return the paper's own estimate of each pulley size; empty without one."""
 
-    def predicted(self, view: "Predictive") -> xr.Dataset:
+    def predicted(self, view: Predictive) -> xr.Dataset:
         """Return what was observed of each trial, and what is predicted of a new one.
 
         Over a dimension that is called as one trial is: ``tension_n``, ``friction_n`` and
@@ -356,7 +324,7 @@ class RigTrials(Protocol):
             Arrays that broadcast to (…, C).
         """
 
-    def resting(self, conditions: pd.DataFrame) -> "Resting | None":
+    def resting(self, conditions: pd.DataFrame) -> Resting | None:
         """Return what holds conditions at rest; None where the rig moves whatever friction is.
 
         Parameters
@@ -365,7 +333,7 @@ class RigTrials(Protocol):
             One row a condition: pulley size, n, wrap angle and :attr:`loads`.
         """
 
-    def figures(self, view: "Predictive") -> Mapping[str, xr.Dataset]:
+    def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
         """Return what figures show of this rig alone, by group of ``predictive.nc``."""
 
 

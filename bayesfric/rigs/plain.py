@@ -1,6 +1,6 @@
 """What a rig has when it says nothing of its own: no rules, no path, nothing beyond its trials."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Self, cast
 
@@ -8,47 +8,10 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.arrays import Array
-from bayesfric.effects import Effect
-from bayesfric.errors import Fault
 from bayesfric.physics.cable import Cable
-from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Resting, RigTrials, Simulated, Unsupported
-from bayesfric.rigs.changes import Change
-from bayesfric.rigs.own_design import OwnDesign
-from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.base import Predictive, Resting, RigTrials, Unsupported
 from bayesfric.rigs.pulleys import PulleyTrials
-from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
-
-
-class PlainRig:
-    """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""
-
-    own_design: OwnDesign | None = None
-
-    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
-        """Return nothing."""
-        del recording
-        return ()
-
-    def left_out(self, recording: Recording) -> Sequence[Fault]:
-        """Return nothing: no rule keeps a trial from entering."""
-        del recording
-        return ()
-
-    def change(
-        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
-    ) -> Change | None:
-        """Return None: protocols lay out the paper's boards alone."""
-        del effect, design, constants, truth
-        return None
-
-    def simulate(
-        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
-    ) -> Simulated:
-        """Record nothing: protocols lay out the paper's boards alone."""
-        del design, constants, truth, seed
-        return Simulated({}, 0)
 
 
 class PlainTrials(PulleyTrials):

@@ -21,7 +21,7 @@ from bayesfric.physics.gravity import board_friction
 from bayesfric.physics.motor import motor_friction
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Gravity, Motor
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients

@@ -8,7 +8,8 @@ from bayesfric.observation.exact import ExactModel
 from bayesfric.observation.linear import LinearRig, LinearRows
 from bayesfric.observation.points import LinearReadings, PointPart
 from bayesfric.rigs.base import Rig, RigTrials
-from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.kind import PlainRig
+from bayesfric.rigs.plain import PlainTrials
 
 # What a rig fills, and how many members that has.
 SEAM = {Rig: 9, RigTrials: 45, ExactModel: 10, LinearRows: 16, LinearRig: 10}

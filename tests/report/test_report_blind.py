@@ -1,6 +1,7 @@
 """The scorecard in the report: from scorecard.json alone, every number where it is said."""
 
 import pytest
+import xarray as xr
 from blind.scored import scored
 from matplotlib.lines import Line2D
 
@@ -18,10 +19,11 @@ from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
 from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table, inlines
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredClaims, StoredResults
 from bayesfric.report.writing import write_report
-from bayesfric.results import json_bytes
-from bayesfric.schemas import Rate
+from bayesfric.resources import reference_folder
+from bayesfric.results import json_bytes, read_json
+from bayesfric.schemas import ClaimsFile, Rate
 
 WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_named": True}
 
@@ -205,6 +207,16 @@ def test_a_report_of_everything_has_the_chapter_where_there_is_a_scorecard(card)
         if isinstance(b, Heading)
     ]
     assert heads[0] == "Blind test of the diagnosis"
+
+
+def test_a_scorecard_stands_beside_the_claims_of_the_same_folder(card):
+    claims = StoredClaims(read_json(ClaimsFile, reference_folder() / "claims.json"), xr.DataTree())
+    labels = {
+        b.label
+        for b in build_document(StoredResults(claims=claims, scorecard=card)).every_block
+        if isinstance(b, Table)
+    }
+    assert {"verdicts", "verdicts-in-hindsight"} <= labels
 
 
 def test_a_damaged_scorecard_is_an_error(tmp_path):

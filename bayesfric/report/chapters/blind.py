@@ -212,7 +212,7 @@ def _true_by_verdict(card: ScorecardFile) -> Table:
             ]
             for verdict, stated in card.reliability_by_verdict.items()
         ],
-        label="verdicts",
+        label="verdicts-in-hindsight",
         note="Said: the mean probability. Expected: where the share should lie, 95 %, if the "
         "probabilities are right. Below it verdicts are too sure, above it not sure enough.",
     )

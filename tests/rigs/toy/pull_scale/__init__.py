@@ -21,8 +21,10 @@ from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
-from bayesfric.rigs.base import Simulated, Unsupported, Words
-from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.base import Unsupported, Words
+from bayesfric.rigs.kind import PlainRig
+from bayesfric.rigs.own_design import Simulated
+from bayesfric.rigs.plain import PlainTrials
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import laws_of
 
