@@ -149,7 +149,7 @@ def margins_into(
             happened.add("spec")
             say(f"  misses its spec: {', '.join(believed.missed_specs)}")
         if not quiet:
-            for warning in loop.warnings:
+            for warning in (line for line in loop.warnings if line not in loop.beyond):
                 say(f"warning: {loop.name}: {warning}", err=True)
     return happened
 
@@ -159,12 +159,14 @@ def _say_loop(loop: "LoopMargins") -> None:
     from bayesfric.margins.terms import (
         certificate_sentence,
         in_degrees_or_decibels,
+        safe_up_to,
+        safety_words,
         tuning_sentence,
     )
 
-    _say_sentences(f"{loop.name}: {loop.answer}")
-    if loop.plant is not None:
-        _say_sentences(f"  {loop.plant.sentence}")
+    up_to = safe_up_to(loop)
+    up_to_words = "" if up_to is None else f" Safe up to γ = {up_to}."
+    _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {loop.answer}")
     if loop.with_effects is not None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"
         _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
@@ -201,7 +203,7 @@ def _say_metric(metric: "Metric") -> None:
         return
     name = f"{metric.name} {metric.direction or ''}"
     say(
-        f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
+        f"  {name:<23} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
         f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
         f"  P(violates {metric.spec:.3g}): {chance}"
     )

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from bayesfric.margins.spec import HUNTS
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
 
@@ -55,6 +56,24 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
             "quantiles": tuple(turned(value) for value in metric.quantiles),
         }
     )
+
+
+def safety_words(loop: LoopMargins) -> str:
+    """Return whether a loop is safe at the gain of its file and meets its spec, in a few words."""
+    missed = loop.missed_specs or ()
+    at = "" if loop.compensation_signal == "none" else f" at γ = {loop.compensation_gain:.3g}"
+    if HUNTS in missed:
+        return f"not safe{at}"
+    return f"safe{at}, {'misses' if missed else 'meets'} its spec"
+
+
+def safe_up_to(loop: LoopMargins) -> str | None:
+    """Return the largest safe γ, rounded down; None where there is none."""
+    gamma = loop.largest_safe_compensation_gain
+    if gamma is None:
+        return None
+    down = np.floor(100 * gamma) / 100
+    return f"{down:g}" if gamma >= loop.limit_cycle_probability[-1].gamma else f"{down:.2f}"
 
 
 def certificate_sentence(loop: LoopMargins) -> str | None:

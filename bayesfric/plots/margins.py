@@ -69,14 +69,14 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
 def _hunting_curve(loop: LoopMargins) -> tuple[Array, Array, Array]:
     """Return γ, P(limit cycle) and its error: of the stored curve, and of the quantiles of γ."""
     points = [(point.gamma, point.p, point.mcse) for point in loop.limit_cycle_probability]
-    known_p, known_errors = np.array(
-        sorted({point.p: point.mcse for point in loop.limit_cycle_probability}.items())
+    known_p, known_error = np.array(
+        sorted((point.p, point.mcse) for point in loop.limit_cycle_probability)
     ).T
     last = points[-1][0]
     for metric in loop.metrics:
         if metric.name == "gamma_hunting":
             points += [
-                (value, p, float(np.interp(p, known_p, known_errors)))
+                (value, p, float(np.interp(p, known_p, known_error)))
                 for value, p in zip(metric.quantiles, QUANTILES, strict=False)
                 if value <= last
             ]

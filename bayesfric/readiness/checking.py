@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import zip_longest
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from bayesfric.rigs.opening import left_out, remarks_of
 OF_OTHERS = {"pulleys", "law-without-coulomb", "law-without-offset"}
 """Needs of effects of other rigs, and of numbers that the law has already."""
 UNTOLD = "these data leave every number of the law to its prior"
+
+
+MOST_SHOWN = 3  # conditions to record next, those that help most
 
 
 @dataclass(frozen=True)
@@ -94,15 +98,16 @@ class Part:
             text = f"± {row['sd']:.2g}"
             if "sd_where_law_is_off" in row:
                 text += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
-            text += f" [{row['unit']}], of about {row['value']:.3g}"
+            unit = "" if row["unit"] == "1" else f" {row['unit']}"
+            text += f"{unit}, of about {row['value']:.3g}"
             yield f"  {name!s:<24} {text if row['informed'] else 'left to its prior'}"
         if self.power.beside:
             names = ", ".join(self.power.beside)
             yield f"  these errors are beside {names}, which a first look shows"
         can, cannot = self.effects
         if can:
-            yield "Effects that would be found, from which size on"
-            yield from (f"  {name:<24} {size}" for name, size in can.items())
+            yield "Effects that would be found, and from which size on"
+            yield from _in_two_columns([f"{name:<23} {size}" for name, size in can.items()])
         if cannot:
             yield f"Effects that cannot be told: {', '.join(cannot)}"
         if not self.power.pairs.empty:
@@ -119,13 +124,21 @@ class Part:
         yield "What to record next"
         for wanted, effects in self.advice.items():
             yield f"  {wanted}: for {', '.join(effects)}"
-        for name, row in proposals.iterrows():
+        most = proposals if proposals.empty else proposals.nsmallest(MOST_SHOWN, "factor")
+        for name, row in most.iterrows():
             setting = ", ".join(
                 f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
-            yield f"  for {name}: {setting}; this takes its error to {row['factor']:.0%}"
+            yield f"  {name} would be known {1 - row['factor']:.0%} better by: {setting}"
+
+
+def _in_two_columns(cells: list[str]) -> Iterator[str]:
+    """Yield lines of two cells, the first half of them on the left."""
+    half = (len(cells) + 1) // 2
+    for left, right in zip_longest(cells[:half], cells[half:], fillvalue=""):
+        yield f"  {left:<38} {right}".rstrip()
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-import numpy as np
-
-from bayesfric.margins.terms import chance_of_missing
+from bayesfric.margins.spec import HUNTS
+from bayesfric.margins.terms import chance_of_missing, safe_up_to, safety_words
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
@@ -36,7 +35,6 @@ SHOWN_UNITS = {
     "rad": ("rad", 1.0),
     "deg": ("°", 1.0),
 }
-HUNTS = "limit_cycle_probability"
 NOW = ", as in the file, it hunts in "  # stands in what an answer says of the γ of the file
 HUNTING = (
     "To hunt is to swing about the target instead of coming to rest; γ is the share of the "
@@ -95,17 +93,7 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
 
 
 def _title(loop: LoopMargins) -> str:
-    return f"{loop.name}: {_verdict(loop)}"
-
-
-def _verdict(loop: LoopMargins) -> str:
-    """Return whether a loop is safe at the gain of its file and meets its spec, in a few words."""
-    missed = loop.missed_specs or ()
-    further = [name for name in missed if name != HUNTS]
-    at = "" if loop.compensation_signal == "none" else f" at γ = {loop.compensation_gain:.3g}"
-    if HUNTS in missed:
-        return f"not safe{at}"
-    return f"safe{at}, misses its spec" if further else f"safe{at}, meets its spec"
+    return f"{loop.name}: {safety_words(loop)}"
 
 
 def _missed(loop: LoopMargins) -> Iterator[str]:
@@ -143,10 +131,8 @@ def _gain(loop: LoopMargins) -> Iterator[str]:
     elif gamma is None:
         yield f"No gain γ is safe: {loop.largest_safe_compensation_gain_why}."
     else:
-        down = np.floor(100 * gamma) / 100
-        all_of_them = gamma >= loop.limit_cycle_probability[-1].gamma
-        up_to = f"{down:g}" if all_of_them else f"{down:.2f}"
-        yield f"Safe up to γ = {up_to}: hunts in at most {100 * most:g}\u202f% of the draws."
+        share = f"{100 * most:g}\u202f%"
+        yield f"Safe up to γ = {safe_up_to(loop)}: hunts in at most {share} of the draws."
 
 
 def _decided(loop: LoopMargins) -> Iterator[str]:

@@ -79,18 +79,18 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
     damping = [Column("damping of a pulley", "N·s/m")] if dampings else []
-    refitted: list[list[Text]] = [
+    rows: list[list[Text]] = [
         [whose or "law", *map(Strong, cells), *map(Strong, dampings.get(whose, []))]
         for whose, cells in _numbers(law, lambda number: number.after)
     ]
-    biased: list[list[Text]] = [
+    rows += [
         [f"{whose}, law alone (biased)".removeprefix(", "), *cells, *([""] if dampings else [])]
         for whose, cells in _numbers(law, lambda number: number.before)
     ]
     return Table(
         f"Use these numbers: the law refitted together with {names}.",
         ["", *_heads(law), *damping],
-        refitted + biased,
+        rows,
         label="use",
         note=f"{HALF} The law alone takes up a part of the force of {names}: its coefficients, "
         "which fit.json, draws.nc and the chapters on the fit have, are biased.",
