@@ -35,7 +35,8 @@ def _acting_causes(diagnosis: DiagnosisFile) -> Sequence[Cause]:
     """Return the causes that make a gap, or would if the law alone did not take it up."""
     if diagnosis.verdict in ("unknown", "unseparated"):
         return ()
-    return tuple(cause for cause in diagnosis.causes if cause.makes_a_gap)
+    named = diagnosis.verdict == "named"
+    return tuple(cause for cause in diagnosis.causes if cause.makes_a_gap or not named)
 
 
 def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator[Block]:
