@@ -8,16 +8,26 @@ from bayesfric.observation.exact import ExactModel
 from bayesfric.observation.linear import LinearRig, LinearRows
 from bayesfric.observation.points import LinearReadings, PointPart
 from bayesfric.rigs.base import Rig, RigTrials
-from bayesfric.rigs.plain import PlainRig, PlainTrials
 
 # What a rig fills, and how many members that has.
 SEAM = {Rig: 9, RigTrials: 45, ExactModel: 10, LinearRows: 16, LinearRig: 10}
 MOST = 20  # that a rig of readings writes in all
+FIELDS = {RigTrials: {"rig", "table", "recorded", "loads"}}  # of which only a type checker knows
 
 
 def members(kind):
     """Return the public members that a class names itself."""
-    return {name for name in (*vars(kind), *kind.__annotations__) if not name.startswith("_")}
+    named = {*vars(kind), *kind.__annotations__, *FIELDS.get(kind, ())}
+    return {name for name in named if not name.startswith("_")}
+
+
+def unfilled(kind):
+    """Return the public members that a base leaves to its rigs: abstract ones, and fields."""
+    return {
+        name
+        for name in members(kind)
+        if getattr(getattr(kind, name, None), "__isabstractmethod__", not hasattr(kind, name))
+    }
 
 
 def filled(kind):
@@ -34,8 +44,8 @@ def test_the_seam_does_not_grow():
 def test_a_rig_of_readings_writes_few_of_them():
     by_default = {name for name in ("at_rest", "intercept") if hasattr(ExactModel, name)}
     written = [
-        *(members(Rig) - filled(PlainRig)),
-        *(members(RigTrials) - filled(PlainTrials)),
+        *unfilled(Rig),
+        *unfilled(RigTrials),
         *(members(ExactModel) - by_default),
         *(members(LinearRows) - filled(LinearReadings)),
         *(members(LinearRig) - filled(PointPart)),

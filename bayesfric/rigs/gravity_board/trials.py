@@ -23,7 +23,15 @@ from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported, Words
+from bayesfric.rigs.base import (
+    Predictive,
+    Resting,
+    Rig,
+    RigTrials,
+    Simulated,
+    Unsupported,
+    Words,
+)
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityModel, trial_condition
@@ -44,7 +52,6 @@ from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
-from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
@@ -56,13 +63,12 @@ WORDS = Words("gravity board", "trial", "trials", regime="accelerated", paper=Tr
 
 
 @dataclass(frozen=True)
-class GravityBoard:
+class GravityBoard(Rig):
     """A board on which a weight falls and lifts another over n pulleys."""
 
     name: str = "gravity"
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
-    own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
         """Return the trials that enter by the rules of :mod:`.screening`.
@@ -127,7 +133,7 @@ RIG = GravityBoard()
 
 
 @dataclass(frozen=True)
-class GravityTrials(PulleyTrials):
+class GravityTrials(RigTrials):
     """Trials that enter, those of an assembly adjacent.
 
     Parameters
@@ -158,7 +164,7 @@ class GravityTrials(PulleyTrials):
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row a trial."""
         return self.gravity.trials
@@ -289,7 +295,7 @@ class GravityTrials(PulleyTrials):
         sigma_x, sigma_t = (float(np.median(theta[name])) for name in ("sigma_x", "sigma_t"))
         return friction_ratios(with_events, self.constants, cable, sigma_x, sigma_t)
 
-    @property
+    @cached_property
     def recorded(self) -> pd.DataFrame:
         """All trials as recorded."""
         return self.source.trials

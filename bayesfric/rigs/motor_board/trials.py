@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Rig, RigTrials, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.motor_board.linear import motor_rows
@@ -25,7 +26,6 @@ from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
-from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 
@@ -34,7 +34,7 @@ WORDS = Words("motor board", "run", "runs", paper=True)
 
 
 @dataclass(frozen=True)
-class MotorBoard(PlainRig):
+class MotorBoard(Rig):
     """A board on which a motor winds the cable at constant speed."""
 
     name: str = "motor"
@@ -69,7 +69,7 @@ RIG = MotorBoard()
 
 
 @dataclass(frozen=True)
-class MotorRuns(PlainTrials):
+class MotorRuns(RigTrials):
     """Runs that enter.
 
     Parameters
@@ -91,7 +91,7 @@ class MotorRuns(PlainTrials):
     rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row a run; its id is ``trial``."""
         return _by_trial(self.motor.runs)

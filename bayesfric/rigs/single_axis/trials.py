@@ -21,11 +21,10 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Predictive, Rig, RigTrials, Unsupported, Words, why_inert
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
-from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
@@ -95,7 +94,7 @@ PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
 @dataclass(frozen=True)
-class SingleAxis(PlainRig):
+class SingleAxis(Rig):
     """A mass, or a joint, that one drive moves along or about one axis."""
 
     name: str = "single-axis"
@@ -141,7 +140,7 @@ RIG = SingleAxis()
 
 
 @dataclass(frozen=True)
-class AxisRuns(PlainTrials):
+class AxisRuns(RigTrials):
     """Runs, or parts of runs where they are few, that enter.
 
     Parameters
@@ -196,7 +195,7 @@ class AxisRuns(PlainTrials):
     spikes: float = 0.0
     servo: Servo | None = None
 
-    @property
+    @cached_property
     def recorded(self) -> pd.DataFrame:
         """All trials."""
         return self.table

@@ -21,9 +21,10 @@ from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.observation.exact import ExactModel, Shown
 from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import FrictionLaw
+from bayesfric.rigs.base import CONDITION
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import OMEGA, SIGMA, TAU, error_prior, known_errors
-from bayesfric.rigs.steady_points.places import CONDITION, state_of
+from bayesfric.rigs.steady_points.places import state_of
 
 
 class PointsModel(ExactModel):

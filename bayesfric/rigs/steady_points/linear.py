@@ -9,6 +9,7 @@ from bayesfric.observation.linear import NoiseParameter, noise_parameter
 from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
+from bayesfric.rigs.base import CONDITION
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import (
     NAME,
@@ -19,7 +20,7 @@ from bayesfric.rigs.steady_points.errors import (
     known_errors,
     rough_error,
 )
-from bayesfric.rigs.steady_points.places import CONDITION, DIRECTION, covariates_of, state_of
+from bayesfric.rigs.steady_points.places import DIRECTION, covariates_of, state_of
 
 SCATTER = (1e-4, 1.0)  # looked at
 NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share anything

@@ -10,8 +10,8 @@ import pandas as pd
 from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
+from bayesfric.rigs.base import CONDITION
 from bayesfric.rigs.steady_points.bench import Bench
-from bayesfric.rigs.steady_points.places import CONDITION
 
 LEVELS = 5  # of a column
 MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle

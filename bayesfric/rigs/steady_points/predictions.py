@@ -3,10 +3,9 @@
 import pandas as pd
 import xarray as xr
 
-from bayesfric.rigs.base import Predictive
+from bayesfric.rigs.base import CONDITION, Predictive
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.steady_points.bench import Bench
-from bayesfric.rigs.steady_points.places import CONDITION
 
 
 def points_dataset(bench: Bench, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,16 +18,14 @@ from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.base import Predictive, Unsupported, Words
+from bayesfric.rigs.base import CONDITION, Predictive, Rig, RigTrials, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
-from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsModel
 from bayesfric.rigs.steady_points.linear import points_rows
 from bayesfric.rigs.steady_points.next_points import lay_out
 from bayesfric.rigs.steady_points.places import (
-    CONDITION,
     covariates_of,
     state_of,
     supported,
@@ -51,7 +50,7 @@ WORDS = Words(
 
 
 @dataclass(frozen=True)
-class SteadyPoints(PlainRig):
+class SteadyPoints(Rig):
     """Anybody's bench, joint or slide on which friction was measured at steady motion."""
 
     name: str = NAME
@@ -72,7 +71,7 @@ RIG = SteadyPoints()
 
 
 @dataclass(frozen=True)
-class SteadyTrials(PlainTrials):
+class SteadyTrials(RigTrials):
     """Points that enter.
 
     Parameters
@@ -93,20 +92,15 @@ class SteadyTrials(PlainTrials):
     settings: tuple[str, ...] = ()
     rig: SteadyPoints = RIG
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row a point; its id is ``trial``."""
         return self.bench.table
 
-    @property
+    @cached_property
     def loads(self) -> tuple[str, ...]:
         """The tension, where it was recorded."""
         return (*(("tension_n",) if "tension_n" in self.bench.given else ()), *self.settings)
-
-    @property
-    def slowest_speed_m_s(self) -> float:
-        """The least speed of a point; infinite where nobody says [m/s]."""
-        return float(self.bench.speed.min()) if "velocity_m_s" in self.bench.given else float("inf")
 
     @property
     def has_pulleys(self) -> bool:

@@ -21,8 +21,7 @@ from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
-from bayesfric.rigs.base import Simulated, Unsupported, Words
-from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.base import Rig, RigTrials, Simulated, Unsupported, Words
 from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import laws_of
 
@@ -38,7 +37,7 @@ def steady(law, table):
 
 
 @dataclass(frozen=True)
-class PullScale(PlainRig):
+class PullScale(Rig):
     name: str = "scale"
     words: Words = field(default=Words("pull scale", "reading", "readings"))
     tables: tuple[str, ...] = (FILE,)
@@ -70,7 +69,7 @@ RIG = PullScale()
 
 
 @dataclass(frozen=True)
-class Readings(PlainTrials):
+class Readings(RigTrials):
     rig: PullScale
     table: pd.DataFrame
     recorded: pd.DataFrame
