@@ -20,6 +20,7 @@ PAPER_SIZES = ("small", "medium", "large")
 LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
 MIDDLE_TENSION_N = 15.0
 LEAST_INTERCEPT = 0.1  # of the friction of one pulley at that tension
+CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 NO_PULLEY = ""
 """The pulley size of a machine that has no pulleys."""
 
@@ -46,6 +47,12 @@ def law_of(theta: Mapping[str, Array | float], size: str) -> Coefficients:
     nothing = np.zeros_like(next(iter(theta.values())))
     names = (coefficient_name(name, size) for name in Coefficients._fields)
     return Coefficients(*(theta.get(name, nothing) for name in names))
+
+
+def law_of_rows(laws: Mapping[str, Coefficients], sizes: "pd.Series[str]") -> Coefficients:
+    """Return the law of each row by its pulley size, arrays of the length of the column."""
+    rows = zip(*(laws[size] for size in sizes), strict=True)
+    return Coefficients(*(np.array(column) for column in rows))
 
 
 def intercept_of(law: Coefficients) -> Array:

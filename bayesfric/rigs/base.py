@@ -21,6 +21,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.observation.coefficients import CONDITION as CONDITION
 from bayesfric.observation.coefficients import coefficient_name, coefficient_units
 from bayesfric.observation.linear import LinearRows
 from bayesfric.observation.unsupported import Unsupported as Unsupported
@@ -42,8 +43,6 @@ from bayesfric.rigs.words import Regime as Regime
 from bayesfric.rigs.words import Words as Words
 from bayesfric.schemas import Instrument, LawNumber, PointEstimate
 from bayesfric.simulators import SimulatorCalls
-
-CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 
 
 class Rig(ABC):
