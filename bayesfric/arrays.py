@@ -1,6 +1,7 @@
 """Arrays of NumPy as signatures call them; their shapes are told in words."""
 
-from typing import TypeAlias
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,3 +10,18 @@ Array: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
 Flags: TypeAlias = NDArray[np.bool_]
 Whole: TypeAlias = NDArray[np.intp]
+Record = TypeVar("Record")
+
+
+def taken(record: Record, rows: Whole) -> Record:
+    """Return some of the draws: rows of each array of a frozen record, and of those in it."""
+
+    def some(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return value[rows]
+        if is_dataclass(value) and not isinstance(value, type):
+            return replace(value, **{f.name: some(getattr(value, f.name)) for f in fields(value)})
+        return tuple(map(some, value)) if isinstance(value, tuple) else value
+
+    of_record: Record = some(record)
+    return of_record

@@ -195,7 +195,6 @@ def _shifts(name: str, a: Provenance, b: Provenance) -> Iterator[Shift]:
             sd_a=sd_left,
             sd_b=sd_right,
             shift=(right - left) / sd if sd > 0 else None,
-            shift_why=None if sd > 0 else "it has no uncertainty in either run",
         )
 
 

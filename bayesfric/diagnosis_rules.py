@@ -80,6 +80,15 @@ class DiagnosisThresholds:
         "causes have to predict held-out data better by so many standard errors",
         "held-out",
     )
+    few_blocks: int = rule(
+        12, "blocks", "of fewer the error of what they tell is itself hardly known", "held-out"
+    )
+    shrink_sure: float = rule(
+        0.5,
+        "gap²",
+        "then one error is enough beside a held-out shrink that is surely this at least",
+        "held-out",
+    )
     least_blocks: int = rule(
         4, "blocks", "with fewer held out nobody says whether causes predict better", "held-out"
     )

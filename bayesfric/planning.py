@@ -7,7 +7,7 @@ good rig give the error with which the data know each coefficient and each effec
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,8 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.claims.comparison import FOUND_WITH
-from bayesfric.diagnosis.acting import Acting
-from bayesfric.diagnosis.baseline import data_of, fitted_baseline
-from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import condition_of, feasible_trials
-from bayesfric.diagnosis.shapes import Quadratic
-from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
@@ -133,106 +128,8 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
         name: "its trials are not laid out" for name, trials in planned.items() if trials is None
     }
     with threadpool_limits(limits=1):
-        model, missing = _model(data, laws, analysis)
-        return _power(model, left_out | missing, analysis)
-
-
-def power_of_measured(
-    recording: Recording,
-    analysis: Analysis | None = None,
-    *,
-    baseline: str = "paper",
-    numbers_alone: bool = False,
-) -> Power:
-    """Return what a recording can tell, with the noise and around the law that it shows.
-
-    Where the law lacks an effect, the noise that is fitted beside the law alone takes up what that
-    effect does. So noise and errors are those beside the effects that a first look shows, as in
-    the diagnosis. Coefficients have ``sd_where_law_is_off`` too: their errors where the law may be
-    wrong by the share of friction below which no gap counts.
-
-    Parameters
-    ----------
-    recording : Recording
-        Of one joint, or of boards.
-    analysis : Analysis or None
-        As of :func:`power`.
-    baseline : str
-        The friction law, as of a diagnosis.
-    numbers_alone : bool
-        Whether effects and next trials are left out, which takes most of the time.
-
-    Raises
-    ------
-    InputError
-        No trial of the recording enters.
-    """
-    data, law = data_of(recording, baseline, None)
-    analysis = with_own_priors(Analysis() if analysis is None else analysis, data.rigs)
-    with threadpool_limits(limits=1):
-        data, _, laws, psi = fitted_baseline(data, analysis, frozenset(), {}, law)
-        held = frozenset(law.without)
-        if numbers_alone:
-            model = LinearModel(data, laws, (), analysis, held, discrepancy=False)
-            acting: list[Candidate] = []
-            tellable = _power(model, {}, analysis, psi, pd.DataFrame())
-        else:
-            model, missing = _model(data, laws, analysis, held)
-            acting, laws, psi = _shown_at_first_look(model, psi)
-            if acting:
-                at_its_shape = {(shown.effect.name, shown.law): shown for shown in acting}
-                others = (
-                    at_its_shape.get((middle.effect.name, middle.law), middle)
-                    for middle in model.candidates
-                )
-                model = model.around(laws, list(others), discrepancy=False)
-            shown = [model.candidates.index(candidate) for candidate in acting]
-            tellable = _power(model, missing, analysis, psi, shown=shown)
-        # with the discrepancy of all hypotheses
-        off = LinearModel(data, laws, acting, analysis, held)
-        loosely = _power(
-            off, {}, analysis, psi, pd.DataFrame(), shown=range(len(acting))
-        ).coefficients
-        return replace(
-            tellable,
-            coefficients=tellable.coefficients.assign(sd_where_law_is_off=loosely["sd"]),
-            beside=tuple(candidate.effect.name for candidate in acting),
-        )
-
-
-def _shown_at_first_look(
-    middle: LinearModel, psi: Array
-) -> tuple[list[Candidate], dict[str, Coefficients], Array]:
-    """Return the candidates that the measurements show, and law and noise beside them.
-
-    One after another joins that is found at the odds of the analysis, with its best shape; each
-    time the law is fitted and the noise is climbed anew.
-    """
-    odds = middle.analysis.claims.support_log10_bayes_factor * np.log(10)
-    effects = {candidate.effect.name: candidate.effect for candidate in middle.candidates}
-    shapes = [candidate for effect in effects.values() for candidate in candidates_of(effect)]
-    model = middle.around(middle.laws, shapes, discrepancy=False)
-    acting = Acting()
-    while len(acting.laws) < RULES.most_effects:
-        form = Quadratic(model, model.reduced(psi, Acting()), range(len(shapes)))
-        before = [np.array([shape]) for shape in acting.shapes]
-        held = float(form.values(acting.laws, before)[0]) if acting.laws else 0.0
-        gains = {}
-        for law in (law for of_effect in model.lawbook.values() for law in of_effect):
-            if law.effect not in acting.names:
-                laws, with_middle = (*acting.laws, law), [*acting.shapes, 0.0]
-                along = form.along(laws, with_middle, len(laws) - 1) if law.has_shape else None
-                value = form.values(laws, [np.array([shape]) for shape in with_middle])[0]
-                gains[law] = (float(value) if along is None else along[1]) + law.log_weight
-        best = max(gains, key=lambda law: gains[law], default=None)
-        if best is None or gains[best] - held < odds:
-            break
-        laws = (*acting.laws, best)
-        acting = Acting(laws, form.choice(laws, [*acting.shapes, 0.0]).shapes)
-        at = climb(model, psi, acting)
-        psi, model = at.psi, model.around(model.fitted_laws(at), shapes, discrepancy=False)
-    pairs = zip(acting.laws, acting.shapes, strict=True)
-    return [model.candidate(*pair) for pair in pairs], model.laws, psi
+        model, missing = model_of_middles(data, laws, analysis)
+        return power_of_model(model, left_out | missing, analysis)
 
 
 def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]:
@@ -259,7 +156,7 @@ def _middle(priors: Priors, size: str) -> Coefficients:
     return Coefficients(**middle)
 
 
-def _model(
+def model_of_middles(
     data: Data,
     laws: Mapping[str, Coefficients],
     analysis: Analysis,
@@ -289,7 +186,7 @@ def _model(
     return LinearModel(data, laws, chosen, analysis, held, discrepancy=False), missing
 
 
-def _power(
+def power_of_model(
     model: LinearModel,
     left_out: dict[str, str],
     analysis: Analysis,
@@ -297,6 +194,23 @@ def _power(
     following: pd.DataFrame | None = None,
     shown: Sequence[int] = (),
 ) -> Power:
+    """Return what a model can tell.
+
+    Parameters
+    ----------
+    model : LinearModel
+        With each law of each effect once.
+    left_out : dict of str to str
+        What nothing is said of, with the reason.
+    analysis : Analysis
+        Odds at which an effect is found.
+    psi : ndarray or None
+        Logarithms of the noise; None is the usual.
+    following : DataFrame or None
+        Next conditions; None is to be looked for.
+    shown : sequence of int
+        Candidates beside which coefficients are known.
+    """
     psi = np.log([noise.usual for noise in model.noise]) if psi is None else psi
     information = model.said_of(psi, range(len(model.candidates)))
     priors = [candidate.effect.amplitude.prior for candidate in model.candidates]

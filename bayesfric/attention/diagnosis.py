@@ -79,10 +79,10 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     number = biased[worst]
     unit = "" if number.unit == "1" else f" {number.unit}"
     others = [name for name in biased if name != worst]
-    more = f" Also wrong: {', '.join(others)}." if others else ""
+    more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
-        f"Fitted without {causes}, the law has {worst} at {number.before.mean:.3g}{unit} instead "
-        f"of {number.after.mean:.3g}{unit}.{more} fit.json and claims.json hold that biased law"
+        f"Without {causes} the fit gives {worst} as {number.before.mean:.3g}{unit} instead of "
+        f"{number.after.mean:.3g}{unit}.{more} fit.json and claims.json are of this biased law"
     )
 
 
@@ -98,7 +98,7 @@ def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
         why = "" if diagnosis.overruled_by is None else f": {diagnosis.overruled_by}"
         yield f"Held-out data contradict {names}{why}."
     if diagnosis.gap.floor_disagreement is not None:
-        yield f"The scatter does not fit: {diagnosis.gap.floor_disagreement}."
+        yield f"The assumed scatter is wrong: {diagnosis.gap.floor_disagreement}."
 
 
 def _of_cause(cause: Cause) -> Iterator[str]:
@@ -129,8 +129,8 @@ def _rest(diagnosis: DiagnosisFile) -> Iterator[str]:
     others = {_likeliest(chances) for chances in diagnosis.prior_sensitivity.values()} - {leader}
     if others and diagnosis.verdict in ("named", "no-gap", "unknown"):
         yield (
-            "Which hypothesis is the likeliest hangs on how likely a law without effects is "
-            f"beforehand: {leader}, or {', '.join(sorted(others))}"
+            "Which hypothesis is the likeliest depends on the prior probability of no effect: "
+            f"{leader}, or {', '.join(sorted(others))}"
         )
 
 

@@ -134,8 +134,9 @@ def _entered(quality: DataQuality) -> Iterator[str]:
     """Yield what the recording lacks: replicated cells, or trials that rules left out."""
     if quality.replicated_cells == 0 and quality.trials_used:
         yield (
-            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
-            "and effects of n and of the wrap angle rest on the prior of omega"
+            "No condition (size, number of pulleys, wrap angle) was assembled twice, so that the "
+            "prior decides the scatter between assemblies (omega), and with it what these data "
+            "say of the number of pulleys and of the wrap angle"
         )
     if quality.excluded:
         of_rule = Counter(entry.reason for entry in quality.excluded)
@@ -151,10 +152,10 @@ def _sensors(agreement: Agreement | None) -> Iterator[str]:
     if agreement.disagreeing or chance < NOT_UNIFORM:
         which = f" ({', '.join(agreement.disagreeing)})" if agreement.disagreeing else ""
         yield (
-            f"The two sensors of a trial are up to {agreement.largest_z:.1f} standard deviations "
-            f"apart on its acceleration; {len(agreement.disagreeing)} of {agreement.trials} "
-            f"trials{which} disagree by the rule, which also asks for "
-            f"{agreement.limit_friction_share:.0%} of friction"
+            f"The two sensors of a trial disagree on its acceleration by up to "
+            f"{agreement.largest_z:.1f} standard errors, more than noise makes; in "
+            f"{len(agreement.disagreeing)} of {agreement.trials} trials{which} this is also more "
+            f"than {agreement.limit_friction_share:.0%} of friction"
         )
 
 
@@ -175,7 +176,10 @@ def unsettled(
     converged = all(figures.converged for figures in convergence.values())
     open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
-        yield f"Driven by the prior, not by these data: {', '.join(open_names)}"
+        decide = "its prior decides it" if len(open_names) == 1 else "their priors decide them"
+        beside = all(entries[name].prior_sensitivity is None for name in open_names)
+        none = " (no coefficient of the law is among them)" if beside else ""
+        yield f"These data say little of {', '.join(open_names)}: {decide}{none}"
 
 
 def contradicted(
@@ -203,8 +207,8 @@ def contradicted(
             unit = "" if parameter.unit == "1" else f" {parameter.unit}"
             yield (
                 f"Parameter {parameter.name} is {entry.mean:.3g} ± {entry.sd:.2g}{unit}, "
-                f"{distance / entry.sd:.0f} of its standard deviations from the {prior.mean:g} "
-                f"that is declared (± {prior.sd:.2g})"
+                f"{distance / entry.sd:.0f} standard errors from the {prior.mean:g} that is "
+                f"declared (± {prior.sd:.2g})"
             )
 
 
@@ -233,8 +237,9 @@ def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
             yield (
                 f"{coverage.share:.1%} of the {all_rigs()[coverage.rig].words.rig}'s trials lie "
                 f"inside their 90 % predictive interval, where {coverage.low:.1%} to "
-                f"{coverage.high:.1%} would if the recording were made again: by chance one sound "
-                "recording in ten is outside of that"
+                f"{coverage.high:.1%} are expected: the intervals may be too "
+                f"{'narrow' if coverage.share < coverage.low else 'wide'} (by chance one sound "
+                "recording in ten is outside of this range)"
             )
 
 
@@ -244,15 +249,15 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
         rig = all_rigs()[check.rig].words.rig
         for assembly in check.outlying:
             yield (
-                f"Assembly {assembly.setup} of the {rig} has friction {abs(assembly.z):.1f} "
-                f"standard deviations {'above' if assembly.z > 0 else 'below'} what all others "
-                f"predict of it; by chance one recording in {max(round(1 / assembly.chance), 1):,} "
-                "has one as far out"
+                f"Friction of assembly {assembly.setup} of the {rig} is {abs(assembly.z):.1f} "
+                f"standard deviations {'above' if assembly.z > 0 else 'below'} its prediction "
+                "from all other assemblies; by chance that happens in one recording of "
+                f"{max(round(1 / assembly.chance), 1):,}"
             )
         if check.p_value < NOT_UNIFORM:
             yield (
-                f"The {rig}'s assemblies are not where the others put them: left out one at a "
-                f"time, they lie {check.spread:.2f} times as far as the model says "
+                f"The {rig}'s assemblies, each predicted from all others, lie {check.spread:.2f} "
+                "times as far from their predictions as the model says "
                 f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
                 f"{check.p_value:.2g})"
             )
@@ -264,9 +269,9 @@ def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:
         if uniformity.p_value < NOT_UNIFORM:
             rig = all_rigs()[uniformity.rig].words.rig
             yield (
-                f"The {rig}'s trials are not where the fit to the others puts them: "
+                f"The {rig}'s trials, each predicted by the fit to all others, lie "
+                f"{uniformity.spread:.2f} times as far from their predictions as the model says "
+                f"({uniformity.spread_q05:.2f} to {uniformity.spread_q95:.2f} by chance); their "
                 "leave-one-out probabilities depart from uniform with p = "
-                f"{uniformity.p_value:.2g}, and trials lie {uniformity.spread:.2f} times as far "
-                f"from their prediction as the model says ({uniformity.spread_q05:.2f} to "
-                f"{uniformity.spread_q95:.2f} by chance)"
+                f"{uniformity.p_value:.2g}"
             )

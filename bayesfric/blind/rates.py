@@ -22,7 +22,7 @@ def rate_of(hits: Iterable[bool]) -> Rate:
     """Return a rate with the interval of Clopper and Pearson (Biometrika 26, 1934)."""
     outcomes = list(hits)
     if not outcomes:
-        return Rate(rate=None, rate_why="no case counts", low=0.0, high=1.0, hits=0, cases=0)
+        return Rate(rate=None, low=0.0, high=1.0, hits=0, cases=0)
     interval = scipy.stats.binomtest(sum(outcomes), len(outcomes)).proportion_ci(
         LEVEL, method="exact"
     )
@@ -38,10 +38,7 @@ def rate_of(hits: Iterable[bool]) -> Rate:
 def estimate_of(values: Sequence[float]) -> Estimate:
     """Return a mean with the interval of its bootstrap (Efron 1979), percentiles."""
     if not values:
-        why = "no case counts"
-        return Estimate(
-            value=None, value_why=why, low=None, low_why=why, high=None, high_why=why, cases=0
-        )
+        return Estimate(value=None, low=None, high=None, cases=0)
     scores = np.array(values)
     rng = np.random.default_rng(SEED)
     means = scores[rng.integers(0, scores.size, (DRAWS, scores.size))].mean(axis=1)

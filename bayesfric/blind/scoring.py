@@ -10,14 +10,8 @@ from bayesfric.schemas import DiagnosisFile, ScoredCase
 
 NO_CLAIM = ("no-gap", "undecided")
 """Verdicts that claim no gap."""
-BETS_ON_GAP_FROM = (
-    0.5  # probability of a practical gap from which on `undecided` bets on there being one
-)
+BETS_ON_GAP_FROM = 0.5  # probability of a practical gap, from which on `undecided` bets on one
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
-NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
-NO_NOISE_FREE = "nobody made this recording without noise"
-NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
-NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
 OTHERS = "other-combination"
 """Column of joint verdicts that are not the pair withheld."""
 LAWS_OF_FORMS = {
@@ -99,12 +93,9 @@ def score(
         withheld=tuple(names),
         form=tuple(str(effect.get("form", "")) for effect in withheld),
         own=all(own) if names else None,
-        own_why=None if names else "nothing is withheld",
         strength={str(e["name"]): float(e["strength"]) for e in withheld if "strength" in e},
         noise_free_gap=gap,
-        noise_free_gap_why=None if gap is not None else NO_NOISE_FREE,
         oracle_power=oracle_power,
-        oracle_power_why=None if oracle_power is not None else NO_ORACLE,
         counts_as_none=as_none,
         verdict=diagnosis.verdict,
         causes=tuple(cause.effect for cause in diagnosis.causes),
@@ -119,9 +110,7 @@ def score(
         shrink=shrink,
         shrink_why=None if shrink is not None else diagnosis.gap.shrink_of_model_why,
         true_shrink=true_shrink,
-        true_shrink_why=None if true_shrink is not None else NO_TRUE_SHRINK,
         shrink_covered=covered,
-        shrink_covered_why=None if covered is not None else NOT_COVERED,
         parameters_covered=_covered(withheld, diagnosis) if named else {},
     )
 

@@ -111,8 +111,5 @@ def _say_rates(scorecard: "ScorecardFile") -> None:
     say(f"{scorecard.accuracy.hits} of {scorecard.accuracy.cases} verdicts are correct")
     for target in scorecard.targets:
         if target.rate.rate is not None:
-            met = {True: "met", False: "missed", None: target.met_why}[target.met]
-            say(
-                f"  {target.name:<42} {target.rate.rate:6.1%} "
-                f"[{target.rate.low:.1%}, {target.rate.high:.1%}] {met}"
-            )
+            interval = f"[{target.rate.low:.1%}, {target.rate.high:.1%}]"
+            say(f"  {target.name:<37} {target.rate.rate:6.1%} {interval:<16} {target.outcome}")

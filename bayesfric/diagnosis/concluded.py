@@ -22,7 +22,7 @@ from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
-from bayesfric.diagnosis.structure import changes_slowly, unlike_scatter
+from bayesfric.diagnosis.structure import differs_within_runs, unlike_scatter
 from bayesfric.diagnosis.verdict import Verdict, decide, sets_of_one
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import Candidate
@@ -187,7 +187,7 @@ def conclude(
     contradicted = why is not None or elsewhere
     bent = None if contradicted else _why_bent(instrument, named, best, acting)
     apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
-    not_shown = _why_not_shown(model, apart.search, judged, instrument)
+    not_shown = _why_not_shown(model, apart.search, judged, instrument, practical)
     left_in_order = _why_no_scatter(model, judged, measured, practical, order)
     chances = apart.search.probabilities()
     together = () if elsewhere else sets_of_one(chances, apart.effects_known, named)
@@ -247,7 +247,7 @@ def _why_no_scatter(
     left = measured.held_out.inside[1]
     return unlike_scatter(
         measured.gap, judged.residuals, left, judged.posterior, practical, order
-    ) or changes_slowly(model.noise.named(judged.settled.psi), practical)
+    ) or differs_within_runs(model.noise.named(judged.settled.psi), practical)
 
 
 def _why_bent(
@@ -284,11 +284,17 @@ def _without_causes(judged: Judged, rivals: list[str]) -> Overruled:
 
 
 def _why_not_shown(
-    model: LinearModel, search: Search, judged: Judged, instrument: Instrument | str
+    model: LinearModel,
+    search: Search,
+    judged: Judged,
+    instrument: Instrument | str,
+    practical: float,
 ) -> str | None:
-    """Return why these data could not have shown a gap, the first reason of three."""
-    return (
-        why_not_shown(search, judged.residuals, along_path=model.data.rigs[0].along_path)
-        or loosely_known(model, judged.residuals, judged.posterior)
+    """Return why these data could not have shown a gap: the first reason, and what it hides."""
+    rig = model.data.rigs[0]
+    first = (
+        why_not_shown(search, judged.residuals, along_path=rig.along_path)
+        or loosely_known(model, judged.residuals, judged.posterior, practical)
         or why_bent(instrument)
     )
+    return first and "; ".join(filter(None, (first, rig.open_still)))

@@ -293,11 +293,13 @@ def gap_row(
     gap2 = before2 - floor2
     shrink, why = None, no_shrink
     if why is None and np.mean(gap2 > 0) < RULES.above_floor:
-        why = f"the gap is above the floor with a probability of {np.mean(gap2 > 0):.2f} only"
+        why = (
+            f"the gap exceeds what scatter makes with a probability of only {np.mean(gap2 > 0):.2f}"
+        )
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
         if np.median(ratio) > RULES.most_shrink:
-            why = "data held out are off by less with the causes than scatter makes by chance"
+            why = "with the causes the law is off by less than scatter alone would make"
         else:
             shrink = interval(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None

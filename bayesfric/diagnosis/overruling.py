@@ -129,12 +129,12 @@ def why_overruled(
         assert gap.shrink is not None
         assert gap.shrink_of_model is not None
         return f"{_share(gap.shrink)} of the squared gap against {_share(gap.shrink_of_model)}"
-    density = gap.held_out_log_density
-    if density is not None and density.difference < RULES.predicts_better * density.error:
+    density, errors = gap.held_out_log_density, _errors_needed(gap)
+    if density is not None and density.difference < errors * density.error:
         return (
             "with them it is predicted no better than by the law alone (log density "
             f"{density.difference:+.2g} ± {density.error:.2g} nat, "
-            f"{RULES.predicts_better:.0f} errors are needed)"
+            f"{errors:.0f} error{'s are' if errors > 1 else ' is'} needed)"
         )
     if leaves_too_much(gap, practical) and not told_as_remainder:
         return (
@@ -147,6 +147,18 @@ def why_overruled(
             "force that no effect explains is left"
         )
     return None
+
+
+def _errors_needed(gap: Gap) -> float:
+    """Return by how many errors causes have to predict better than the law alone.
+
+    Of few blocks, one that tells much makes the sum and its error alike. There half of that is
+    enough beside a shrink of held-out data that is surely large.
+    """
+    density, shrink = gap.held_out_log_density, gap.shrink
+    few = density is not None and density.blocks < RULES.few_blocks
+    sure = shrink is not None and shrink.q05 >= RULES.shrink_sure
+    return 0.5 * RULES.predicts_better if few and sure else RULES.predicts_better
 
 
 def leaves_too_much(gap: Gap, practical: float) -> bool:

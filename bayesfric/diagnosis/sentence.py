@@ -10,6 +10,7 @@ from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unsepa
 
 ALL_BUT = 0.999
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
+WINDOWS = ", each the mean friction over a stretch of motion"
 
 
 PULLS = {
@@ -110,9 +111,11 @@ class Statement:
         """Along which axis the force lies, a sentence; empty where none leads."""
         for axis in self.where:
             if axis.answers and axis.share is not None:
-                low, middle, high = axis.share.q05, axis.share.q50, axis.share.q95
                 name = axis.axis.replace("_", " ")
-                return f" It lies along {name} (share {middle:.2f} [{low:.2f}, {high:.2f}])."
+                return (
+                    f" It varies most with {name}, which explains {_of_variance(axis.share)} of "
+                    "its variance."
+                )
         return ""
 
     @property
@@ -135,27 +138,28 @@ def sentence_of(statement: Statement) -> str:
 
 def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     """Return what held-out data say, a sentence; that they cannot tell is one too."""
-    row = gap.held_out[0]
-    it, them = ("it", "it") if len(causes) == 1 else ("they", "them")
-    raises, density = "raises" if it == "it" else "raise", gap.held_out_log_density
+    row, density = gap.held_out[0], gap.held_out_log_density
+    them = "it" if len(causes) == 1 else "them"
     better = ""
     if density is not None:
-        better = f"{it} {raises} the log density of these data by {_nat(density)}"
+        better = f" The log density of these data rises by {_rise(density)} with {them}."
     if causes and gap.shrink is not None:
-        removed = (
-            f"Of data held out, adding {them} removes {_share(gap.shrink)} of the gap (mean square)"
+        return (
+            f"On data that the fit has not seen, adding {them} removes {_share(gap.shrink)} of the "
+            f"gap (mean square).{better}"
         )
-        return f"{removed}; {better}." if better else f"{removed}."
     if causes:
-        open_still = f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}"
-        return f"{open_still}; {better}." if better else f"{open_still}."
+        return (
+            f"Data that the fit has not seen cannot tell how much of the gap adding {them} "
+            f"removes: {gap.shrink_why}.{better}"
+        )
     sizes = (
-        f"({row.before.q50:.3g} {gap.unit} rms, where scatter makes {row.floor.q50:.3g} {gap.unit} "
-        "on average)"
+        f"On data that the fit has not seen the law is off by {row.before.q50:.3g} {gap.unit} rms; "
+        f"scatter alone makes {row.floor.q50:.3g} {gap.unit} on average"
     )
     if row.below_floor <= 1 - RULES.above_floor:
-        return f"The law misses data held out by more than scatter explains {sizes}."
-    return f"The law misses data held out by no more than scatter explains {sizes}."
+        return f"{sizes}, so that more than scatter is left."
+    return f"{sizes}, so that chance explains the difference."
 
 
 def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:
@@ -175,26 +179,26 @@ def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -
 
 def _no_gap(statement: Statement) -> str:
     absorbed = (
-        f" {statement.acting}, and the recalibrated law absorbs most of it."
+        f" {statement.acting}, and the recalibrated law takes up most of its force."
         if statement.causes
         else ""
     )
     if statement.present and not statement.causes:
-        absorbed = f" {statement.beside}, {_below(statement, 'by less than that', 'make')}."
+        absorbed = f" {statement.beside}, {_below(statement, 'with less than that', 'make')}."
     off = f"less than {statement.share:.1%} of friction {statement.chance}; "
-    off += f"the median is {statement.size}"
+    off += f"the median is {statement.size}."
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
-        off += f"since {statement.gap.no_share}"
-    by = f" This rests on {statement.recorded}." if statement.recorded else ""
-    return f"Once recalibrated, the simulation is systematically off by {off}.{by}{absorbed}"
+        off += f"since {statement.gap.no_share}."
+    by = f" This rests on {statement.recorded}{WINDOWS}." if statement.recorded else ""
+    return f"Once recalibrated, the simulation is systematically off by {off}{absorbed}{by}"
 
 
 def _undecided(statement: Statement) -> str:
     gap, share = statement.gap, statement.share
     if statement.open_because is not None and not statement.considered:
-        there = f"A gap of {statement.size} is there {statement.chance}"
-        return f"{there}; what causes it stays open: {statement.open_because}.{statement.place}"
+        there = f"There is a gap of {statement.size} {statement.chance}"
+        return f"{there}; its cause stays open: {statement.open_because}.{statement.place}"
     if statement.open_because is not None:
         names = " and ".join(effect.effect for effect in statement.considered)
         fits = "fits what was recorded, and stays" if len(statement.considered) == 1 else ""
@@ -208,52 +212,52 @@ def _undecided(statement: Statement) -> str:
         return f"These data could not have shown a gap of {share:.1%} of friction: {reason}."
     if statement.unlike_scatter is not None:
         return (
-            "No effect examined makes a gap that counts, and scatter does not explain all that is "
-            f"left: {statement.unlike_scatter}. Something else acts, or scatter is not what it is "
-            "taken for."
+            "No effect examined makes a gap that counts, but more is left than scatter explains: "
+            f"{statement.unlike_scatter}. Either something else acts, or the assumed scatter is "
+            "wrong."
         )
     if not statement.causes and gap.systematic.q05 >= share * gap.friction_rms:
-        there = f"A gap of {statement.size} is there {statement.chance}"
+        there = f"There is a gap of {statement.size} {statement.chance}"
         if not statement.present:
-            return f"{there}; what causes it stays open.{statement.place}"
+            return f"{there}; its cause stays open.{statement.place}"
         else_ = "; what else causes it stays open" if len(statement.present) == 1 else ""
         below = _below(statement, f"less than {share:.1%}", "make")
         return f"{there}; {statement.beside}, {below}{else_}.{statement.place}"
-    left = "no cause is sure."
+    left = "no cause is sure enough to be named."
     if statement.causes:
         left = (
-            f"{statement.acting}; whether more than {share:.1%} of friction is left once the law "
-            "is recalibrated stays open."
+            f"{statement.acting}; whether that still makes more than {share:.1%} of friction "
+            "once the law is recalibrated stays open."
         )
     elif statement.present:
-        left = f"{statement.beside}, and whether as much as that counts is not sure."
+        left = f"{statement.beside}; whether the force is large enough to count stays open."
     up_to = f"{gap.systematic.q95 / gap.friction_rms:.1%} of friction" if gap.friction_rms else ""
     if gap.no_share is not None:
         up_to = f"{gap.systematic.q95:.3g} {gap.unit} rms ({gap.no_share})"
-    return f"These data leave a gap of up to {up_to} open: {left}"
+    return f"These data do not exclude a gap of up to {up_to}; {left}"
 
 
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
-    small = " " if matters else f", less than the {statement.share:.1%} that counts, "
+    small = "" if matters else f", less than the {statement.share:.1%} that counts"
     if statement.considered:
         names = " and ".join(effect.effect for effect in statement.considered)
         fit = "fits" if len(statement.considered) == 1 else "fit"
         if statement.elsewhere is not None:
             pull, remedy = PULLS[statement.elsewhere == "logged"]
             return (
-                f"A gap of {statement.size}{small}is there; {names} {fit} what was recorded, and "
+                f"There is a gap of {statement.size}{small}; {names} {fit} what was recorded, and "
                 f"so would the pull of {pull} {statement.chance}: {remedy}.{statement.place}"
             )
         miss = "misses" if len(statement.considered) == 1 else "miss"
         beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
         return (
-            f"A gap of {statement.size}{small}is there; {names} {fit} what was recorded and "
+            f"There is a gap of {statement.size}{small}; {names} {fit} what was recorded and "
             f"{miss} what was held out{beside}. Something else acts {statement.chance}."
             f"{statement.place}"
         )
     return (
-        f"A gap of {statement.size}{small}is there, and none of the effects examined explains "
+        f"There is a gap of {statement.size}{small}, and none of the effects examined explains "
         f"it {statement.chance}.{statement.place}"
     )
 
@@ -261,7 +265,7 @@ def _unknown(statement: Statement) -> str:
 def _unseparated(statement: Statement) -> str:
     rivals = statement.rivals or "several effects"
     return (
-        f"A gap of {statement.size} is there, and one of {rivals} causes it; these data cannot "
+        f"There is a gap of {statement.size}, and one of {rivals} causes it; these data cannot "
         f"tell which {statement.chance}.{statement.place}"
     )
 
@@ -273,8 +277,9 @@ def _named(statement: Statement) -> str:
         beside = f" One of {statement.rivals} acts beside {them}; these data cannot tell which."
     if statement.gap.shrink_of_model is not None:
         removed = _share(statement.gap.shrink_of_model)
-        gone = f"adding {them} removes {removed} of it (mean square)"
-        shrunk = f" The systematic gap is {statement.size}; {gone}."
+        gone = f"adding {them} removes {removed} of that gap (mean square)"
+        without = f" Without {them} the simulation is systematically off by {statement.size}"
+        shrunk = f"{without}; {gone}."
     return f"{statement.acting} {statement.chance}.{shrunk}{statement.place}{beside}"
 
 
@@ -287,8 +292,14 @@ def _below(statement: Statement, less: str, make: str) -> str:
     return f"{'each ' if len(statement.present) > 1 else ''}{less}"
 
 
-def _nat(density: HeldOutDensity) -> str:
-    return f"{density.difference:.3g} ± {density.error:.2g} nat"
+def _rise(density: HeldOutDensity) -> str:
+    return f"{density.difference:.3g} ± {density.error:.2g} (natural logarithm)"
+
+
+def _of_variance(share: Interval) -> str:
+    """Return a share of variance with its interval, which is left out where it says no more."""
+    low, middle, high = (f"{end:.0%}" for end in (share.q05, share.q50, share.q95))
+    return middle if low == high else f"{middle} [{low}, {high}]"
 
 
 def _share(shrink: Interval) -> str:
@@ -296,5 +307,6 @@ def _share(shrink: Interval) -> str:
     if shrink.q05 >= ALL_BUT:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
-    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    ends = (shrink.q05, shrink.q50, min(shrink.q95, 1.0))
+    low, middle, high = (f"{end:.{digits}%}" for end in ends)
     return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"

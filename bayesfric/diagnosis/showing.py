@@ -60,12 +60,16 @@ def few_windows(residuals: Residuals, *, along_path: bool) -> str | None:
     )
 
 
-def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior) -> str | None:
+def loosely_known(
+    model: LinearModel, residuals: Residuals, posterior: Posterior, practical: float
+) -> str | None:
     """Return whether the data hardly tell mass or friction of an axis; None where they tell both.
 
-    One is told where its error, in the force that it makes, is below half of friction. Of
-    pulleys and of readings of friction the coefficients may stand for one another: what they make
-    together is told.
+    One is told where its error, in the force that it makes, is below half of friction. A joint
+    that runs slower than its windows feels Coulomb friction alone, whatever other numbers make
+    up for it in them: there the law is as good as its Coulomb friction is known. Of pulleys and
+    of readings of friction the coefficients may stand for one another: what they make together
+    is told.
 
     Parameters
     ----------
@@ -75,6 +79,8 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
         Windows of it.
     posterior : Posterior
         Draws of the law.
+    practical : float
+        Practical share of friction.
     """
     moved, scales = posterior.law.coefficients, model.full.scales
     for place, size in enumerate(model.layout.sizes):
@@ -89,6 +95,12 @@ def loosely_known(model: LinearModel, residuals: Residuals, posterior: Posterior
                 return (
                     f"{name} is known to ± {sd:.2g} {unit} only, which makes "
                     f"{error:.2g} {model.data.unit} of force"
+                )
+            share = sd / residuals.friction_rms
+            if name == "coulomb" and model.data.rigs[0].along_path and share > practical:
+                return (
+                    f"slow motion is all Coulomb friction, which is known to ± {sd:.2g} {unit} "
+                    f"only, {share:.1%} of friction"
                 )
     return None
 

@@ -151,8 +151,8 @@ def floor_disagrees(
     left, expected = (float(f"{1e3 * root:.2g}") for root in np.sqrt([max(left2, 0.0), typical2]))
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"data held out are off by {left:g} m{unit} rms, {more_or_less} than the "
-        f"{expected:g} m{unit} that scatter and the remaining gap would make"
+        f"on data that the fit has not seen the law is off by {left:g} m{unit} rms, {more_or_less} "
+        f"than the {expected:g} m{unit} that scatter and the remaining gap would make"
     )
 
 

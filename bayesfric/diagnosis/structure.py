@@ -20,6 +20,8 @@ from bayesfric.schemas import Gap
 
 SLOW = "slow_axis"
 """Level of friction's scatter in time within a run."""
+MAPS = ("map_axis", "run_map_axis")
+"""Levels of its scatter along the path: alike in every run, and of each run."""
 TIME = "time"
 """The order in which windows were recorded, an axis that every recording has."""
 DRAWS = 400
@@ -56,8 +58,8 @@ class Together:
         )
 
 
-def changes_slowly(noise: Mapping[str, float], practical: float) -> str | None:
-    """Return that friction changes slowly in time by what counts; None where it does not.
+def differs_within_runs(noise: Mapping[str, float], practical: float) -> str | None:
+    """Return that friction differs within runs by what counts; None where it does not.
 
     Scatter takes that up, whatever makes it: that no effect is like it is no finding of none.
 
@@ -68,10 +70,13 @@ def changes_slowly(noise: Mapping[str, float], practical: float) -> str | None:
     practical : float
         Practical share of friction.
     """
-    share = noise.get(SLOW, 0.0)
+    in_time = noise.get(SLOW, 0.0)
+    along = float(np.hypot(*(noise.get(name, 0.0) for name in MAPS)))
+    share = float(np.hypot(in_time, along))
     if share < practical:
         return None
-    return f"friction changes slowly in time within a run, by {share:.1%} of itself rms"
+    how = "changes slowly in time" if in_time > along else "differs along the path"
+    return f"friction {how} within a run, by {share:.1%} of itself rms"
 
 
 def goes_together(

@@ -70,12 +70,16 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
             continue
         force = f"{number.lost_without:.2g} {_force_unit(enter)} rms"
         nobody = len(lacking) == len(number.fields)
-        who = "No simulator has a field" if nobody else f"No field in {', '.join(lacking)}"
+        has = "have" if len(lacking) > 1 else "has"
+        who = "No simulator has a" if nobody else f"{' and '.join(lacking)} {has} no"
         instead = ""
         if number.snippet is not None:
             file = f"{number.snippet}.py"
             instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
-        yield f"{who} for {number.parameter}: {force} stay wrong without it.{instead}"
+        yield (
+            f"{who} field for {number.parameter}: without it the simulation stays off by {force}."
+            f"{instead}"
+        )
 
 
 def _multiply(ratios: Sequence[Enter]) -> str:

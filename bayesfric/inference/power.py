@@ -70,6 +70,25 @@ def smallest_found(error: float, prior: Prior, threshold: float, probability: fl
     return error * max(smallest + float(ndtri(probability)), 0.0)
 
 
+def smallest_told_apart(error: float, threshold: float, probability: float) -> float:
+    """Return the smallest amplitude at which data prefer an effect to another, or 0.
+
+    Each of two effects of like priors takes what it can of the data. Where the first acts, their
+    log evidences differ by N(d² / 2, d²), d being its amplitude in errors.
+
+    Parameters
+    ----------
+    error : float
+        Of the amplitude, beside any amount of the other effect.
+    threshold : float
+        Log odds from which on the first is preferred [nat].
+    probability : float
+        Of that.
+    """
+    normal = float(ndtri(probability))
+    return error * max(normal + float(np.sqrt(normal**2 + 2 * threshold)), 0.0)
+
+
 def amplitude_error(draws: Array, prior: Prior) -> float | None:
     """Return the error of an amplitude by the data alone, or None where they do not inform it.
 

@@ -27,9 +27,9 @@ from bayesfric.families import (
     TruncatedNormal,
     Uniform,
 )
+from bayesfric.inference.quadratic import LOG_2PI as LOG_2PI
 from bayesfric.inference.tails import from_tails, to_tails
 
-LOG_2PI = float(np.log(2 * np.pi))
 LOG_2 = float(np.log(2))
 QUANTILES = 1000  # of a parameter of which another is a share
 FARTHEST_Z = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not

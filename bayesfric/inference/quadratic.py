@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
+LOG_2PI = float(np.log(2 * np.pi))
+
 
 def side(triangle: Array) -> int:
     """Return the side of a matrix that is given by its upper triangle."""

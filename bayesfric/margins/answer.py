@@ -105,7 +105,7 @@ def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: fl
     decided = "" if safe.condition is None else f"; {_worded(safe.condition, shaft)} decides"
     missing = f" Not examined: {'; '.join(hunting.not_examined)}."
     if signal == "none":
-        now = f"It hunts in {share_of(hunting.now)} of the draws, {where} ({how})"
+        now = f"It hunts in {share_of(hunting.now)}, {where} ({how})"
         none = "There is no gain to set: the loop has no friction compensation."
         return f"{none} {now}{decided}.{missing}"
     if safe.gamma is None:
@@ -119,7 +119,7 @@ def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: fl
             beyond = f"above γ = {float(np.median(needed)):.2f} (median) it over-compensates"
         hunting_share = share_of(hunting.threshold <= GAMMA_MAX)
         return (
-            f"Up to γ = {GAMMA_MAX:g} the loop hunts in {hunting_share} of the draws, {where} "
+            f"Up to γ = {GAMMA_MAX:g} the loop hunts in {hunting_share}, {where} "
             f"({how}); {beyond}.{missing}"
         )
     return (
@@ -133,13 +133,13 @@ def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
     """Return how probable hunting is at the γ of the file, and where most."""
     gamma = f"{np.median(shaft.gamma):.3g}"
     if not hunting.now.any():
-        return f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws."
+        return f"At γ = {gamma}, as in the file, it hunts in {share_of(hunting.now)}."
     by_speed = hunting.hunts.mean(axis=1)
     most = int(by_speed.argmax())
     worst = _worded(hunting.speeds[most], shaft)
-    now = f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws"
+    now = f"At γ = {gamma}, as in the file, it hunts in {share_of(hunting.now)}"
     if np.array_equal(hunting.hunts[most], hunting.now):
-        return f"{now}, with {worst}."
+        return f"{now}, all of them with {worst}."
     return f"{now} at some speed, in {share_of(hunting.hunts[most])} with {worst}."
 
 
@@ -192,21 +192,21 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
         key = max(own, key=lambda group: own[group])
         if own[key] >= MARGIN_RULES.worth_measuring:
             yield (
-                f"{own[key]:.0%} of the variance of the friction is the assumed {key}: "
+                f"The assumed {key} makes {own[key]:.0%} of the variance of the friction: "
                 "measure that."
             )
 
 
 def share_of(happened: Flags) -> str:
-    """Return a share of draws in words; for none and for all, its bound at 95 %."""
+    """Return in which share of draws, in words; for none and for all, its bound at 95 %."""
     count, hits = happened.size, int(happened.sum())
     bound = 100 * bound_of(count)
     if hits == 0:
-        return f"0 of {count} (< {bound:.2g} % at 95 %)"
+        return f"0 of {count} draws (at 95 % confidence, in less than {bound:.2g} %)"
     if hits == count:
-        return f"{count} of {count} (> {100 - bound:.3g} % at 95 %)"
+        return f"{count} of {count} draws (at 95 % confidence, in more than {100 - bound:.3g} %)"
     error = standard_error(hits / count, count)
-    return f"{100 * hits / count:.3g} % (± {100 * error:.1g} %)"
+    return f"{100 * hits / count:.3g} % (± {100 * error:.1g} %) of the draws"
 
 
 def _range(hunting: Hunting, shaft: LoopAtShaft) -> str:

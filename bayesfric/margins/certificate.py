@@ -188,7 +188,6 @@ def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, s
             low=low,
             high=high,
             gamma=interval_of(gamma) if follows else None,
-            gamma_why=None if follows else "the compensator is not in the loop: any γ will do",
             covers=COVERS,
             sentence=f"{sentence}.",
         ),

@@ -9,7 +9,7 @@ Steps are semi-implicit (Euler): second order in the ringing, and none of its en
 Friction takes speed off an end until none is left, and holds what it can hold.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -42,10 +42,6 @@ class Beyond:
     share: Array
     stiffness: Array
     damping: Array
-
-    def taken(self, rows: Whole) -> "Beyond":
-        """Return that of some draws."""
-        return Beyond(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -90,11 +86,6 @@ class Cable:
         return np.sqrt(
             near / self.motor_inertia + (near + far) / self.beyond.inertia + far / self.load_inertia
         )
-
-    def taken(self, rows: Whole) -> "Cable":
-        """Return the cable of some draws."""
-        own = {f.name: getattr(self, f.name)[rows] for f in fields(self) if f.name != "beyond"}
-        return Cable(**own, beyond=None if self.beyond is None else self.beyond.taken(rows))
 
 
 class Step(NamedTuple):

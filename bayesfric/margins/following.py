@@ -140,8 +140,8 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
     some = shaft.taken(np.unique(np.linspace(0, shaft.friction.size - 1, most).astype(np.intp)))
     n = some.friction.size
     rest, paths = strokes(some)
-    asked = [path for path, _ in paths.values()]
-    together = Stroke(*(np.concatenate(parts) for parts in zip(*map(_parts, asked), strict=True)))
+    parts = zip(*(vars(path).values() for path, _ in paths.values()), strict=True)
+    together = Stroke(*map(np.concatenate, parts))
     seen = np.linspace(0.0, 3 * rest, POINTS)
     at = np.rint(seen[:, None] / some.sample_time).astype(np.intp)
     each_run = np.tile(np.arange(n), len(paths))
@@ -192,10 +192,6 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         disturbance_cutoff_rad_s=float(np.median(CUTOFF * natural_frequency(some))),
         trajectories=tuple(trajectories),
     )
-
-
-def _parts(path: Stroke) -> tuple[Array, ...]:
-    return path.begin, path.step, path.ramp, path.turn, path.amplitude, path.omega
 
 
 def _answer(trajectories: Sequence[Trajectory]) -> str:

@@ -1,12 +1,11 @@
 """A loop with everything reflected to the motor's shaft, a value a draw."""
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole
-from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction
+from bayesfric.arrays import Array, Flags, Whole, taken
+from bayesfric.margins.cable_run import DIRECTIONS, Direction
 from bayesfric.margins.cable_stage import Stage, train_modes
 from bayesfric.margins.elastic_cable import Beyond, Cable
 from bayesfric.margins.loop_file import Loop
@@ -236,18 +235,7 @@ class LoopAtShaft:
 
     def taken(self, rows: Whole) -> "LoopAtShaft":
         """Return some of the draws."""
-
-        def some(values: object) -> object:
-            if isinstance(values, np.ndarray):
-                return values[rows]
-            if isinstance(values, Stage | RunFriction | Wrist):
-                return type(values)(*(some(getattr(values, f.name)) for f in fields(values)))  # type: ignore[arg-type]
-            if isinstance(values, tuple):
-                return tuple(some(value) for value in values)
-            return values
-
-        parts: Any = {field.name: some(getattr(self, field.name)) for field in fields(self)}
-        return LoopAtShaft(**parts)
+        return taken(self, rows)
 
     @property
     def ringing(self) -> Array:

@@ -137,14 +137,12 @@ def loop_margins(
         missed_specs=judged.missed,
         violation_probability_max=loop.spec.violation_probability_max,
         limit_cycle_probability=limit_cycle_curve(hunting, draws),
-        limit_cycle_probability_why=None,
         limit_cycle_probability_max=allowed,
         limit_cycle_method=hunting.method,
         largest_safe_compensation_gain=safe.gamma,
         largest_safe_compensation_gain_why=safe.why,
         largest_safe_compensation_gain_se=safe.se,
         hunting_map=_map(hunting, shaft),
-        hunting_map_why=None if hunting.map else "the file's reference rests, and a formula holds",
         not_examined=hunting.not_examined,
         variance_share=shares,
         with_effects=None
@@ -211,9 +209,7 @@ def _on_request(
     limit = shaft.loop.spec.violation_probability_max
     return {
         "verification": verify_draws(shaft, hunting, verify) if verify else None,
-        "verification_why": None if verify else "it was not asked for (--verify N)",
         "tuning": find_gains(shaft, limit) if tune else None,
-        "tuning_why": None if tune else "it was not asked for (--tune)",
         "following": follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
         "following_why": _why_not_followed(shaft, moves),
     }
@@ -264,14 +260,8 @@ def _with_effects(
     return WithEffects(
         effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
         left_out=diagnosed.left_out,
-        answer=" ".join(
-            [
-                against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec),
-                which_gain(
-                    after, judged.hunting, judged.safe, loop.spec.limit_cycle_probability_max
-                ),
-            ]
-        ),
+        answer=f"{against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec)} "
+        + which_gain(after, judged.hunting, judged.safe, loop.spec.limit_cycle_probability_max),
         metrics=judged.rows,
         missed_specs=judged.missed,
         largest_safe_compensation_gain=judged.safe.gamma,

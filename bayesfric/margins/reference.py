@@ -1,11 +1,11 @@
 """What a loop is told to follow: position and speed at the sample times, over all draws."""
 
-from dataclasses import dataclass, fields
-from typing import Protocol, Self
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array
 
 
 class Reference(Protocol):
@@ -17,10 +17,6 @@ class Reference(Protocol):
 
     def speed(self, time: Array) -> Array:
         """Return how fast it moves there [rad/s]."""
-        ...
-
-    def taken(self, rows: Whole) -> Self:
-        """Return that of some of the draws."""
         ...
 
 
@@ -43,10 +39,6 @@ class ConstantSpeed:
     def speed(self, time: Array) -> Array:
         """Return the speed [rad/s]."""
         return self.value
-
-    def taken(self, rows: Whole) -> "ConstantSpeed":
-        """Return that of some of the draws."""
-        return ConstantSpeed(self.value[rows])
 
 
 @dataclass(frozen=True)
@@ -87,7 +79,3 @@ class Stroke:
         way = np.where(since < self.turn, self.ramp, -self.ramp)
         way = way + self.amplitude * self.omega * np.cos(self.omega * since)
         return np.where(since >= 0.0, way, 0.0)
-
-    def taken(self, rows: Whole) -> "Stroke":
-        """Return that of some of the draws."""
-        return Stroke(*(getattr(self, field.name)[rows] for field in fields(self)))

@@ -14,35 +14,20 @@ from bayesfric.margins.wrist import Wrist, wrist_of
 
 
 class _JointKeys(NamedTuple):
-    """Keys of a loop file that describe a joint, in the units of its kind."""
+    """Keys of a joint that turns or slides, in the order in which its section has them."""
 
-    transmission: str
-    friction: str
     inertia: str
+    friction: str
     viscous: str
     load: str
+    transmission: str
     peak_velocity: str
     peak_acceleration: str
 
-
-REVOLUTE = _JointKeys(
-    "joint.transmission_rad_per_rad",
-    "joint.friction_n_m",
-    "joint.inertia_kg_m2",
-    "joint.viscous_n_m_s",
-    "joint.load_n_m",
-    "joint.peak_velocity_rad_s",
-    "joint.peak_acceleration_rad_s2",
-)
-PRISMATIC = _JointKeys(
-    "joint.transmission_rad_per_m",
-    "joint.friction_n",
-    "joint.mass_kg",
-    "joint.viscous_n_s_per_m",
-    "joint.load_n",
-    "joint.peak_velocity_m_s",
-    "joint.peak_acceleration_m_s2",
-)
+    @classmethod
+    def of(cls, loop: Loop) -> "_JointKeys":
+        own = type(loop.joint).model_fields
+        return cls(*(f"joint.{key}" for key in own if key != "kind"))
 
 
 class _JointAtShaft(NamedTuple):
@@ -75,7 +60,7 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         Of as many draws.
     """
     revolute = loop.joint.kind == "revolute"
-    ratio = given[(REVOLUTE if revolute else PRISMATIC).transmission]
+    ratio = given[_JointKeys.of(loop).transmission]
     rho = given["drive.capstan_radius_m"] / given["drive.gearbox_ratio"]
     wrist = wrist_of(loop, given)
     joint = _joint_at_shaft(loop, given, wrist)
@@ -141,7 +126,7 @@ def _joint_at_shaft(loop: Loop, given: Assembly, wrist: Wrist | None) -> _JointA
             peak_velocity=wrist.peak_velocity,
             peak_acceleration=wrist.peak_acceleration,
         )
-    keys = REVOLUTE if loop.joint.kind == "revolute" else PRISMATIC
+    keys = _JointKeys.of(loop)
     ratio, load = given[keys.transmission], given[keys.load]
     compensated = given["controller.gravity_compensation"] * _expected_load(loop)
     return _JointAtShaft(

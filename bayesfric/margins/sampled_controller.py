@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Whole, taken
 from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
@@ -72,7 +72,7 @@ class Controller:
 
     def keep(self, rows: Whole) -> None:
         """Keep some of the draws and drop the others."""
-        self.reference = self.reference.taken(rows)
+        self.reference = taken(self.reference, rows)
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[rows])

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Whole, taken
 from bayesfric.margins.elastic_cable import Cable, EncoderAt
 
 CompensationSignal = Literal["none", "reference", "measured", "error"]
@@ -173,7 +173,7 @@ class SampledLoop:
             compensation_signal=self.compensation_signal,
             at_rest=self.at_rest,
             encoder_at=self.encoder_at,
-            cable=None if self.cable is None else self.cable.taken(index),
+            cable=taken(self.cable, index),
             **numbers,
         )
 

@@ -45,18 +45,7 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     def of(values: Array) -> float:
         return float(values[row])
 
-    plant = (
-        _train(loop, of)
-        if loop.beyond is not None
-        else _two_inertias(
-            of(loop.motor_inertia),
-            of(loop.load_inertia),
-            of(loop.motor_viscous),
-            of(loop.load_viscous),
-            of(loop.stiffness),
-            of(loop.damping),
-        )
-    )
+    plant = _train(loop, of)
     if loop.sees_joint:  # the motor's angle less what every cable is stretched by
         ends = len(plant[0]) // 2
         joint = np.array([[1.0] + [-1.0] * (ends - 1) + [0.0] * ends])
@@ -76,37 +65,27 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     return _in_series(_in_series(feedback, _delay(of(loop.lag))), plant)
 
 
-def _two_inertias(
-    motor: float, load: float, motor_viscous: float, load_viscous: float, k: float, c: float
-) -> Matrices:
-    a = np.array(
-        [
-            [0.0, 0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0, -1.0],
-            [0.0, -k / motor, -(motor_viscous + c) / motor, c / motor],
-            [0.0, k / load, c / load, -(load_viscous + c) / load],
-        ]
-    )
-    return a, np.array([[0.0], [0.0], [1 / motor], [0.0]]), np.eye(1, 4), np.zeros((1, 1))
-
-
 def _train(loop: OpenLoop, of: Callable[[Array], float]) -> Matrices:
-    """Return motor, shaft and load on two cables."""
+    """Return the motor and the joint on one cable, or with a shaft between two cables.
+
+    States are the motor's angle, by how much each cable is stretched, and the speeds of all ends.
+    """
     second = loop.beyond
-    assert second is not None
-    inertia = np.array([of(loop.motor_inertia), of(loop.shaft_inertia), of(loop.load_inertia)])
-    viscous = np.array([of(loop.motor_viscous), 0.0, of(loop.load_viscous)])
-    springs = np.diag([of(loop.stiffness), of(second.stiffness)])
-    dampers = np.diag([of(loop.damping), of(second.damping)])
-    apart = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
-    a = np.zeros((6, 6))
-    a[0, 3] = 1.0
-    a[1:3, 3:] = apart
-    a[3:, 1:3] = -apart.T @ springs / inertia[:, None]
-    a[3:, 3:] = -(apart.T @ dampers @ apart + np.diag(viscous)) / inertia[:, None]
-    b = np.zeros((6, 1))
-    b[3, 0] = 1 / inertia[0]
-    return a, b, np.eye(1, 6), np.zeros((1, 1))
+    middle = [] if second is None else [of(loop.shaft_inertia)]
+    inertia = np.array([of(loop.motor_inertia), *middle, of(loop.load_inertia)])
+    viscous = np.array([of(loop.motor_viscous), *np.zeros(len(middle)), of(loop.load_viscous)])
+    springs = np.diag([of(loop.stiffness), *([] if second is None else [of(second.stiffness)])])
+    dampers = np.diag([of(loop.damping), *([] if second is None else [of(second.damping)])])
+    ends = len(inertia)
+    apart = np.eye(ends - 1, ends) - np.eye(ends - 1, ends, 1)
+    a = np.zeros((2 * ends, 2 * ends))
+    a[0, ends] = 1.0
+    a[1:ends, ends:] = apart
+    a[ends:, 1:ends] = -apart.T @ springs / inertia[:, None]
+    a[ends:, ends:] = -(apart.T @ dampers @ apart + np.diag(viscous)) / inertia[:, None]
+    b = np.zeros((2 * ends, 1))
+    b[ends, 0] = 1 / inertia[0]
+    return a, b, np.eye(1, 2 * ends), np.zeros((1, 1))
 
 
 def _low_pass(corner: float) -> Matrices:

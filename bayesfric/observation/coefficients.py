@@ -20,7 +20,6 @@ PAPER_SIZES = ("small", "medium", "large")
 LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
 MIDDLE_TENSION_N = 15.0
 LEAST_INTERCEPT = 0.1  # of the friction of one pulley at that tension
-CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 NO_PULLEY = ""
 """The pulley size of a machine that has no pulleys."""
 

@@ -22,7 +22,6 @@ from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.priors import Parameter
 from bayesfric.observation.coefficients import (
-    CONDITION,
     SizeIndex,
     coefficient_parameters,
     law_of_rows,
@@ -34,6 +33,7 @@ from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 
+CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 SIGMA = "sigma_friction"
 SCATTER = (1e-4, 1.0)  # looked at
 NEVER = HalfNormal(scale=2e-4)  # of what trials would share, where none share anything

@@ -4,12 +4,21 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.loo_pit import draw_probabilities
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, figure, key, size_styles
+from bayesfric.plots.style import (
+    COLORS,
+    NEUTRAL,
+    NORMAL_90,
+    area_key,
+    figure,
+    hollow,
+    key,
+    line_key,
+    size_styles,
+)
 
 NAMED = 6  # far assemblies that carry their name
 CROWD = 100  # points that are drawn small
@@ -44,7 +53,9 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
             title = plain(rig.title)
             own = rig.checks is not None and "score" in rig.checks
             wide = 2 if own else 3
-            _distribution(fig.add_subplot(grid[2 * place, :wide]), table, title)
+            axes = fig.add_subplot(grid[2 * place, :wide])
+            draw_probabilities(axes, table, title)
+            axes.set_ylabel("share below it\nless the uniform")
             _ranked(
                 fig.add_subplot(grid[2 * place, wide : 2 * wide]),
                 table["z"],
@@ -57,25 +68,13 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
                 axes = fig.add_subplot(grid[2 * place, 4:])
                 _ranked(axes, *of_trials, title, f"a {plain(rig.trial)}")
             _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title, plain(rig.group))
-        keys: list[Line2D | Patch] = [
-            Line2D([], [], color=COLORS["blue"], marker="o", markersize=3, label="this recording"),
-            Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % or 90 % by chance"),
-            Line2D([], [], color=COLORS["black"], linewidth=0.9, linestyle=":", label="far beyond"),
+        keys = [
+            line_key("this recording", color=COLORS["blue"], marker="o", markersize=3),
+            area_key("95 % or 90 % by chance", 0.3),
+            line_key("far beyond", color=COLORS["black"], linewidth=0.9, linestyle=":"),
         ]
         key(fig, keys, ncols=3)
         return fig
-
-
-def _distribution(axes: Axes, table: xr.Dataset, title: str) -> None:
-    at = table["probability"].to_numpy()
-    low, high = table["pit_band"].to_numpy()
-    axes.fill_between(at, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
-    axes.axhline(0.0, color=NEUTRAL, linewidth=0.8)
-    axes.step(at, table["pit_difference"].to_numpy(), where="mid", color=COLORS["blue"])
-    axes.set_xlim(0, 1)
-    axes.set_title(title)
-    axes.set_xlabel("probability of less friction, left out")
-    axes.set_ylabel("share below it\nless the uniform")
 
 
 def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str, what: str) -> None:
@@ -109,13 +108,7 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     for size, look in size_styles(groups).items():
         of_size = np.array(sizes) == size
         axes.plot(
-            place[of_size],
-            z[of_size],
-            look.marker,
-            color="white",
-            markersize=3.6,
-            markeredgewidth=0.8,
-            markeredgecolor=look.color,
+            place[of_size], z[of_size], look.marker, **hollow(look.color, 3.6, markeredgewidth=0.8)
         )
     beyond = np.flatnonzero(np.abs(z) > far)
     for k in beyond if beyond.size <= NAMED else ():

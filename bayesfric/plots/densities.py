@@ -3,12 +3,10 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, NullLocator
 
-from bayesfric.plots.labels import CommonFactor, columns_of, parameter_label, powers
-from bayesfric.plots.style import COLORS, figure, key
+from bayesfric.plots.labels import CommonFactor, parameter_label, powers
+from bayesfric.plots.style import COLORS, area_key, key, line_key, small_panels
 
 FAINTEST = 1e-9  # of the highest density: a prior that is lower runs out of the panel
 
@@ -29,11 +27,8 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
     """
     table = predictive["densities"].to_dataset()
     names = [str(name) for name in table["parameter"].to_numpy()]
-    columns = columns_of(len(names))
-    rows = -(-len(names) // columns)
-    with figure(height=18.0 * rows + 12.0) as fig:
-        panels = np.reshape(fig.subplots(rows, columns), (rows, columns))
-        for panel, name in zip(panels.flat, names, strict=False):
+    with small_panels(len(names), 12.0) as (fig, panels):
+        for panel, name in zip(panels, names, strict=True):
             entry = table.sel(parameter=name)
             edge, prior = entry["value"].to_numpy(), entry["prior"].to_numpy()
             height = entry["posterior"].to_numpy()
@@ -53,12 +48,10 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
             panel.xaxis.set_major_formatter(form)
             panel.xaxis.get_offset_text().set_fontsize(6.5)
             panel.tick_params(labelsize=6.5)
-        for panel in panels.flat[len(names) :]:
-            panel.set_visible(False)
         fig.supylabel("density [1 / unit]", fontsize=8)
-        keys: list[Line2D | Patch] = [
-            Patch(color=COLORS["sky"], linewidth=0, label="posterior"),
-            Line2D([], [], color=COLORS["black"], linewidth=1.0, linestyle="--", label="prior"),
+        keys = [
+            area_key("posterior", color=COLORS["sky"]),
+            line_key("prior", color=COLORS["black"], linewidth=1.0, linestyle="--"),
         ]
         key(fig, keys, side="above", ncols=2)
         return fig

@@ -1,25 +1,25 @@
 """The diagnosis: where simulation misses the board, and which effect causes it."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.live import Band, Chart, Cloud, Curve
-from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key
+from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key, line_key
 from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Inclusion, Interval
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 BARS = 10  # axes whose share is drawn; the table has all
 FEW_BARS = 4  # a single bar is no wider than one of so many
-ALONE = {
+ALONE: dict[str, Any] = {
     "marker": "D", "markersize": 3.0, "markerfacecolor": "white", "linestyle": "none",
     "markeredgecolor": COLORS["black"], "markeredgewidth": 0.8,
 }  # fmt: skip
@@ -75,7 +75,7 @@ def where_it_lies(
             keys = [
                 Patch(color=COLORS["blue"], label="leads"),
                 Patch(color=COLORS["sky"], label="share"),
-                Line2D([], [], **ALONE, label="alone"),  # type: ignore[arg-type]
+                line_key("alone", **ALONE),
             ]
             key(left, keys, side="above", align="left", ncols=3, columnspacing=1.0)
         if right is not None:
@@ -138,7 +138,7 @@ def _windows(residuals: xr.Dataset, variable: str) -> list[Cloud]:
             [str(names[k]), f"{places[k]:.3g}", f"{left[k]:.2g}", f"{friction[k]:.3g}"]
             for k in rows
         ]
-        clouds.append(Cloud(str(rig), color, "o", places[rows], left[rows], said))
+        clouds.append(Cloud(str(rig), color, "o", places[rows], left[rows], said=said))
     return clouds
 
 
@@ -155,7 +155,7 @@ def _shares(panel: Axes, axes: Sequence[Axis], unexplained: Interval | None) -> 
         panel.plot([share.q05, share.q95], [row, row], color=COLORS["black"], linewidth=1.2)
         ends = [share.q50, share.q95]
         if alone is not None:
-            panel.plot([alone.q50], [row], **ALONE)  # type: ignore[arg-type]
+            panel.plot([alone.q50], [row], **ALONE)
             ends.append(alone.q50 + 0.015)
         panel.text(max(ends) + 0.02, row, f"{share.q50:.2f}", va="center", fontsize=7)
     panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)

@@ -4,11 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import plain, rounded
-from bayesfric.plots.style import COLORS, figure, halves, key
+from bayesfric.plots.style import COLORS, figure, halves, key, line_key
 from bayesfric.schemas.diagnosis import Gap, GapRow
 
 BARS = {
@@ -109,7 +108,7 @@ def _paths(right: SubFigure, trajectories: xr.Dataset, named: bool) -> None:
     grid[0, 0].set_ylabel("path\n[m]", fontsize=7.5)
     below[0].set_ylabel("simulated −\nmeasured [mm]", fontsize=7.5)
     handles = [
-        Line2D([], [], color=COLORS["vermilion"], linestyle="--", label="recalibrated"),
-        *([Line2D([], [], color=COLORS["blue"], label="with the effect")] if named else []),
+        line_key("recalibrated", color=COLORS["vermilion"], linestyle="--"),
+        *([line_key("with the effect", color=COLORS["blue"])] if named else []),
     ]
     key(right, handles, side="above", align="right", ncols=2)

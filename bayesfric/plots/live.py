@@ -5,7 +5,7 @@ figure that is drawn from the same stored numbers.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,10 +29,10 @@ class Cloud:
     name, color, marker : str
         The kind, and how its points look.
     x, y : ndarray, shape (N,)
-    said : sequence of sequence of str
-        Of each point what is shown where it is pointed at, a word for each column of the chart.
     low, high : ndarray of shape (N,), or None
         Ends of an interval of x or, on a chart with rows, of x too; of y otherwise.
+    said : sequence of sequence of str
+        Of each point what is shown where it is pointed at, a word for each column of the chart.
     """
 
     name: str
@@ -40,9 +40,9 @@ class Cloud:
     marker: str
     x: Array
     y: Array
-    said: Sequence[Sequence[str]]
     low: Array | None = None
     high: Array | None = None
+    said: Sequence[Sequence[str]] = ()
 
 
 @dataclass(frozen=True)
@@ -90,63 +90,41 @@ class Chart:
     title, x_label, y_label : str
     columns : sequence of str
         What the words of each point say.
-    clouds, curves, bands : sequences
     rows : sequence of str
         Names of the rows y = 0, 1, … from the top; none where y is a number.
+    clouds, curves, bands : sequences
     """
 
     title: str
     x_label: str
     y_label: str
     columns: Sequence[str] = ()
+    rows: Sequence[str] = ()
     clouds: Sequence[Cloud] = ()
     curves: Sequence[Curve] = ()
     bands: Sequence[Band] = ()
-    rows: Sequence[str] = field(default=())
 
 
 def chart_data(chart: Chart) -> dict[str, Any]:
     """Return a chart as what JSON holds; the same for the same chart."""
-    return {
-        "title": chart.title,
-        "x_label": chart.x_label,
-        "y_label": chart.y_label,
-        "columns": list(chart.columns),
-        "rows": list(chart.rows),
-        "clouds": [
-            {
-                "name": cloud.name,
-                "color": cloud.color,
-                "marker": MARKERS.get(cloud.marker, "circle"),
-                "x": _numbers(cloud.x),
-                "y": _numbers(cloud.y),
-                "low": None if cloud.low is None else _numbers(cloud.low),
-                "high": None if cloud.high is None else _numbers(cloud.high),
-                "said": [list(words) for words in zip(*cloud.said, strict=True)],
-            }
-            for cloud in chart.clouds
-        ],
-        "curves": [
-            {
-                "name": curve.name,
-                "color": curve.color,
-                "x": _numbers(curve.x),
-                "y": _numbers(curve.y),
-                "dashed": curve.dashed,
-            }
-            for curve in chart.curves
-        ],
-        "bands": [
-            {
-                "name": band.name,
-                "color": band.color,
-                "x": _numbers(band.x),
-                "low": _numbers(band.low),
-                "high": _numbers(band.high),
-            }
-            for band in chart.bands
-        ],
-    }
+    clouds = [
+        replace(
+            cloud,
+            marker=MARKERS.get(cloud.marker, "circle"),
+            said=tuple(zip(*cloud.said, strict=True)),
+        )
+        for cloud in chart.clouds
+    ]
+    data: dict[str, Any] = _as_json(replace(chart, clouds=clouds))
+    return data
+
+
+def _as_json(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return _numbers(value)
+    if isinstance(value, Chart | Cloud | Curve | Band):
+        return {name: _as_json(part) for name, part in vars(value).items()}
+    return [_as_json(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def _numbers(values: Array) -> list[float | None]:
@@ -235,5 +213,5 @@ def clouds_by_size(
             continue
         low, high = (None, None) if interval is None else (end[places] for end in interval)
         said = [words[place] for place in places.tolist()]
-        clouds.append(Cloud(size, look.color, look.marker, x[places], y[places], said, low, high))
+        clouds.append(Cloud(size, look.color, look.marker, x[places], y[places], low, high, said))
     return clouds

@@ -6,11 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bayesfric.arrays import Array
 from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
+QUANTILES = (0.01, *(step / 20 for step in range(1, 20)), 0.99)  # at which metrics have them
 RISEN = 0.99  # of a probability: beyond, a curve shows nothing new
 PAST = 1.15  # of the last thing to be seen, how far an axis reaches
 HEADROOMS = ("headroom_clip", "headroom_continuous")
@@ -35,9 +37,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
         axes = fig.subplots()
         for place, loop in enumerate(loops):
             color = SHADES[place % len(SHADES)]
-            gamma = np.array([point.gamma for point in loop.limit_cycle_probability])
-            p = np.array([point.p for point in loop.limit_cycle_probability])
-            error = np.array([point.mcse for point in loop.limit_cycle_probability])
+            gamma, p, error = _hunting_curve(loop)
             low, high = np.clip(p - 2 * error, 0, 1), np.clip(p + 2 * error, 0, 1)
             axes.fill_between(gamma, low, high, color=color, alpha=0.2, linewidth=0)
             axes.plot(gamma, p, color=color, linestyle=LINES[place % len(LINES)],
@@ -54,16 +54,34 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
                 loop.limit_cycle_probability_max, color=NEUTRAL, linewidth=0.7, linestyle=":"
             )
             if loop.largest_safe_compensation_gain is not None:
-                axes.axvline(
-                    loop.largest_safe_compensation_gain, color=color, linewidth=0.8, alpha=0.6
-                )
+                # Rounded down, as the text has it.
+                safe = np.floor(100 * loop.largest_safe_compensation_gain) / 100
+                axes.axvline(safe, color=color, linewidth=0.8, alpha=0.6)
         axes.set_xlabel("compensation gain γ")
-        axes.set_ylabel("P(limit cycle)")
+        axes.set_ylabel("probability of hunting")
         axes.set_ylim(-0.02, 1.02)
         axes.set_xlim(0, max(map(_reach, loops)))
         if len(loops) > 1:
             key(fig, axes.get_legend_handles_labels()[0], ncols=3)
     return fig
+
+
+def _hunting_curve(loop: LoopMargins) -> tuple[Array, Array, Array]:
+    """Return γ, P(limit cycle) and its error: of the stored curve, and of the quantiles of γ."""
+    points = [(point.gamma, point.p, point.mcse) for point in loop.limit_cycle_probability]
+    known_p, known_errors = np.array(
+        sorted({point.p: point.mcse for point in loop.limit_cycle_probability}.items())
+    ).T
+    last = points[-1][0]
+    for metric in loop.metrics:
+        if metric.name == "gamma_hunting":
+            points += [
+                (value, p, float(np.interp(p, known_p, known_errors)))
+                for value, p in zip(metric.quantiles, QUANTILES, strict=False)
+                if value <= last
+            ]
+    gamma, p, error = np.array(sorted(points)).T
+    return gamma, np.maximum.accumulate(p), error
 
 
 def _reach(loop: LoopMargins) -> float:

@@ -5,16 +5,25 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.arrays import Array
 from bayesfric.plots.labels import parameter_label, plain, rounded
 from bayesfric.plots.live import Chart, Cloud, Curve
-from bayesfric.plots.style import COLORS, NEUTRAL, TEXT_WIDTH, SizeStyle, figure, size_styles
+from bayesfric.plots.style import (
+    COLORS,
+    NEUTRAL,
+    TEXT_WIDTH,
+    SizeStyle,
+    figure,
+    hollow,
+    line_key,
+    size_styles,
+)
 
 SHOWN_DRAWS = 4000  # more points would not change the contours
 PAIRS_SHARE = 0.75
@@ -97,15 +106,7 @@ def coefficients_relative_to_paper(
 def _bar(axes: Axes, quantiles: Array, row: float, look: SizeStyle) -> None:
     """Draw a 90 % interval with its median."""
     axes.plot(quantiles[[0, 2]], [row, row], color=look.color, linewidth=1.2)
-    axes.plot(
-        quantiles[1],
-        row,
-        look.marker,
-        color="white",
-        markersize=3.4,
-        markeredgecolor=look.color,
-        zorder=3,
-    )
+    axes.plot(quantiles[1], row, look.marker, **hollow(look.color, 3.4, zorder=3))
 
 
 def ratio_charts(
@@ -149,7 +150,7 @@ def ratio_charts(
             )
         low, middle, high = np.transpose(ratios)
         y = np.array(places, dtype=float)
-        clouds.append(Cloud(size, look.color, look.marker, middle, y, said, low, high))
+        clouds.append(Cloud(size, look.color, look.marker, middle, y, low, high, said))
     line = np.array([-0.6, len(rows) - 0.4])
     return [
         Chart(
@@ -267,15 +268,13 @@ def _range(draws: np.ndarray, mark: float | None) -> tuple[float, float]:
     return low, high
 
 
-def _keys(color: str, shown: list[float | None], marks: list[float | None]) -> list[Line2D | Patch]:
-    keys: list[Line2D | Patch] = [
+def _keys(color: str, shown: list[float | None], marks: list[float | None]) -> list[Artist]:
+    keys: list[Artist] = [
         Patch(color=color, alpha=0.8, label="holds 39 % of the draws"),
         Patch(color=color, alpha=0.4, label="holds 86 % of the draws"),
     ]
     if any(mark is not None for mark in shown):
-        keys.append(
-            Line2D([], [], color=COLORS["black"], linewidth=0.9, linestyle="--", label="Table I")
-        )
+        keys.append(line_key("Table I", color=COLORS["black"], linewidth=0.9, linestyle="--"))
     for name, seen, mark in zip(PRINTED, shown, marks, strict=True):
         if mark is not None and seen is None:
             text = f"Table I beyond the panel: {parameter_label(name)} = {mark:.4g}"

@@ -4,11 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain, powers
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
+from bayesfric.plots.style import COLORS, NEUTRAL, area_key, figure, key, line_key
 
 LEAST_FRICTION_N = 0.05  # of an axis that has room for frictions down to zero [N]
 
@@ -43,17 +41,15 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
             axes.set_title(f"{plain(size)} pulley")
         panels[0].set_ylabel("friction [N]")
         panels[len(sizes) // 2].set_xlabel("conditions, in the order of measured friction")
-        keys: list[Line2D | Patch] = [
-            Patch(color=NEUTRAL, alpha=0.15, linewidth=0, label="prior, 90 %"),
-            Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="prior, 50 %"),
-            Line2D([], [], color=COLORS["blue"], label="posterior, median"),
-            Line2D([], [], color=COLORS["black"], marker=".", linestyle="", label="measured"),
+        keys = [
+            area_key("prior, 90 %", 0.15),
+            area_key("prior, 50 %", 0.4),
+            line_key("posterior, median", color=COLORS["blue"]),
+            line_key("measured", color=COLORS["black"], marker=".", linestyle=""),
         ]
         if "drive_n" in table:
             label = "does not move from here"
-            keys.append(
-                Line2D([], [], color=COLORS["vermilion"], linestyle="", marker="_", label=label)
-            )
+            keys.append(line_key(label, color=COLORS["vermilion"], linestyle="", marker="_"))
         key(fig, keys, ncols=len(keys))
         return fig
 

@@ -3,10 +3,9 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from bayesfric.plots.labels import columns_of, parameter_label
-from bayesfric.plots.style import COLORS, LINES, NEUTRAL, LineStyle, figure, key
+from bayesfric.plots.labels import parameter_label
+from bayesfric.plots.style import COLORS, LINES, NEUTRAL, LineStyle, key, line_key, small_panels
 
 SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple"))
 KEYS = 8  # more ensembles than that are not told apart
@@ -29,11 +28,8 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
     names = [str(name) for name in table["parameter"].to_numpy()]
     relative = table["relative"].to_numpy()
     ensembles = relative.shape[1]
-    columns = columns_of(len(names))
-    rows = -(-len(names) // columns)
-    with figure(height=18.0 * rows + 14.0) as fig:
-        panels = np.reshape(fig.subplots(rows, columns, sharex=True, sharey=True), (rows, columns))
-        for place, (panel, name) in enumerate(zip(panels.flat, names, strict=False)):
+    with small_panels(len(names), 14.0, alike=True) as (fig, panels):
+        for panel, name in zip(panels, names, strict=True):
             heights = table["relative"].sel(parameter=name).to_numpy()
             edges = np.linspace(0, 1, heights.shape[1] + 1)
             for ensemble, row in enumerate(heights):
@@ -42,17 +38,14 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
             panel.axhline(1.0, color=NEUTRAL, linewidth=0.6, zorder=1)
             panel.set_title(parameter_label(name))
             panel.set_xticks([0, 0.5, 1], ["0", "0.5", "1"])
-            panel.tick_params(labelbottom=place + columns >= len(names))
         # The same for all panels, and no narrower than what is of interest.
         top = max(1.5, float(relative.max()))
-        panels[0, 0].set_ylim(min(2 - top, 0.5), top)
-        for panel in panels.flat[len(names) :]:
-            panel.set_visible(False)
+        panels[0].set_ylim(min(2 - top, 0.5), top)
         fig.supxlabel("rank among all draws", fontsize=8)
         fig.supylabel("count / expected", fontsize=8)
         if ensembles <= KEYS:
             keys = [
-                Line2D([], [], color=_look(e)[0], linestyle=_look(e)[1], label=f"ensemble {e + 1}")
+                line_key(f"ensemble {e + 1}", color=_look(e)[0], linestyle=_look(e)[1])
                 for e in range(ensembles)
             ]
             key(fig, keys, side="above", ncols=min(4, ensembles))

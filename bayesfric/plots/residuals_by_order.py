@@ -4,14 +4,23 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.live import Band, Chart, Curve, clouds_by_size, trial_words
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, NORMAL_90, SizeStyle, figure, key, size_styles
+from bayesfric.plots.style import (
+    COLORS,
+    NEUTRAL,
+    NORMAL_90,
+    SizeStyle,
+    area_key,
+    figure,
+    hollow,
+    key,
+    line_key,
+    size_styles,
+)
 
 NAMED = 6  # outliers that carry their id; more would hide the points
 LINE = 0.9
@@ -42,21 +51,13 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
             axes.set_ylabel("z of friction")
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         panels[-1].set_xlabel("order of measuring")
-        keys: list[Line2D | Patch] = [
-            Line2D(
-                [],
-                [],
-                color="white",
-                marker=look.marker,
-                markersize=3.4,
-                markeredgecolor=look.color,
-                linestyle="",
-                label=plain(size),
-            )
+        keys = [
+            line_key(plain(size), marker=look.marker, linestyle="", **hollow(look.color, 3.4))
             for size, look in styles.items()
         ]
-        keys.append(Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="90 % of new trials"))
-        keys.append(_dotted("outliers lie beyond"))
+        keys.append(area_key("90 % of new trials", 0.3))
+        dotted = {"color": COLORS["black"], "linewidth": LINE, "linestyle": ":"}
+        keys.append(line_key("outliers lie beyond", **dotted))
         key(fig, keys, ncols=len(keys))
         return fig
 
@@ -108,10 +109,7 @@ def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:
             order[sizes == size],
             z[sizes == size],
             look.marker,
-            color="white",
-            markersize=3.0,
-            markeredgewidth=0.7,
-            markeredgecolor=look.color,
+            **hollow(look.color, 3.0, markeredgewidth=0.7),
         )
     far = np.flatnonzero(table["outlier"].to_numpy())
     axes.plot(
@@ -125,7 +123,3 @@ def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:
     for place in far if len(far) <= NAMED else ():
         name = plain(str(table[rig.id].to_numpy()[place]))
         axes.annotate(name, (order[place], z[place]), (5, 3), textcoords="offset points")
-
-
-def _dotted(label: str) -> Line2D:
-    return Line2D([], [], color=COLORS["black"], linewidth=LINE, linestyle=":", label=label)

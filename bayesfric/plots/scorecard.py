@@ -12,7 +12,7 @@ from bayesfric.schemas import Confusion, Detected, ReliabilityBin, ScorecardFile
 
 ROW_MM = 4.4
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
-MET = {True: COLORS["green"], False: COLORS["vermilion"], None: NEUTRAL}  # None: too few to tell
+OUTCOMES = {"kept": COLORS["green"], "missed": COLORS["vermilion"]}  # others: too few to tell
 FEWEST = 4  # rows of promises for which there is room at least
 PALE = 0.6  # share of a row from which on black is not legible on blue
 SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases
@@ -49,7 +49,7 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
         panel.barh(place, high - low, left=low, height=0.8, color="#dcebf5", zorder=1)
         rate = target.rate
         assert rate.rate is not None
-        color, mark = MET[target.met], "X" if target.met is False else "o"
+        color, mark = OUTCOMES.get(target.outcome, NEUTRAL), "X" if target.met is False else "o"
         panel.plot([100 * rate.low, 100 * rate.high], [place, place], color=color, linewidth=1.6)
         panel.plot(100 * rate.rate, place, mark, color=color, markersize=5, clip_on=False)
         panel.text(

@@ -2,22 +2,24 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.style import (
-    COLORS,
     LINES,
     MARKERS,
     NEUTRAL,
-    PAPER_DASHES,
+    PAPER_LINE,
     LineStyle,
     SizeStyle,
+    area_key,
     figure,
+    hollow,
     key,
+    line_key,
+    point_key,
     size_styles,
 )
 
@@ -54,9 +56,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
                 _draw_law(axes, count, law, look, "-")
                 printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
                 if np.isfinite(printed).all():
-                    axes.plot(
-                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES
-                    )
+                    axes.plot(count, printed, **PAPER_LINE)
                 _draw_points(
                     axes,
                     some["n_pulleys"].to_numpy(),
@@ -72,7 +72,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
             panels[1, column].set_xlim(left=0)
         keys = _keys()
         if np.isfinite(table["slope_paper"].to_numpy()).any():
-            keys.append(_dashed_key("Table I"))
+            keys.append(line_key("Table I", **PAPER_LINE))
         key(fig, keys, ncols=len(keys))
         return fig
 
@@ -122,7 +122,9 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
                         look,
                         marker,
                     )
-                    handles.append(_point_key(text.format(value), look.color, marker, line))
+                    handles.append(
+                        point_key(text.format(value), look.color, marker, line, MARKER_SIZE)
+                    )
                 axes.legend(handles=handles, loc="upper left", fontsize=6, borderpad=0.1)
                 axes.set_xlim(left=0)
                 if column == 0:
@@ -145,48 +147,12 @@ def _draw_points(
     axes: Axes, x: np.ndarray, y: np.ndarray, again: np.ndarray, look: SizeStyle, marker: str
 ) -> None:
     axes.vlines(x, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5)
-    axes.plot(
-        x,
-        y,
-        marker,
-        color="white",
-        markersize=MARKER_SIZE,
-        markeredgewidth=0.9,
-        markeredgecolor=look.color,
-        zorder=3,
-    )
+    axes.plot(x, y, marker, **hollow(look.color, MARKER_SIZE, markeredgewidth=0.9, zorder=3))
 
 
-def _point_key(label: str, color: str, marker: str, line: LineStyle) -> Line2D:
-    return Line2D(
-        [],
-        [],
-        color=color,
-        linewidth=0.9,
-        linestyle=line,
-        marker=marker,
-        markersize=MARKER_SIZE,
-        markerfacecolor="white",
-        label=label,
-    )
-
-
-def _keys() -> list[Line2D | Patch]:
+def _keys() -> list[Artist]:
     return [
-        Line2D(
-            [],
-            [],
-            color="white",
-            marker="o",
-            markersize=MARKER_SIZE,
-            markeredgecolor=NEUTRAL,
-            linestyle="",
-            label="measured",
-        ),
-        Line2D([], [], color=NEUTRAL, linewidth=0.9, label="made again, 5 % to 95 %"),
-        Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="law, 5 % to 95 %"),
+        line_key("measured", marker="o", linestyle="", **hollow(NEUTRAL, MARKER_SIZE)),
+        line_key("made again, 5 % to 95 %", color=NEUTRAL, linewidth=0.9),
+        area_key("law, 5 % to 95 %", 0.4),
     ]
-
-
-def _dashed_key(label: str) -> Line2D:
-    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES, label=label)

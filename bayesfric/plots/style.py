@@ -15,10 +15,14 @@ from typing import Any, Literal, TypeAlias
 
 import matplotlib.style
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from bayesfric.plots.labels import columns_of
 from bayesfric.plots.layout import Room
 
 TEXT_WIDTH = 160.0
@@ -41,7 +45,7 @@ NEUTRAL = "#6b6b6b"
 
 LineStyle: TypeAlias = Literal["-", "--", "-.", ":"]
 SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple", "orange", "sky"))
-PAPER_DASHES = (0, (4, 4))
+PAPER_LINE: dict[str, Any] = {"color": COLORS["black"], "linewidth": 0.8, "linestyle": (0, (4, 4))}
 """Line of Table I, so that the law is seen between its dashes."""
 NORMAL_90 = 1.6449
 """Half the width of a standard normal's 90 % interval."""
@@ -191,6 +195,53 @@ def key(
     if isinstance(room, Room):
         room.keep(parent, legend, side)
     return legend
+
+
+def line_key(label: str, **look: Any) -> Artist:
+    """Return a line or a marker of a key, with matplotlib's options of lines."""
+    return Line2D([], [], label=label, **look)
+
+
+def area_key(label: str, alpha: float | None = None, color: Any = NEUTRAL) -> Artist:
+    """Return a band or a bar of a key."""
+    return Patch(color=color, alpha=alpha, linewidth=0, label=label)
+
+
+def point_key(label: str, color: str, marker: str, line: LineStyle, size: float) -> Artist:
+    """Return a line with a white marker of a key."""
+    style = {"linestyle": line, "linewidth": 0.9, "marker": marker, "markersize": size}
+    return line_key(label, color=color, markerfacecolor="white", **style)
+
+
+def hollow(color: str, size: float, **more: Any) -> dict[str, Any]:
+    """Return matplotlib's options of markers that are white inside, `size` in points."""
+    return {"color": "white", "markersize": size, "markeredgecolor": color, **more}
+
+
+@contextmanager
+def small_panels(
+    count: int, beside: float, *, alike: bool = False
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Yield a figure with a small panel for each of many parameters, in even rows.
+
+    Parameters
+    ----------
+    count : int
+        Panels.
+    beside : float
+        Height of what stands above and below all of them [mm].
+    alike : bool
+        Whether all have the same axes, whose ticks are then written at the edges alone.
+    """
+    columns = columns_of(count)
+    rows = -(-count // columns)
+    with figure(height=18.0 * rows + beside) as fig:
+        panels = fig.subplots(rows, columns, sharex=alike, sharey=alike, squeeze=False).ravel()
+        for place, panel in enumerate(panels):
+            panel.set_visible(place < count)
+            if alike:
+                panel.tick_params(labelbottom=place + columns >= count)
+        yield fig, list(panels[:count])
 
 
 def svg_of(draw: Callable[..., Figure], *arguments: Any) -> Callable[[], bytes]:

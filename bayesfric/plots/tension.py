@@ -4,23 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.live import Band, Chart, Curve, clouds_by_size, trial_words
 from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.plots.style import (
-    COLORS,
     MARKERS,
     NEUTRAL,
-    PAPER_DASHES,
+    PAPER_LINE,
     SizeStyle,
+    area_key,
     figure,
+    hollow,
     key,
+    line_key,
     size_styles,
 )
 
@@ -167,14 +168,7 @@ def _draw_trials(
         (below, tension + shift, 100 * (friction / law - 1), 2.4),
     ):
         axes.plot(
-            places,
-            values,
-            marker,
-            color="white",
-            markersize=width,
-            markeredgewidth=0.8,
-            markeredgecolor=look.color,
-            zorder=3,
+            places, values, marker, **hollow(look.color, width, markeredgewidth=0.8, zorder=3)
         )
 
 
@@ -186,36 +180,22 @@ def _pale(color: str) -> tuple[float, float, float]:
 
 def _draw_paper(axes: Axes, tension: np.ndarray, values: np.ndarray) -> None:
     if np.isfinite(values).all():
-        axes.plot(tension, values, color=COLORS["black"], linewidth=0.8, linestyle=PAPER_DASHES)
+        axes.plot(tension, values, **PAPER_LINE)
 
 
-def _keys(markers: dict[int, str], has_paper: bool) -> list[Line2D | Patch]:
-    keys: list[Line2D | Patch] = [
-        Line2D(
-            [],
-            [],
-            color="white",
+def _keys(markers: dict[int, str], has_paper: bool) -> list[Artist]:
+    keys = [
+        line_key(
+            f"trial, n = {n}",
             marker=marker,
-            markersize=3.6,
-            markeredgewidth=0.8,
-            markeredgecolor=NEUTRAL,
             linestyle="",
-            label=f"trial, n = {n}",
+            **hollow(NEUTRAL, 3.6, markeredgewidth=0.8),
         )
         for n, marker in markers.items()
     ]
-    keys.append(Line2D([], [], color=NEUTRAL, linewidth=0.9, label="law, median"))
-    keys.append(Patch(color=NEUTRAL, alpha=0.5, linewidth=0, label="law, 5 % to 95 %"))
-    keys.append(Patch(color=_pale(NEUTRAL), linewidth=0, label="new trials, 5 % to 95 %"))
+    keys.append(line_key("law, median", color=NEUTRAL, linewidth=0.9))
+    keys.append(area_key("law, 5 % to 95 %", 0.5))
+    keys.append(area_key("new trials, 5 % to 95 %", color=_pale(NEUTRAL)))
     if has_paper:
-        keys.append(
-            Line2D(
-                [],
-                [],
-                color=COLORS["black"],
-                linewidth=0.8,
-                linestyle=PAPER_DASHES,
-                label="Table I",
-            )
-        )
+        keys.append(line_key("Table I", **PAPER_LINE))
     return keys

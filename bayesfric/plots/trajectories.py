@@ -4,11 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, area_key, figure, key, line_key, size_styles
 
 COLUMNS = 3
 SHOWN_EVENTS = 15  # of a trial's travel, so that the line stays visible; residuals show all
@@ -49,18 +47,10 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
             if column == 0:
                 top.set_ylabel("travel [m]")
                 below.set_ylabel("residual\n[mm]")
-        keys: list[Line2D | Patch] = [
-            Line2D(
-                [],
-                [],
-                color=COLORS["black"],
-                marker="o",
-                markersize=2.2,
-                linestyle="",
-                label="Hall event",
-            ),
-            Line2D([], [], color=NEUTRAL, linewidth=1.0, label="predicted median"),
-            Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="5 % to 95 % of new trials"),
+        keys = [
+            line_key("Hall event", color=COLORS["black"], marker="o", markersize=2.2, linestyle=""),
+            line_key("predicted median", color=NEUTRAL, linewidth=1.0),
+            area_key("5 % to 95 % of new trials", 0.3),
         ]
         key(fig, keys, ncols=len(keys))
         return fig

@@ -1,14 +1,25 @@
 """Friction against the wrap angle, as in the paper's Fig. 14."""
 
+from itertools import cycle
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, key, size_styles
+from bayesfric.plots.style import (
+    LINES,
+    MARKERS,
+    NEUTRAL,
+    area_key,
+    figure,
+    hollow,
+    key,
+    line_key,
+    point_key,
+    size_styles,
+)
 
 
 def friction_against_wrap(predictive: xr.DataTree) -> Figure:
@@ -48,22 +59,12 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
                     axes.set_xlabel("wrap angle θ [°]")
                 if column == 0:
                     axes.set_ylabel(f"n = {n}\nfriction [N]")
-        keys: list[Line2D | Patch] = [
-            Line2D(
-                [],
-                [],
-                color=NEUTRAL,
-                linewidth=0.9,
-                linestyle=LINES[place % len(LINES)],
-                marker=MARKERS[place % len(MARKERS)],
-                markersize=3.4,
-                markerfacecolor="white",
-                label=f"T = {level:.1f} N",
-            )
-            for place, level in enumerate(levels)
+        keys = [
+            point_key(f"T = {level:.1f} N", NEUTRAL, marker, line, 3.4)
+            for level, marker, line in zip(levels, cycle(MARKERS), cycle(LINES), strict=False)
         ]
-        keys.append(Line2D([], [], color=NEUTRAL, linewidth=0.9, label="made again, 5 % to 95 %"))
-        keys.append(Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="law, 5 % to 95 %"))
+        keys.append(line_key("made again, 5 % to 95 %", color=NEUTRAL, linewidth=0.9))
+        keys.append(area_key("law, 5 % to 95 %", 0.4))
         key(fig, keys, ncols=3)
         return fig
 
@@ -80,9 +81,5 @@ def _draw_line(axes: Axes, grid: np.ndarray, line: xr.Dataset, color: str, level
         angle,
         line["friction_n"],
         MARKERS[level % len(MARKERS)],
-        color="white",
-        markersize=3.4,
-        markeredgewidth=0.9,
-        markeredgecolor=color,
-        zorder=3,
+        **hollow(color, 3.4, markeredgewidth=0.9, zorder=3),
     )

@@ -12,7 +12,7 @@ ADVICE = {
     "position": "turns at different places of the stroke",
     "angle": "a stroke of half a turn or more, there and back",
     "period": "slow runs there and back over the whole stroke",
-    "direction": "runs both ways",
+    "direction": "runs both ways, with four turns at the least",
     "play": "slow turns to and fro, eight at the least",
     "spring": "a chirp to 4 Hz, or quick turns to and fro",
     "limit": "commands beyond what the drive gives",

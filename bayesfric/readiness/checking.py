@@ -3,14 +3,17 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.baseline import data_of
 from bayesfric.diagnosis.examined import examinable
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.telemetry import Telemetry, telemetry_of
-from bayesfric.planning import Power, power_of_measured
+from bayesfric.planning import Power
 from bayesfric.planning import power as power_of_conditions
 from bayesfric.readiness.advice import advice_for
+from bayesfric.readiness.measured import power_of_measured
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.opening import left_out, remarks_of
@@ -48,17 +51,22 @@ class Part:
     def effects(self) -> tuple[dict[str, str], list[str]]:
         """Effects that can be told, with the size from which on, and those that cannot.
 
-        Of several laws the size is that of the one that shows worst. An effect that would be
-        found only where it is larger than is plausible cannot be told.
+        Of several laws the size is that of the one that shows worst; below that of the one that
+        shows best, where it is known, none is found. An effect that would be found only where it
+        is larger than is plausible cannot be told.
         """
         smallest: dict[str, tuple[float, str]] = {}
+        unseen: dict[str, float] = {}
         rows = {} if self.power is None else self.power.effects.to_dict("index")
         for name, row in rows.items():
             effect = str(name).partition("/")[0]
             size = (float(row["smallest"]), str(row["unit"]))
             smallest[effect] = max(size, smallest.get(effect, size))
+            if "unseen" in row:
+                unseen[effect] = min(float(row["unseen"]), unseen.get(effect, np.inf))
         can = {
             name: f"{size:.2g}{'' if unit == '1' else ' ' + unit}"
+            + (f", and not below {unseen[name]:.2g}" if unseen.get(name) else "")
             for name, (size, unit) in smallest.items()
             if size <= self.largest.get(name, size)
         }
@@ -206,12 +214,10 @@ def _part(
     if numbers_alone and recording.axis is None:
         return Part(name, None)  # boards that enter tell their coefficients
     try:
-        data, _ = data_of(recording, baseline, None)
+        data, law = data_of(recording, baseline, None)
         if data.rigs[0].has_pulleys:
             return Part(name, power_of_conditions(recording, analysis))
-        power = power_of_measured(
-            recording, analysis, baseline=baseline, numbers_alone=numbers_alone
-        )
+        power = power_of_measured(data, law, analysis, numbers_alone=numbers_alone)
     except InputError:
         reasons = left_out(recording)
         if not reasons:  # it is not the data that cannot be used

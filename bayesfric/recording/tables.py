@@ -182,9 +182,9 @@ class Axis:
     place: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recording:
-    """A data set: what one rig recorded.
+    """A data set: what one rig recorded. It equals itself alone, by which it is cached.
 
     Parameters
     ----------

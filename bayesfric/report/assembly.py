@@ -16,16 +16,16 @@ from bayesfric.report.chapters.diagnostics import diagnostics, further_diagnosti
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.chapters.methods import methods, thresholds
 from bayesfric.report.chapters.one_left_out import further_left_out
-from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.page_one import coefficients_figure, expected, page_one
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.chapters.posteriors import further_posteriors, posteriors
 from bayesfric.report.chapters.predictions import further_predictions, predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import summary
-from bayesfric.report.chapters.to_use import biased
+from bayesfric.report.chapters.to_use import biased, refitted_coefficients
 from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.rig_words import rig_words
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredDiagnosis, StoredFit, StoredResults
 
 SUBTITLES = {
     "fit.json": "Bayesian analysis of",
@@ -80,7 +80,7 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
     fitted, pooled = stored.fitted, stored.pooled
     if fitted is not None:
         diagnosed = stored.diagnosis
-        yield from summary(fitted, () if diagnosed is None else biased(diagnosed.record))
+        yield from summary(fitted, () if diagnosed is None else _biased(fitted, diagnosed))
     if pooled is not None and pooled.pooled is not None:
         yield from boards(pooled, pooled.pooled)
     if stored.diagnosis is not None:
@@ -113,6 +113,14 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
             yield scored_from(stored.scorecard)
         elif not stored.records and stored.calibration is not None:
             yield calibrated_from(stored.calibration)
+
+
+def _biased(fitted: StoredFit, diagnosed: StoredDiagnosis) -> Iterator[Block]:
+    """Yield that a law alone is biased, and by how much; nothing where no cause is named."""
+    yield from biased(diagnosed.record)
+    if refitted := refitted_coefficients(diagnosed.record):
+        yield from coefficients_figure(fitted, refitted)
+        yield from expected(fitted, coefficients=False)
 
 
 def _mentioned(details: Sequence[Block]) -> Iterator[Paragraph]:

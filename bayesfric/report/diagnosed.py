@@ -7,9 +7,9 @@ from bayesfric.schemas import Cause, DiagnosisFile
 
 VERDICTS = {
     "no-gap": "No gap",
-    "named": "Named",
-    "unseparated": "Not told apart",
-    "unknown": "Unknown",
+    "named": "Cause named",
+    "unseparated": "Causes not told apart",
+    "unknown": "Cause unknown",
     "undecided": "Undecided",
 }
 Kind: TypeAlias = Literal["attention", "good", "info"]

@@ -3,46 +3,52 @@
 A :class:`Rig` is a kind of rig; its :meth:`~Rig.trials` are what a recording holds of it,
 and of these a likelihood, predictions and a linear model are made. No room below this one
 asks which rig it has.
+
+The kinds of rigs are light: what fits, predicts and simulates is loaded by the methods that need
+it, so that a recording is described, and its faults are told, in a moment. What only annotations
+name is not loaded.
 """
+
+from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
-import numpy as np
-import pandas as pd
-import xarray as xr
-
-from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.arrays import Array
-from bayesfric.effects import PULLEYS, Effect, State
-from bayesfric.effects.candidates import Candidate
-from bayesfric.effects.terms import ActiveEffect
-from bayesfric.errors import Fault
-from bayesfric.inference.model import RigLikelihood
-from bayesfric.observation.coefficients import CONDITION as CONDITION
-from bayesfric.observation.coefficients import coefficient_name, coefficient_units
-from bayesfric.observation.linear import LinearRows
 from bayesfric.observation.unsupported import Unsupported as Unsupported
 from bayesfric.observation.unsupported import why_inert as why_inert
-from bayesfric.physics.cable import Cable
-from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
-from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.changes import Change
-from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.own_design import OwnDesign
-from bayesfric.rigs.own_design import Simulated as Simulated
-from bayesfric.rigs.own_law import OwnLaw
+from bayesfric.rigs.machine import MachineTrials
 from bayesfric.rigs.predictive import Predictive as Predictive
 from bayesfric.rigs.predictive import Resting as Resting
-from bayesfric.rigs.protocols import Protocol as Design
-from bayesfric.rigs.truth import Truth
 from bayesfric.rigs.words import Regime as Regime
 from bayesfric.rigs.words import Words as Words
-from bayesfric.schemas import Instrument, LawNumber, PointEstimate
-from bayesfric.simulators import SimulatorCalls
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from bayesfric.analysis import Analysis, PriorOverrides
+    from bayesfric.arrays import Array
+    from bayesfric.effects import Effect, State
+    from bayesfric.effects.candidates import Candidate
+    from bayesfric.effects.terms import ActiveEffect
+    from bayesfric.errors import Fault
+    from bayesfric.inference.model import RigLikelihood
+    from bayesfric.observation.linear import LinearRows
+    from bayesfric.physics.cable import Cable
+    from bayesfric.physics.friction import Coefficients
+    from bayesfric.recording.tables import Recording, RigConstants
+    from bayesfric.rigs.changes import Change
+    from bayesfric.rigs.own_design import OwnDesign, Simulated
+    from bayesfric.rigs.own_law import OwnLaw
+    from bayesfric.rigs.protocols import Protocol as Design
+    from bayesfric.rigs.truth import Truth
+    from bayesfric.schemas import PointEstimate
+    from bayesfric.simulators import SimulatorCalls
+
+CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 
 
 class Rig(ABC):
@@ -56,17 +62,19 @@ class Rig(ABC):
         What it is called in sentences.
     tables : tuple of str
         Which tables of a recording it reads.
-    own_design : OwnDesign or None
-        What it is simulated with, where no protocol of the paper's lays it out.
     """
 
     name: str
     words: Words
     tables: tuple[str, ...]
-    own_design: OwnDesign | None = None
+
+    @property
+    def own_design(self) -> OwnDesign | None:
+        """What it is simulated with, where no protocol of the paper's lays it out; else None."""
+        return None
 
     @abstractmethod
-    def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
+    def trials(self, recording: Recording, *, exclude: bool = True) -> RigTrials | None:
         """Return the trials of a recording that enter; None where it has none of this rig.
 
         Parameters
@@ -123,10 +131,12 @@ class Rig(ABC):
             Of the recording; the rig draws from streams of its own.
         """
         del design, constants, truth, seed
+        from bayesfric.rigs.own_design import Simulated
+
         return Simulated({}, 0)
 
 
-class RigTrials(ABC):
+class RigTrials(MachineTrials, ABC):
     """Trials of one rig that enter a fit or a diagnosis, those of an assembly adjacent.
 
     A rig's trials are a dataclass, with a field `law` around which they are made linear. What is
@@ -164,7 +174,7 @@ class RigTrials(ABC):
             name = "tension_n" if "tension_n" in self.table else self.loads[0]
         return int(self.table[name].nunique())
 
-    def select(self, keep: "pd.Series[bool]") -> Self | None:
+    def select(self, keep: pd.Series[bool]) -> Self | None:
         """Return the trials of a mask over the table; None without any."""
         table = self.table[keep].reset_index(drop=True)
         return self._with(table=table) if len(table) else None
@@ -179,7 +189,7 @@ class RigTrials(ABC):
         """Trials that a rule keeps from entering, with its name; None where there is no rule."""
         return None
 
-    def moved(self) -> "RigTrials | None":
+    def moved(self) -> RigTrials | None:
         """Return the trials that moved all the way; None where all did, or none."""
         return None
 
@@ -197,11 +207,6 @@ class RigTrials(ABC):
         """Whether its windows are neighbours along the path of a machine, and hang together."""
         return False
 
-    @property
-    def open_still(self) -> str | None:
-        """Why a force that no effect explains is no finding here; None where it may be one."""
-        return None
-
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
         if law.name in OF_AXES:
@@ -211,6 +216,8 @@ class RigTrials(ABC):
     @property
     def offers(self) -> frozenset[str]:
         """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+        from bayesfric.effects import PULLEYS
+
         return PULLEYS
 
     @property
@@ -220,6 +227,8 @@ class RigTrials(ABC):
 
     def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
         """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
+        from bayesfric.observation.coefficients import coefficient_name, coefficient_units
+
         units = coefficient_units(self.unit)
         return tuple((coefficient_name(name, size), unit) for name, unit in units.items())
 
@@ -227,26 +236,6 @@ class RigTrials(ABC):
     def usual_law(self) -> str:
         """Name of the law that it has where nobody asks for one."""
         return "paper"
-
-    @property
-    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
-        """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
-        return {}
-
-    @property
-    def untold(self) -> Mapping[str, str]:
-        """Numbers of the law that such data cannot tell, whatever a fit says: name and reason."""
-        return {}
-
-    @property
-    def scale_share(self) -> float:
-        """Relative standard error of the scale of forces, that amplitudes of effects know not."""
-        return 0.0
-
-    def doubts(self, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
-        """Return what the law, as a diagnosis found it, makes doubtful of what was declared."""
-        del law
-        return ()
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -262,7 +251,7 @@ class RigTrials(ABC):
         """What has the place of a law in a diagnosis: a user's simulator; None without one."""
         return None
 
-    def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":
+    def beside(self, simulator: SimulatorCalls) -> RigTrials | Unsupported:
         """Return the trials beside a user's simulator of them, or why there can be none."""
         return Unsupported(
             f"{simulator.name} predicts positions over time, which only a single axis logs"
@@ -288,11 +277,11 @@ class RigTrials(ABC):
             Effects on friction with which trials start to move, with their amplitudes.
         """
 
-    def entering(self) -> "RigTrials":
+    def entering(self) -> RigTrials:
         """Return the trials that enter a diagnosis: what the rig itself does stays in."""
         return self
 
-    def planned(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+    def planned(self, laws: Mapping[str, Coefficients]) -> RigTrials | None:
         """Return the same conditions without noise, on time by a law; None where none moves.
 
         Readings are linear, so that what they tell rests on conditions: all of them.
@@ -300,44 +289,7 @@ class RigTrials(ABC):
         del laws
         return self
 
-    @property
-    def taken_up(self) -> frozenset[str]:
-        """Effects that forces of unknown amounts, which every hypothesis has, look like."""
-        return frozenset()
-
-    @property
-    def in_simulator(self) -> Mapping[str, float]:
-        """Numbers of the law as the user's simulator has them, by name; empty if nobody knows."""
-        return {}
-
-    @property
-    def other_joints(self) -> Literal["still", "logged", "moving", "unknown"] | None:
-        """What the machine's other joints did; None where a rig has none."""
-        return None
-
-    def model_amounts(self, mean: Array, covariance: Array) -> ModelAmounts | None:
-        """Return how wrong the machine's model is, by the rig's own nuisances; None without one.
-
-        Parameters
-        ----------
-        mean, covariance : ndarray, shape (n,) and (n, n)
-            Of the rig's nuisances, in units of their scale.
-        """
-        del mean, covariance
-        return None
-
-    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
-        """Return the law by an instrument, which errors in a loop do not move; else why not.
-
-        Parameters
-        ----------
-        acting : sequence of (Candidate, float)
-            Effects that act beside the law, with their amplitudes.
-        """
-        del acting
-        return "no controller moves it along a path"
-
-    def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> RigTrials | None:
         """Return feasible trials without noise, on time by a law; None where none moves."""
         del laws
         return None
@@ -402,8 +354,10 @@ class RigTrials(ABC):
         law : Coefficients
             Arrays that broadcast to (…, C).
         """
-        n, wrap, tension = (conditions[name].to_numpy(dtype=np.float64) for name in CONDITION)
-        speed = np.abs(conditions["velocity_m_s"].to_numpy(dtype=np.float64))
+        from bayesfric.effects import State
+
+        n, wrap, tension = (conditions[name].to_numpy(dtype=float) for name in CONDITION)
+        speed = conditions["velocity_m_s"].abs().to_numpy(dtype=float)
         return State.of(law, n, wrap, tension, speed, steady=True)
 
     def resting(self, conditions: pd.DataFrame) -> Resting | None:

@@ -1,6 +1,7 @@
 """A recording to the trials of its rigs that enter."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.errors import Fault, InputError, one_of
@@ -9,7 +10,9 @@ from bayesfric.physics.laws import ALIASES, BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import RigTrials, Unsupported
-from bayesfric.simulators import SimulatorCalls
+
+if TYPE_CHECKING:
+    from bayesfric.simulators import SimulatorCalls
 
 DEFAULT = "paper"  # the law where none is asked for
 COEFFICIENTS = set(Coefficients._fields)
@@ -122,7 +125,7 @@ def remarks_of(recording: Recording) -> list[tuple[str, str]]:
     return [remark for rig in all_rigs().values() for remark in rig.remarks(recording)]
 
 
-def beside_simulator(rigs: Sequence[RigTrials], simulator: SimulatorCalls) -> list[RigTrials]:
+def beside_simulator(rigs: Sequence[RigTrials], simulator: "SimulatorCalls") -> list[RigTrials]:
     """Return trials beside a user's simulator of them.
 
     Parameters

@@ -1,13 +1,17 @@
 """What a fit is asked of a rig's trials, and what holds them at rest."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
-from bayesfric.arrays import Array
-from bayesfric.inference.model import RigLikelihood
-from bayesfric.physics.laws import FrictionLaw
-from bayesfric.rigs.remaking import Remade
+    from bayesfric.arrays import Array
+    from bayesfric.inference.model import RigLikelihood
+    from bayesfric.physics.laws import FrictionLaw
+    from bayesfric.rigs.remaking import Remade
 
 
 @dataclass(frozen=True)

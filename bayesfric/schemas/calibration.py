@@ -1,10 +1,10 @@
 """``calibration.json``."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from bayesfric.schemas.base import Number, Record, RecordingId, Why
+from bayesfric.schemas.base import Because, Number, Record, RecordingId, Why
 
 
 class CalibrationCase(Record):
@@ -37,7 +37,7 @@ class CalibrationFile(Record):
     recording_why: Why = "recordings are simulated, one a case"
     analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
     created: str | None = Field(description="SOURCE_DATE_EPOCH, else null.")
-    created_why: Why = None
+    created_why: Annotated[Why, Because("SOURCE_DATE_EPOCH is not set")] = None
     protocol: str = Field(description="Of each recording.")
     priors: dict[str, str] = Field(description="The generating prior of each parameter.")
     tension_n: Number = Field(description="The T of c1 + c2/T [N].")

@@ -33,7 +33,7 @@ class Shift(Record):
     shift: Number | None = Field(
         description="b less a, in standard deviations (the root of their mean square)."
     )
-    shift_why: Why = None
+    shift_why: Annotated[Why, Because("it has no uncertainty in either run")] = None
 
 
 class Flip(Record):

@@ -173,7 +173,7 @@ class Certificate(Record):
     gamma: Interval | None = Field(
         description="Largest certified γ over the draws; 0 where none is."
     )
-    gamma_why: Why = None
+    gamma_why: Annotated[Why, Because("the compensator is not in the loop: any γ will do")] = None
     covers: str = Field(description="What it covers, and what not.")
     sentence: str = Field(description="All that, beside the γ that hunts.")
 
@@ -309,7 +309,9 @@ class LoopMargins(Record):
     )
     largest_safe_compensation_gain_se_why: Annotated[Why, Because("there is no such γ")] = None
     hunting_map: HuntingMap | None = Field(None, description="Over speed and γ.")
-    hunting_map_why: Why = None
+    hunting_map_why: Annotated[Why, Because("the file's reference rests, and a formula holds")] = (
+        None
+    )
     not_examined: tuple[str, ...] = Field(
         (), description="What could make the loop hunt and was not looked at."
     )
@@ -318,7 +320,7 @@ class LoopMargins(Record):
         "one group, being correlated. A metric without spread has none."
     )
     verification: Verification | None = Field(description="Against the simulator.")
-    verification_why: Why = None
+    verification_why: Annotated[Why, Because("it was not asked for (--verify N)")] = None
     with_effects: WithEffects | None = Field(
         None, description="After: with the effects of a diagnosed gap."
     )
@@ -329,7 +331,7 @@ class LoopMargins(Record):
         "in files of earlier versions.",
     )
     tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
-    tuning_why: Why = None
+    tuning_why: Annotated[Why, Because("it was not asked for (--tune)")] = None
     certificate: Certificate | None = Field(
         None, description="By the circle criterion, of the law that `law` says."
     )

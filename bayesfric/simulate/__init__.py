@@ -8,8 +8,7 @@ from bayesfric.paper import paper
 from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs import all_rigs, paper_rigs
-from bayesfric.rigs.base import Simulated
-from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.own_design import OwnDesign, Simulated
 from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.rigs.truth import AppliedEffect as AppliedEffect
 from bayesfric.rigs.truth import Truth as Truth

@@ -7,6 +7,7 @@ from blind.scored import scored
 from bayesfric.analysis import Analysis
 from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scorecard import BELOW_PRACTICAL, scorecard_of
+from bayesfric.schemas import Target
 
 FOREIGN = {"own": False}
 MISSED = {"verdict": "no-gap", "causes": (), "outcome": "none", "correct": False}
@@ -233,3 +234,18 @@ def test_the_best_test_stands_beside_ours_where_setups_limit():
     (one,) = scorecard_of(cases, analysis=Analysis(), **given).oracle
     assert (one.effect, one.strength, one.power) == ("wrap-intercept", 0.3, pytest.approx(0.6))
     assert counts(one.named) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("hits", "cases", "outcome"),
+    [
+        (1, 1, "kept so far"),  # 2.5 to 100 %
+        (200, 200, "kept"),
+        (0, 1, "missed so far"),
+        (1, 200, "missed"),
+    ],
+)
+def test_a_promise_that_few_cases_judge_is_kept_or_missed_so_far(hits, cases, outcome):
+    rate = rate_of(k < hits for k in range(cases))
+    target = Target(name="named", rate=rate, at_least=0.95, met=hits == cases)
+    assert target.outcome == outcome

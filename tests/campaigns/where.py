@@ -135,7 +135,7 @@ def case(given):
         "first": None if first is None else first.axis,
         "share": None if first is None else first.share.q50,
         "leads": first is not None and first.leads,
-        "told": "It lies along" in found.sentence,
+        "told": "It varies most with" in found.sentence,
         "whole": sum(shares) + found.unexplained.mean,
         "least": min(shares, default=0.0),
         "right": first is not None

@@ -18,9 +18,8 @@ from bayesfric.inference.evidence import Evidence
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
-from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients
 

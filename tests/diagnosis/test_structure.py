@@ -8,7 +8,7 @@ from report.diagnosis_sample import diagnosis, interval
 
 from bayesfric.diagnosis import structure
 from bayesfric.diagnosis.sentence import Statement, sentence_of
-from bayesfric.diagnosis.structure import changes_slowly, goes_together, unlike_scatter
+from bayesfric.diagnosis.structure import differs_within_runs, goes_together, unlike_scatter
 
 COUNT, PRACTICAL = 200, 0.02
 
@@ -117,9 +117,20 @@ def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     assert "Something else acts, or scatter is not what it is taken for" in said
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.03, True), (0.01, False), (None, False)])
-def test_friction_that_changes_in_time_by_what_counts_is_said(share, told):
-    noise = {} if share is None else {"slow_axis": share}
-    words = changes_slowly(noise, 0.02)
-    assert (words is not None) == told
-    assert not told or "by 3.0% of itself" in words
+@pytest.mark.parametrize(
+    ("noise", "words"),
+    [
+        ({}, None),
+        ({"slow_axis": 0.01, "map_axis": 0.01, "run_map_axis": 0.01}, None),
+        ({"slow_axis": 0.03}, "friction changes slowly in time within a run, by 3.0% of itself"),
+        ({"map_axis": 0.03}, "friction differs along the path within a run, by 3.0% of itself"),
+        # A load's asymmetry of 5 % of friction, of which every second command was not logged.
+        (
+            {"slow_axis": 0.0176, "map_axis": 0.0113, "run_map_axis": 0.025},
+            "friction differs along the path within a run, by 3.3% of itself",
+        ),
+    ],
+)
+def test_friction_that_differs_within_runs_by_what_counts_is_said(noise, words):
+    told = differs_within_runs(noise, 0.02)
+    assert told is None if words is None else told.startswith(words)

@@ -115,7 +115,7 @@ def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     gap = diagnosis().gap
     share = gap.systematic.q05 / gap.friction_rms
     there = told("undecided", gap, 0.9 * share)
-    assert "is there (probability 0.970); what causes it stays open" in there
+    assert "(probability 0.970); its cause stays open" in there
     assert "gap of up to" in told("undecided", gap, 1.1 * share)
     both = [cause("viscous"), cause("stribeck")]
     together = told("undecided", gap, 0.9 * share, present=both)
@@ -138,13 +138,17 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
     def sentence(practical):
         return told("unknown", gap, practical)
 
-    assert f"of friction), less than the {1.1 * share:.1%} that counts, is" in sentence(1.1 * share)
-    assert "of friction) is there" in sentence(0.9 * share)
+    assert f"of friction), less than the {1.1 * share:.1%} that counts, and" in sentence(
+        1.1 * share
+    )
+    assert "of friction), and none" in sentence(0.9 * share)
 
 
 def test_no_gap_says_how_much_was_recorded():
-    said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows of 6 trials")
-    assert said.endswith("% of friction). This rests on 60 windows of 6 trials.")
+    said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows")
+    assert said.endswith(
+        "% of friction). This rests on 60 windows, each the mean friction over a stretch of motion."
+    )
 
 
 def test_a_gap_of_sensors_alone_is_told_as_none():
@@ -177,11 +181,13 @@ def test_the_sentence_says_what_data_held_out_say():
     nothing = gap.held_out[0].model_copy(update={"below_floor": 0.4})
     why = {"shrink": None, "shrink_why": "the gap is as likely below"}
     open_still = gap.model_copy(update=why | {"held_out": (nothing,)})
-    assert "cannot tell what adding it takes: the gap is as likely" in held_out_words(
-        open_still, viscous
+    assert "cannot tell how much of the gap adding it removes: the gap is as likely" in (
+        held_out_words(open_still, viscous)
     )
-    assert "by no more than scatter explains (0.0523 N rms" in held_out_words(open_still, ())
-    assert "by more than scatter explains" in held_out_words(gap, ())
+    within = held_out_words(open_still, ())
+    assert "is off by 0.0523 N rms; scatter alone makes" in within
+    assert within.endswith("so that chance explains the difference.")
+    assert held_out_words(gap, ()).endswith("so that more than scatter is left.")
 
 
 def placed(*shares, leads):
@@ -200,10 +206,10 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
     def said(where):
         return told(verdict, gap, 0.02, causes, where=where)
 
-    lies = "It lies along velocity (share 0.60 [0.55, 0.65])."
+    lies = "It varies most with velocity, which explains 60% [55%, 65%] of its variance."
     assert lies in said(placed(0.6, 0.1, leads=True))
     for where in (placed(0.3, 0.3, leads=False), placed(0.1, 0.02, leads=True), ()):
-        assert "along" not in said(where)
+        assert "varies most" not in said(where)
 
 
 def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
@@ -218,7 +224,7 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
 @pytest.mark.parametrize(
     ("low", "words"),
     [
-        (0.9995, "removes more than 99.9% of it (mean square)"),
+        (0.9995, "removes more than 99.9% of that gap (mean square)"),
         (0.95, "removes 99.0% [95.0%, 99.5%]"),
     ],
 )

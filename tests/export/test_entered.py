@@ -32,10 +32,11 @@ def test_digits_go_by_the_error_and_fields_by_the_simulator():
 
 def test_what_a_simulator_lacks_is_named_with_its_force():
     assert list(entered_remarks([COULOMB])) == [
-        "No field in Drake for coulomb: 0.61 N·m rms stay wrong without it."
+        "Drake has no field for coulomb: without it the simulation stays off by 0.61 N·m rms."
     ]
     assert list(entered_remarks([COULOMB, SHARE]))[1] == (
-        "No simulator has a field for load-friction.share: 0.34 N·m rms stay wrong without it. "
+        "No simulator has a field for load-friction.share: without it the simulation stays off by "
+        "0.34 N·m rms. "
         "`bayesfric export --to mjcf` writes a callback for it, load_friction.py."
     )
 

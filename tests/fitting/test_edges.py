@@ -16,7 +16,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import board_friction, coulomb_acceleration
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.simulate import table1_coefficients
 
 QUICK = Analysis(seed=5, sampler=Sampler(burn=10, steps=80, thin=3, extensions=0))

@@ -242,5 +242,17 @@ def test_importing_the_package_loads_no_library():
     assert done.stdout.split() == ["bayesfric"]
 
 
+def test_describing_a_recording_loads_nothing_that_only_fits_and_figures_need():
+    code = (
+        "import sys; from bayesfric.rigs import all_rigs; from bayesfric.rigs.opening import *;"
+        "from bayesfric.recording import read_recording; all_rigs();"
+        "print(*{'scipy', 'xarray', 'matplotlib', 'arviz_stats', 'emcee'} & set(sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert done.stdout.split() == []
+
+
 def test_no_public_name_is_the_name_of_a_room():
     assert not set(getattr(bayesfric, "__all__", ())) & set(LEVEL)

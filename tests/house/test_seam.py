@@ -7,10 +7,11 @@ docs/decisions/observation.md has it.
 from bayesfric.observation.exact import ExactModel
 from bayesfric.observation.linear import LinearRig, LinearRows
 from bayesfric.rigs.base import Rig, RigTrials
+from bayesfric.rigs.machine import MachineTrials
 from bayesfric.rigs.readings import ReadingTrials
 
 # What a rig fills, and how many members that has.
-SEAM = {Rig: 9, RigTrials: 45, ExactModel: 10, LinearRows: 15, LinearRig: 10}
+SEAM = {Rig: 9, MachineTrials: 10, RigTrials: 35, ExactModel: 10, LinearRows: 15, LinearRig: 10}
 MOST = 10  # that a rig of readings writes in all
 FIELDS = {  # of which only a type checker knows
     RigTrials: {"rig", "table", "recorded", "loads"},

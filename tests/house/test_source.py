@@ -31,7 +31,6 @@ NOT_YET_SMALL: set[str] = {
     "fitting/pooled.py",
     "planning.py",
     "replaying.py",
-    "rigs/base.py",
     "rigs/gravity_board/rows.py",
     "rigs/single_axis/trials.py",
 }

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from logs.written import ENDS, JOINTS, MAPPINGS, RATE_HZ, motion, write
+from logs.written import ENDS, JOINTS, MAPPINGS, RATE_HZ, WRITERS, motion, write
 
 from bayesfric.errors import InputError
 from bayesfric.logs import import_log
@@ -51,6 +51,19 @@ def test_a_matrix_that_is_wider_than_long_is_turned_and_it_is_said(tmp_path):
 def test_the_bytes_of_its_numbers_are_those_of_a_csv(recordings, end):
     for table in ("axis_samples.csv", "axis_runs.csv"):
         assert (recordings[end] / table).read_bytes() == (recordings["csv"] / table).read_bytes()
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_numbers_of_32_bits_are_the_decimals_that_they_stand_for(tmp_path, end):
+    """At 125 Hz no stamp is exact in 32 bits, and no thousandth of a radian is."""
+    rows = np.arange(200)
+    both = np.stack([np.sin(rows / 30), np.cos(rows / 40)], axis=1).round(3)
+    path = WRITERS[end](tmp_path, rows / 125, both, both[:, ::-1].copy())
+    text = MAPPINGS[end].replace(f"rate_hz = {RATE_HZ}", "rate_hz = 125")
+    made = import_log(path, "elbow", mapping=mapped(tmp_path, text)).recording.axis.samples
+    assert np.array_equal(made["time_s"], (rows / 125).round(9))
+    assert np.array_equal(made["position_m"], both[:, 1])
+    assert np.array_equal(made["force_n"], both[:, 0])
 
 
 @pytest.mark.parametrize("end", ["json", "parquet", "bag"])

@@ -5,6 +5,8 @@ import pytest
 from typer.testing import CliRunner
 
 from bayesfric.cli import app
+from bayesfric.errors import InputError
+from bayesfric.logs.readers import kind_of
 
 TIME = np.arange(40) / 100
 HEADER = "t,q1,qd1,q2,tau1,tau2\n"
@@ -203,6 +205,11 @@ MISTAKES = {
         "joints.1.torque: expected one of position, force, velocity",
     ),
 }
+
+
+def test_a_log_that_is_not_there_is_said_to_be_missing(tmp_path):
+    with pytest.raises(InputError, match=r"no-such\.csv: found 'no such file', expected a log"):
+        kind_of(tmp_path / "no-such.csv")
 
 
 @pytest.mark.parametrize(("given", "said"), MISTAKES.values(), ids=MISTAKES)

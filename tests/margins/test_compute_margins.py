@@ -184,7 +184,7 @@ def test_a_compensator_of_the_reference_is_simulated_and_does_not_hunt(draws):
     assert one.limit_cycle_method == "simulation"
     assert all(point.p == 0 for point in one.limit_cycle_probability)
     assert one.largest_safe_compensation_gain == 3.0
-    assert "0 of 8 (< 31 % at 95 %)" in one.answer  # 1 − 0.05^(1/8)
+    assert "0 of 8 draws (at 95 % confidence, in less than 31 %)" in one.answer  # 1 − 0.05^(1/8)
     assert "which biases" in one.answer
 
 

@@ -145,7 +145,7 @@ def test_none_of_the_draws_is_a_bound_and_not_none(tmp_path):
     one = loop({"compensation.signal": "reference", "kick.reference_range_rad_s": [0, 0]})
     (found,) = compute_margins([one], draws, simulated=20).summary.loops
     # 1 − 0.05^(1/20)
-    assert "0 of 20 (< 14 % at 95 %)" in found.answer
+    assert "0 of 20 draws (at 95 % confidence, in less than 14 %)" in found.answer
     assert "No γ makes" not in found.answer
 
 

@@ -1,6 +1,7 @@
 """The scorecard in the report: from scorecard.json alone, every number where it is said."""
 
 import pytest
+import xarray as xr
 from blind.scored import scored
 from matplotlib.lines import Line2D
 
@@ -18,10 +19,11 @@ from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
 from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table, inlines
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredClaims, StoredResults
 from bayesfric.report.writing import write_report
-from bayesfric.results import json_bytes
-from bayesfric.schemas import Rate
+from bayesfric.resources import reference_folder
+from bayesfric.results import json_bytes, read_json
+from bayesfric.schemas import ClaimsFile, Rate
 
 WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_named": True}
 
@@ -56,10 +58,10 @@ def rows(blocks, label):
 def test_each_promise_stands_with_its_rate_and_whether_it_is_kept(blocks):
     promises = rows(blocks, "promises")
     assert promises["full strength named, own form"] == [
-        *("≥\u00a095.0\u202f%", "95.0\u202f%", "75.1\u202f% to 99.9\u202f%", "19 of 20", "yes"),
+        *("≥\u00a095.0\u202f%", "95.0\u202f%", "75.1\u202f% to 99.9\u202f%", "19 of 20", "kept so far"),
     ]
     falsely = promises["no effect, falsely named"]
-    assert (falsely[0], falsely[1], falsely[4]) == ("≤\u00a02.0\u202f%", "10.0\u202f%", "no")
+    assert (falsely[0], falsely[1], falsely[4]) == ("≤\u00a02.0\u202f%", "10.0\u202f%", "missed so far")
     (table,) = [b for b in blocks if isinstance(b, Table) and b.label == "promises"]
     assert "both of a pair named" not in promises  # no case can judge it
     assert "No case yet for: full strength named, foreign form; " in words(table.note)
@@ -97,7 +99,7 @@ def test_effects_that_were_tried_once_have_no_smallest_strength(card):
 def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
     assert "28 of 32 verdicts are correct" in line
-    assert "3 of 5 promises that these cases can judge are kept" in line
+    assert "judge 5 of 11 promises: 3 kept so far, 2 missed so far (so far: with too few" in line
     assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
     assert scorecard_line(card).kind == "attention"
     fine = card_of([scored()] * 60)
@@ -195,6 +197,16 @@ def test_a_report_of_everything_has_the_chapter_where_there_is_a_scorecard(card)
         if isinstance(b, Heading)
     ]
     assert heads[0] == "Blind test of the diagnosis"
+
+
+def test_a_scorecard_stands_beside_the_claims_of_the_same_folder(card):
+    claims = StoredClaims(read_json(ClaimsFile, reference_folder() / "claims.json"), xr.DataTree())
+    labels = {
+        b.label
+        for b in build_document(StoredResults(claims=claims, scorecard=card)).every_block
+        if isinstance(b, Table)
+    }
+    assert {"verdicts", "verdicts-in-hindsight"} <= labels
 
 
 def test_a_damaged_scorecard_is_an_error(tmp_path):

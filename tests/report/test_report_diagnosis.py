@@ -29,9 +29,10 @@ from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.page_one import page_one
-from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
+from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.chapters.to_use import biased, numbers_to_use
 from bayesfric.report.content import (
+    Column,
     Heading,
     Notice,
     Paragraph,
@@ -91,35 +92,36 @@ def test_a_named_viscous_board_says_the_damping_of_a_pulley():
     }
     named = stored_diagnosis().record.model_copy(update={"law": law})
     slope = named.causes[0].parameters["slope"].q50
-    (table,) = numbers_to_use(named)
-    assert f"As a damping of one pulley: {0.2181 * slope:.2g} (small) N·s/m" in words(table.note)
+    table, _ = numbers_to_use(named)
+    assert table.columns[-1] == Column("damping of a pulley", "N·s/m")
+    assert [words(row[-1]) for row in table.rows] == [f"{0.2181 * slope:.2g}", ""]
 
 
 def test_a_named_board_says_which_numbers_to_use():
     """The refit with the cause stands before the law alone, whose coefficients are biased."""
     law = {"c2[small]": LawNumber(unit="N", before=interval(0.0439), after=interval(0.0261))}
     found = stored_diagnosis().record.model_copy(update={"law": law})
-    (table,) = numbers_to_use(found)
-    rows = {words(row[0]): [words(cell) for cell in row[1:]] for row in table.rows}
-    for name, number in found.law.items():
-        unit, use, alone = rows[words(symbol(name))]
-        assert unit == unit_head(name, number.unit)
-        scale = 10.0 ** exponent(name)  # as the unit says
-        assert scale * float(use.split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
-        assert scale * float(alone.split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
-    assert "viscous.slope" in rows
-    assert "growth with speed, as a share of the friction of a pulley" in words(table.note)
+    table, parameters = numbers_to_use(found)
+    use, alone = ([words(cell) for cell in row] for row in table.rows)
+    assert [use[0], alone[0]] == ["small", "small, law alone (biased)"]
+    assert table.columns[1] == Column(symbol("c2"), "10⁻³\u202fN")
+    number = found.law["c2[small]"]
+    assert 1e-3 * float(use[1].split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
+    assert 1e-3 * float(alone[1].split(" ± ")[0]) == pytest.approx(number.before.q50, rel=0.05)
+    said = words(parameters.text)
+    assert said.startswith("viscous.slope 0.")
+    assert "growth with speed, as a share of the friction of a pulley" in said
     assert not list(numbers_to_use(without_gap().record))
     (table,) = numbers_to_use(without_gap().record.model_copy(update={"law": law}), alone=True)
-    assert [words(cell) for cell in table.rows[0][:2]] == [" small", "10⁻³\u202fN"]
+    assert words(table.rows[0][0]) == "small"
 
 
 def test_sizes_stand_in_their_usual_order():
     found = stored_diagnosis().record
     number = LawNumber(unit="1", before=interval(0.01), after=interval(0.01))
     law = {f"c1[{size}]": number for size in ("large", "small", "mine", "medium")}
-    (table,) = numbers_to_use(found.model_copy(update={"law": law}))
-    sizes = [words(row[0]).split()[-1] for row in table.rows[:4]]
+    table, _ = numbers_to_use(found.model_copy(update={"law": law}))
+    sizes = [words(row[0]) for row in table.rows[:4]]
     assert sizes == ["small", "medium", "large", "mine"]
 
 
@@ -185,10 +187,10 @@ def test_an_unknown_board_says_that_no_effect_makes_it():
 
 def test_verdict_stands_on_page_one_and_leads_to_the_chapter(document):
     (notice,) = [b for b in document.blocks if getattr(b, "title", "") == "Sim-to-real gap"]
-    assert words(notice.text).startswith("Named. Friction grows in proportion to the speed")
+    assert words(notice.text).startswith("Cause named. Friction grows in proportion to the speed")
     assert Reference("diagnosis") in notice.text
     page = PdfReader(io.BytesIO(render_pdf(document))).pages[0]
-    assert "Sim-to-real gap. Named." in " ".join(page.extract_text().split())
+    assert "Sim-to-real gap. Cause named." in " ".join(page.extract_text().split())
 
 
 def test_without_a_diagnosis_nothing_is_said(fit_results):

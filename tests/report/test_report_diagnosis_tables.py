@@ -167,7 +167,7 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
 
 
 def test_unknown_and_unseparated_are_boxes_of_attention():
-    for verdict, title in (("unknown", "Unknown"), ("unseparated", "Not told apart")):
+    for verdict, title in (("unknown", "Cause unknown"), ("unseparated", "Causes not told apart")):
         stored = stored_diagnosis(verdict=verdict, causes=())
         (notice,) = [b for b in chapter(stored, alone=False) if isinstance(b, Notice)]
         assert notice.kind == "attention"

@@ -87,7 +87,7 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
     assert "They may be biased" in captions["unknown"]
     assert captions["no-gap"] == (
         "Enter these numbers in your simulator for the joint elbow. "
-        "Its own are outside of the 90 % interval: coulomb."
+        "Its own coulomb lies outside of the 90 % interval."
     )
     own = COULOMB.model_copy(update={"in_your_simulator": COULOMB.value.q50})
     block = stored().record.model_copy(update={"enter": (own,), "verdict": "no-gap"})

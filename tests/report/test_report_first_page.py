@@ -133,7 +133,7 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
     notice, listed = page_one.worries(found)
     assert (notice.kind, notice.text) == (
         "attention",
-        "4 remarks must be read with the numbers:",
+        "Read these 4 remarks with the numbers:",
     )
     assert listed.items == [
         "The sensors are apart.",
@@ -150,11 +150,12 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
 
 
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
-    line = "Driven by the prior, not by these data: wander_length, tau"
+    line = "These data say little of wander_length, tau: their priors decide them"
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
     assert box.text == (
-        "Driven by the prior, not by these data: the correlation length of the wander, "
-        "the relative scatter of friction from trial to trial."
+        "These data say little of the length over which friction varies along the travel of a "
+        "trial, "
+        "the relative scatter of friction from trial to trial: their priors decide them."
     )
     line, axis = "Parameter omega has not converged; friction wanders", {"rigs": ("single-axis",)}
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,), **axis)))

@@ -23,9 +23,9 @@ HELD = re.compile(r'<script type="application/json" class="([^"]*)">(.*?)</scrip
 
 def chart(name="small"):
     cloud = Cloud(name, "#0072b2", "o", np.array([1.0, np.nan]), np.array([1 / 3, 2.0]),
-                  [["g0001", "2.281 N"], ["g0002", "2.3 N"]])  # fmt: skip
+                  said=[["g0001", "2.281 N"], ["g0002", "2.3 N"]])  # fmt: skip
     line = Curve("", "#000000", np.zeros(2), np.ones(2), dashed=True)
-    return Chart("title", "x [N]", "y [N]", ["trial", "measured"], [cloud], [line])
+    return Chart("title", "x [N]", "y [N]", ["trial", "measured"], clouds=[cloud], curves=[line])
 
 
 def page_of(figure, scripts, monkeypatch):

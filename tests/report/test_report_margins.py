@@ -19,7 +19,7 @@ from bayesfric.plots.margins import (
     nyquist_fan,
 )
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters.gain import gain_lines
+from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
@@ -50,13 +50,16 @@ def test_the_first_line_says_which_gain_to_set(computed):
 
 def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     loop = computed.summary.loops[0]
-    box, _, *figures = gain_lines(computed.summary, alone=True)
+    box, _, specs, decided, _, hunting = gain_lines(computed.summary, alone=True)
     gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
     assert box.title == f"bench: safe at γ = {loop.compensation_gain:g}, meets its spec"
-    assert f"Safe up to γ = {gamma:.2f}: hunts with probability" in box.text[0]
-    assert box.text[0].startswith(f"At the γ = {loop.compensation_gain:g} of the file it hunts in")
-    assert "Of the variance of friction c1, c2 and c3 decide" in box.text[0]
-    assert [one.label for one in figures] == ["limit-cycle", "error-headroom"]
+    assert f" Safe up to γ = {gamma:.2f}: hunts in at most 5\u202f% of the draws." in box.text
+    assert re.match(r"It hunts in \d[\d.]* (of \d+ draws|% .* of the draws)\. Safe", box.text)
+    assert len(box.text) < 100  # the answer and no more
+    assert {row[0] for row in specs.rows} == {"bench", "second"}
+    assert "c1, c2 and c3 make" in decided.text[1]
+    assert hunting.text[0].startswith("To hunt is to swing")
+    assert [one.label for one in gain_figures(computed.summary)] == ["limit-cycle", "error-headroom"]
     bad = loop.model_copy(
         update={"missed_specs": ("lost_motion", "limit_cycle_probability"),
                 "largest_safe_compensation_gain": None,
@@ -64,24 +67,26 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     )  # fmt: skip
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (bad,)}), alone=False)
     assert line.title == f"bench: not safe at γ = {loop.compensation_gain:g}"
-    assert "No gain γ is safe: all draws hunt." in line.text[0]
-    assert "Misses its spec" not in line.text[0]  # lost motion has no spec of a number
+    assert "No gain γ is safe: all draws hunt." in line.text
+    assert "Misses its spec" not in line.text  # lost motion has no spec of a number
     lost = next(one for one in loop.metrics if one.name == "lost_motion")
     tight = bad.model_copy(update={"metrics": (lost.model_copy(update={"spec": 1e-5}),)})
     (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
-    assert (
-        f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} ["
-        in (line.text[0])
-    )
-    assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text[0]
+    assert f"Misses its spec: lost motion of the cable {1e3 * lost.interval.q50:.3g} [" in line.text
+    assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text
+
+
+def grid_of(curve):
+    """Return P(limit cycle) of each stored γ."""
+    return {point.gamma: point.p for point in curve}
 
 
 def test_margins_at_a_prompt_are_drawn(computed):
     found = MarginsResult.of(computed)
     (axes,) = found.plot_hunting().axes
     curve = computed.summary.loops[0].limit_cycle_probability
-    drawn = [line.get_xydata().tolist() for line in axes.lines]
-    assert [[one.gamma, one.p] for one in curve] in drawn
+    drawn = axes.lines[0].get_xydata().tolist()
+    assert grid_of(curve).keys() <= dict(drawn).keys()
     assert len(found.plot_errors().axes) == 2
     bare = [one.model_copy(update={"limit_cycle_probability": ()}) for one in found.summary.loops]
     summary = found.summary.model_copy(update={"loops": tuple(bare)})
@@ -139,7 +144,15 @@ def test_the_figures_draw_what_is_stored(computed):
     one = computed.summary.loops[0]
     axes = limit_cycle_against_gain([one]).axes[0]
     curve = axes.lines[0].get_xydata()
-    assert curve.tolist() == [[p.gamma, p.p] for p in one.limit_cycle_probability]
+    # Between the stored points, of which one may stand on either side of a step, the quantiles.
+    drawn, grid = dict(curve.tolist()), grid_of(one.limit_cycle_probability)
+    for gamma, p in grid.items():
+        assert drawn[gamma] == pytest.approx(p, abs=0.05)
+    (hunting,) = [metric for metric in one.metrics if metric.name == "gamma_hunting"]
+    assert drawn[hunting.quantiles[10]] == 0.5
+    assert np.all(np.diff(curve, axis=0) >= 0)
+    (safe,) = [line for line in axes.lines if line.get_alpha() == 0.6]
+    assert safe.get_xdata()[0] == np.floor(100 * one.largest_safe_compensation_gain) / 100
     chart = computed.summary.loops[1].hunting_map
     hunting = [[0.5] * len(row) for row in chart.probability]
     chart = chart.model_copy(update={"probability": hunting})

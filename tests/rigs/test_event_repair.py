@@ -8,7 +8,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import board_friction
 from bayesfric.rigs.gravity_board.event_repair import repair_events
 from bayesfric.rigs.gravity_board.event_trains import SENSORS
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.simulate import Truth, simulate_recording
 
 SPACING = 0.0098

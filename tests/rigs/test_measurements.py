@@ -12,7 +12,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import board_friction
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.simulate import table1_coefficients
 
 G = 9.80665

@@ -1,6 +1,7 @@
 """Of a load on a spring, the shares of mass and of friction are looked for apart."""
 
 import pytest
+from rigs.looped_joint import LoopedJoint
 from rigs.sprung_joint import SprungJoint
 
 from bayesfric.diagnosis import diagnose
@@ -35,3 +36,17 @@ def test_a_spring_is_named_and_nothing_beside_it():
     assert [cause.effect for cause in found.causes] == ["transmission-compliance"]
     assert found.law["inertia"].after.q50 == pytest.approx(0.063, rel=0.03)
     assert found.law["coulomb"].after.q50 == pytest.approx(0.2, rel=0.05)
+
+
+def test_a_spring_that_the_encoder_does_not_resolve_is_not_examined():
+    """Counts in the loop of joints without one came back as springs of a fifth of a count to one.
+
+    How a load follows is told along a path that has the errors of the force's own inertia.
+    """
+    counts = {"count": 4e-3, "sampled_hz": 200.0, "seconds": 4.0, "damping": 3.0}
+    joint = LoopedJoint(coulomb=0.8, gravity=0.0, **counts)
+    runs = AXIS.trials(joint.recording())
+    assert max(runs.measures.lengths["play"]) > 2 * joint.count
+    assert min(runs.measures.lengths["spring"]) < 2 * joint.count
+    assert "spring" not in runs.offers
+    assert "play" in runs.offers

@@ -12,8 +12,7 @@ from bayesfric.physics.gravity import board_friction
 from bayesfric.physics.motor import motor_friction, nominal_tension
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.resources import bundled_recording
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
-from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
 from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 

@@ -15,9 +15,7 @@ from bayesfric.blind.engines.recorder import Train
 from bayesfric.blind.engines.state import ImposedEffect, Kind
 
 SELDOM = 0.12  # of each gap in the design
-BACKGROUND_STRENGTH = (
-    0.045  # strength of the background, below 0.5 % rms of friction in the worst case
-)
+BACKGROUND_STRENGTH = 0.045  # of all of it: below 0.5 % rms of friction in the worst case
 CRAWL_M_S2 = 0.05  # of the trial that nearly stalls
 BOUNCE_S = 4e-4  # between an event and its double
 MARGIN = 8  # events at either end of a train that are spared

@@ -117,16 +117,9 @@ def trials_of(rng: Generator) -> Trials:
         pairs = [_masses(size, n, wrap, t, fast) for t, fast in product(TENSIONS_N, (False, True))]
         for place, pair in enumerate(rng.permutation(len(pairs))):
             rows.append((setup, size, n, wrap, *pairs[pair], place % 2))
-    columns = np.array(rows).T
-    return Trials(
-        columns[0].astype(int),
-        columns[1].astype(int),
-        columns[2],
-        columns[3],
-        columns[4],
-        columns[5],
-        columns[6].astype(bool),
-    )
+    setup, size, count, wrap, drive, load, left = np.array(rows).T
+    of_cell = setup.astype(int), size.astype(int), count, wrap
+    return Trials(*of_cell, drive, load, left.astype(bool))
 
 
 def bench_of(rng: Generator) -> Bench:
@@ -137,7 +130,8 @@ def bench_of(rng: Generator) -> Bench:
         runs = list(product(weights, SPEEDS_M_S))
         rows += [(setup, size, n, wrap, *runs[run]) for run in rng.permutation(len(runs))]
     columns = np.array(rows).T
-    return Bench(columns[0].astype(int), columns[1].astype(int), *columns[2:])
+    setup, size = columns[:2].astype(int)
+    return Bench(setup, size, *columns[2:])
 
 
 def unbalanced(trials: Trials, rng: Generator) -> NDArray[np.intp]:

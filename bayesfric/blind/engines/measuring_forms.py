@@ -4,15 +4,15 @@ A law on a sensor returns by how much a magnet passes beyond its place [m], one 
 clock by which share a time reads too long, one on the motor an addition to the current [A].
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
+from bayesfric.blind.engines.factors import Parameters, uniform
 from bayesfric.blind.engines.state import Array, Form, Kind, Passage
 
-Parameters = Mapping[str, Any]
 MAGNETS = 5
 
 MASS_ERROR = Kind(
@@ -52,9 +52,7 @@ def _ringing(p: Parameters, at: Passage, stretch: Array | float) -> Array:
     return np.asarray(wave * (at.drive_kg if at.at_load else -at.load_kg) / both)
 
 
-def _stiffness(rng: Generator, trials: int) -> dict[str, Any]:
-    return {"stiffness": float(rng.uniform(7000, 12000))}
-
+_STIFFNESS = uniform(stiffness=(7000, 12000))
 
 CABLE_COMPLIANCE = Kind(
     "cable-compliance",
@@ -66,7 +64,7 @@ CABLE_COMPLIANCE = Kind(
             True,
             lambda p, at, t: _ringing(p, at, p["amplitude"]),
             "reading",
-            draw=_stiffness,
+            draw=_STIFFNESS,
         ),
         Form(
             "other-damping",
@@ -74,7 +72,7 @@ CABLE_COMPLIANCE = Kind(
             lambda p, at, t: _ringing(p, at, p["amplitude"]),
             "reading",
             draw=lambda rng, n: {
-                **_stiffness(rng, n),
+                **_STIFFNESS(rng, n),
                 "damping": float(rng.choice([rng.uniform(0.02, 0.035), rng.uniform(0.07, 0.12)])),
             },
         ),
@@ -83,7 +81,7 @@ CABLE_COMPLIANCE = Kind(
             False,
             lambda p, at, t: _ringing(p, at, p["amplitude"] * at.friction_n),
             "reading",
-            draw=_stiffness,
+            draw=_STIFFNESS,
         ),
     ),
     ("time",),

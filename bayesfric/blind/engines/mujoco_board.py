@@ -16,12 +16,13 @@ from numpy.random import Generator
 
 from bayesfric.blind.engines.boards import SPACING_M, board_of
 from bayesfric.blind.engines.design import TRAVEL_M, Trials, trials_of
-from bayesfric.blind.engines.law import GRAVITY, SIZES, Nature, draw_nature
+from bayesfric.blind.engines.law import GRAVITY, Nature, draw_nature
 from bayesfric.blind.engines.motion import Motion
 from bayesfric.blind.engines.mujoco_cable import STEP_S, Cable, closed_form, moved
 from bayesfric.blind.engines.recorder import event_trains, gravity_tables, recorded
 from bayesfric.blind.engines.reference import Made as Made
 from bayesfric.blind.engines.reference import Withheld as Withheld
+from bayesfric.blind.engines.reference import coefficients_of, stream
 from bayesfric.blind.engines.state import Array
 
 LONGEST_S = 8.0
@@ -164,11 +165,11 @@ def make(
     del beside
     if design != "quick" or any(name not in BY_NAME for name, _ in withheld.effects):
         raise ValueError(f"no design {design!r}, or no effects {withheld.effects!r}")
-    nature, trials = draw_nature(_stream(seed, NATURE)), trials_of(_stream(seed, TRIALS))
-    factor = _scatter(nature, trials, _stream(seed, SCATTER)) if noise else np.ones(len(trials))
+    nature, trials = draw_nature(stream(seed, NATURE)), trials_of(stream(seed, TRIALS))
+    factor = _scatter(nature, trials, stream(seed, SCATTER)) if noise else np.ones(len(trials))
     chosen = [(BY_NAME[name], strength) for name, strength in withheld.effects]
     amplitudes = [_amplitude(mechanism, strength, nature, trials) for mechanism, strength in chosen]
-    soft = _stream(seed, SOLVER).uniform(0.002, 0.006, len(trials))
+    soft = stream(seed, SOLVER).uniform(0.002, 0.006, len(trials))
     cables = _cables(
         nature,
         trials,
@@ -178,19 +179,16 @@ def make(
     )
     motion = _motion([moved(cable, _time_of(cable)) for cable in cables])
     phases = {
-        at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
+        at_load: stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
         for at_load in (False, True)
     }
-    clock = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
+    clock = stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     board = board_of(nature, trials)
     quiet = nature if noise else None
-    trains = event_trains(board, motion, (), phases, clock, quiet, _stream(seed, EVENTS))
+    trains = event_trains(board, motion, (), phases, clock, quiet, stream(seed, EVENTS))
     tables, lost = gravity_tables(trials, trains, ticks=noise)
     truth = {
-        "coefficients": {
-            size: dict(zip(("c1", "c2", "c3"), map(float, row), strict=True))
-            for size, row in zip(SIZES, nature.coefficients, strict=True)
-        },
+        "coefficients": coefficients_of(nature),
         "scatter": {name: getattr(nature, name) for name in ("tau", "omega", "sigma_x", "sigma_t")},
         "kind": withheld.kind,
         "withheld": [
@@ -208,10 +206,6 @@ def make(
         "awkward": {"left_out": [f"g{i + 1:04d}" for i in lost]},
     }
     return Made(recorded(tables), truth)
-
-
-def _stream(seed: int, *which: int) -> Generator:
-    return np.random.default_rng([seed, *which])
 
 
 def _scatter(nature: Nature, trials: Trials, rng: Generator) -> Array:

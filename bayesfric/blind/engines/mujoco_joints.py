@@ -18,7 +18,7 @@ from numpy.random import Generator
 
 from bayesfric.blind.engines.joint_arm import Acting, Arm, Control, Moved, mjcf, moved
 from bayesfric.blind.engines.joint_forms import MECHANISMS, OUTSIDERS, Mechanism, Scales
-from bayesfric.blind.engines.reference import Made, Withheld
+from bayesfric.blind.engines.reference import Made, Withheld, stream
 from bayesfric.blind.engines.state import Array
 from bayesfric.recording import Recording, read_recording
 
@@ -117,10 +117,6 @@ def outsider_names() -> tuple[str, ...]:
     return tuple(outsider.name for outsider in OUTSIDERS)
 
 
-def _stream(seed: int, *which: int) -> Generator:
-    return np.random.default_rng([seed, *which])
-
-
 def drawn_world(seed: int, needs: frozenset[str], design: str) -> World:
     """Draw a world that has what mechanisms need.
 
@@ -133,7 +129,7 @@ def drawn_world(seed: int, needs: frozenset[str], design: str) -> World:
     design : str
         ``perfect`` or ``real`` signals.
     """
-    rng = _stream(seed, NATURE)
+    rng = stream(seed, NATURE)
     knows = str(rng.choice(KNOWLEDGE, p=(0.5, 0.2, 0.2, 0.1)))
     several = int(rng.choice((2, 3), p=(0.75, 0.25)))
     joints = {"nothing": 1, "known-force": int(rng.integers(1, 4))}.get(knows, several)
@@ -230,7 +226,7 @@ def path_of(world: World, run: int, seed: int) -> tuple[Array, Array]:
     goals, rates : ndarray, shape (N, joints)
         [rad], [rad/s].
     """
-    rng = _stream(seed, PATH, run)
+    rng = stream(seed, PATH, run)
     times = np.arange(round(world.seconds * world.control.rate_hz)) / world.control.rate_hz
     flow = np.ones(times.size)
     if world.rests:
@@ -320,7 +316,7 @@ def _weight_is_unknown(world: World) -> bool:
 def moved_run(world: World, acting: Sequence[Acting], run: int, seed: int) -> Moved:
     """Return one run of a world, with what acts in its joint."""
     goals, rates = path_of(world, run, seed)
-    rng = _stream(seed, DRIVE, run)
+    rng = stream(seed, DRIVE, run)
     rough = 1 + world.scatter * rng.standard_normal(world.arm.joints)
     half = world.runs / 2
     if world.tested and run < half:
@@ -369,8 +365,8 @@ def scaled(world: World, mechanism: Mechanism, strength: float, seed: int, place
 
     Where that is no plausible amplitude, it has the largest that is.
     """
-    numbers = mechanism.draw(_stream(seed, SHAPE, place), world.scales)
-    sign = -1.0 if mechanism.signed and _stream(seed, SIGN, place).random() < 0.5 else 1.0
+    numbers = mechanism.draw(stream(seed, SHAPE, place), world.scales)
+    sign = -1.0 if mechanism.signed and stream(seed, SIGN, place).random() < 0.5 else 1.0
     share = FULL * strength
     at = (0, world.runs - 1)
     plain = [moved_run(world, (), run, seed) for run in at]
@@ -461,7 +457,7 @@ def recorded(world: World, runs: Sequence[Moved], seed: int) -> Recording:
         rig["known_force_sd"] = 0.005 * world.arm.coulomb[world.target]
     files: dict[str, str] = {}
     if world.knows == "model":
-        rng = _stream(seed, LOG)
+        rng = stream(seed, LOG)
         off = 1 + MODEL_ERROR * rng.standard_normal(world.arm.joints)
         files["arm.xml"] = mjcf(
             world.arm, masses=[m * f for m, f in zip(world.arm.masses, off, strict=True)]
@@ -495,7 +491,7 @@ def _rows(
 ) -> dict[str, Any]:
     """Return what the telemetry has of one joint in one run."""
     telemetry = world.telemetry
-    rng = _stream(seed, LOG, run, joint)
+    rng = stream(seed, LOG, run, joint)
     rows = np.arange(0, log.time_s.size, telemetry.every)
     held = rows[np.arange(rows.size) // telemetry.held * telemetry.held]
     interval = telemetry.every / world.control.rate_hz

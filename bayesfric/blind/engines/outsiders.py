@@ -5,16 +5,15 @@ an axis, some effect of the package fits any curve through them. So an outsider 
 with wrap angle or tension does not scale with the rest of friction as those effects do.
 """
 
-from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
+from bayesfric.blind.engines.factors import Draw, Parameters, scaled, share, uniform
 from bayesfric.blind.engines.law import TABLE_I
-from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
+from bayesfric.blind.engines.state import Array, BoardState, Form, Kind, Law, no_parameters
 
-Parameters = Mapping[str, Any]
 MEDIUM_N = float(TABLE_I[1, 0] * 15 + TABLE_I[1, 1])  # of one pulley at 15 N and 85°
 
 
@@ -25,20 +24,15 @@ def _either(rng: Generator, *choices: Any) -> Any:
 def _kind(
     name: str,
     axes: tuple[str, ...],
-    factor: Callable[[Parameters, BoardState], Any] | None,
-    draw: Callable[[Generator], dict[str, Any]],
+    law: Law,
+    draw: Draw = no_parameters,
     *,
-    law: Any = None,
     affine: bool = True,
     signed: bool = True,
     needs: str = "",
     boards: tuple[str, ...] = ("gravity", "motor"),
 ) -> Kind:
-    def share(p: Parameters, s: BoardState, tension: Array) -> Array:
-        assert factor is not None
-        return np.asarray(p["amplitude"] * factor(p, s) * s.friction(tension))
-
-    form = Form(name, False, law or share, draw=lambda rng, trials: draw(rng), affine=affine)
+    form = Form(name, False, law, draw=draw, affine=affine)
     return Kind(name, "amplitude", "1", (form,), axes, signed, needs, boards)
 
 
@@ -60,101 +54,78 @@ def _crossed(p: Parameters, s: BoardState, tension: Array) -> Array:
     return np.asarray(p["amplitude"] * (s.speed_m_s - 0.6) * (tension / 15 - 1) * s.scale_n)
 
 
-def _bump_of_wrap(p: Parameters, s: BoardState, tension: Array) -> Array:
-    bump = _bump(s.wrap_angle_deg, p["angle"], p["width"])
-    return np.asarray(p["amplitude"] * bump * s.scale_n + 0.0 * tension)
-
-
 OUTSIDERS = (
     _kind(  # a worn place of the cable
         "dip-in-travel",
         ("displacement",),
-        lambda p, s: 0.0 if s.steady else -_bump(s.travel_m, p["place"], p["width"]),
-        lambda rng: {
-            "place": float(rng.uniform(0.2, 0.45)),
-            "width": float(rng.uniform(0.03, 0.07)),
-        },
+        share(lambda p, s: 0.0 if s.steady else -_bump(s.travel_m, p["place"], p["width"])),
+        uniform(place=(0.2, 0.45), width=(0.03, 0.07)),
         signed=False,
         boards=("gravity",),
     ),
     _kind(  # a regime of lubrication that ends
         "step-in-speed",
         ("velocity",),
-        lambda p, s: _step(s.speed_m_s, p["speed"], 0.02),
-        lambda rng: {"speed": float(rng.uniform(0.4, 0.75))},
+        share(lambda p, s: _step(s.speed_m_s, p["speed"], 0.02)),
+        uniform(speed=(0.4, 0.75)),
     ),
     _kind(
         "resonance-in-speed",
         ("velocity",),
-        lambda p, s: _bump(s.speed_m_s, p["speed"], p["width"]),
-        lambda rng: {
-            "speed": float(rng.uniform(0.4, 0.75)),
-            "width": float(rng.uniform(0.05, 0.12)),
-        },
+        share(lambda p, s: _bump(s.speed_m_s, p["speed"], p["width"])),
+        uniform(speed=(0.4, 0.75), width=(0.05, 0.12)),
         signed=False,
     ),
     _kind(
         "tension-threshold",
         ("tension",),
-        None,
-        lambda rng: {
-            "tension": float(rng.uniform(17.0, 22.0)),
-            "width": float(rng.uniform(0.2, 0.6)),
-        },
-        law=_kinked,
+        _kinked,
+        uniform(tension=(17.0, 22.0), width=(0.2, 0.6)),
         affine=False,
         signed=False,
     ),
     _kind(
         "bump-in-wrap",
         ("wrap_angle",),
-        None,
-        lambda rng: {
-            "angle": float(rng.uniform(75.0, 95.0)),
-            "width": float(rng.uniform(15.0, 25.0)),
-        },
-        law=_bump_of_wrap,
+        scaled(lambda p, s: _bump(s.wrap_angle_deg, p["angle"], p["width"])),
+        uniform(angle=(75.0, 95.0), width=(15.0, 25.0)),
     ),
     _kind(  # one plate that is bent: its pulleys stand askew
         "one-pulley-count",
         ("n_pulleys",),
-        lambda p, s: np.where(s.n_pulleys == p["count"], 1.0, 0.0),
-        lambda rng: {"count": int(_either(rng, 9, 15))},
+        share(lambda p, s: np.where(s.n_pulleys == p["count"], 1.0, 0.0)),
+        lambda rng, trials: {"count": int(_either(rng, 9, 15))},
         signed=False,
     ),
     _kind(  # days and nights
         "wave-in-order",
         ("order",),
-        lambda p, s: np.sin(2 * np.pi * p["cycles"] * s.order + p["phase"]),
-        lambda rng: {
-            "cycles": float(rng.uniform(1.5, 2.5)),
-            "phase": float(rng.uniform(0, 2 * np.pi)),
-        },
+        share(lambda p, s: np.sin(2 * np.pi * p["cycles"] * s.order + p["phase"])),
+        uniform(cycles=(1.5, 2.5), phase=(0, 2 * np.pi)),
         signed=False,
     ),
     _kind(  # a wave on the cable itself, not of any pulley
         "wave-in-travel",
         ("displacement",),
-        lambda p, s: 0.0 if s.steady else np.cos(2 * np.pi * s.travel_m / p["length"] + p["phase"]),
-        lambda rng: {
-            "length": float(rng.uniform(0.2, 0.35)),
-            "phase": float(rng.uniform(0, 2 * np.pi)),
-        },
+        share(
+            lambda p, s: (
+                0.0 if s.steady else np.cos(2 * np.pi * s.travel_m / p["length"] + p["phase"])
+            )
+        ),
+        uniform(length=(0.2, 0.35), phase=(0, 2 * np.pi)),
         signed=False,
         boards=("gravity",),
     ),
     _kind(  # bearings that are loaded further as they are spun up
         "load-of-acceleration",
         ("acceleration",),
-        lambda p, s: s.acceleration_m_s2 / 0.6,
-        lambda rng: {},
+        share(lambda p, s: s.acceleration_m_s2 / 0.6),
         boards=("gravity",),
     ),
     _kind(  # the motor's plate is out of line
         "motor-board-askew",
         ("rig",),
-        lambda p, s: 1.0 if s.steady else 0.0,
-        lambda rng: {},
+        share(lambda p, s: 1.0 if s.steady else 0.0),
         signed=False,
         needs="motor",
         boards=("motor",),
@@ -162,22 +133,24 @@ OUTSIDERS = (
     _kind(
         "speed-by-tension",
         ("velocity", "tension"),
-        None,
-        lambda rng: {},
-        law=_crossed,
+        _crossed,
     ),
     _kind(  # grease that is pushed ahead, in one size
         "one-size-along-travel",
         ("displacement", "pulley_size"),
-        lambda p, s: 0.0 if s.steady else np.where(s.size == p["size"], s.travel_m / 0.3 - 1, 0.0),
-        lambda rng: {"size": int(_either(rng, 0, 1, 2))},
+        share(
+            lambda p, s: (
+                0.0 if s.steady else np.where(s.size == p["size"], s.travel_m / 0.3 - 1, 0.0)
+            )
+        ),
+        lambda rng, trials: {"size": int(_either(rng, 0, 1, 2))},
         boards=("gravity",),
     ),
     _kind(  # friction that waits for the travel to have settled, at one spot and speed
         "speed-late-in-travel",
         ("velocity", "displacement"),
-        lambda p, s: 0.0 if s.steady else s.speed_m_s * _step(s.travel_m, p["place"], 0.02),
-        lambda rng: {"place": float(rng.uniform(0.25, 0.4))},
+        share(lambda p, s: 0.0 if s.steady else s.speed_m_s * _step(s.travel_m, p["place"], 0.02)),
+        uniform(place=(0.25, 0.4)),
         boards=("gravity",),
     ),
 )

@@ -21,7 +21,7 @@ from bayesfric.blind.engines.awkward import (
 from bayesfric.blind.engines.boards import SPACING_M, board_of, motor_state
 from bayesfric.blind.engines.catalogue import EFFECTS, OUTSIDERS_BY_NAME, drawn, forms_of
 from bayesfric.blind.engines.design import TRAVEL_M, Trials, bench_of, trials_of, unbalanced
-from bayesfric.blind.engines.law import SIZES, Nature, draw_nature
+from bayesfric.blind.engines.law import SIZES, TYPICAL, Nature, draw_nature
 from bayesfric.blind.engines.motion import move
 from bayesfric.blind.engines.nuisances import (
     Nuisances,
@@ -146,27 +146,27 @@ def make(
         If `withheld` or `design` names something that there is not.
     """
     _check(withheld, design)
-    nature = draw_nature(_stream(seed, NATURE))
+    nature = draw_nature(stream(seed, NATURE))
     kinds = [(EFFECTS | OUTSIDERS_BY_NAME)[name] for name, _ in withheld.effects]
-    awkward = draw_awkward(_stream(seed, AWKWARD), {kind.needs for kind in kinds}, background)
-    trials = trials_of(_stream(seed, TRIALS))
+    awkward = draw_awkward(stream(seed, AWKWARD), {kind.needs for kind in kinds}, background)
+    trials = trials_of(stream(seed, TRIALS))
     if awkward.unbalanced:
-        trials = _rows(trials, unbalanced(trials, _stream(seed, AWKWARD, 1)))
-    bench = bench_of(_stream(seed, BENCH)) if awkward.motor_board else None
+        trials = _rows(trials, unbalanced(trials, stream(seed, AWKWARD, 1)))
+    bench = bench_of(stream(seed, BENCH)) if awkward.motor_board else None
     phases = _phases(seed, awkward.sensors, len(trials))
     board = board_of(nature, trials)
     runs = None if bench is None else motor_state(nature, bench)
     clean = CleanDesign.of(board, move(board, ()), phases, runs)
     effects = [
-        scaled(drawn(kind, strength, withheld.form, len(trials), _stream(seed, WITHHELD, i)), clean)
+        scaled(drawn(kind, strength, withheld.form, len(trials), stream(seed, WITHHELD, i)), clean)
         for i, (kind, (_, strength)) in enumerate(zip(kinds, withheld.effects, strict=True))
     ]
-    small = background_of(kinds, awkward, len(trials), _stream(seed, BACKGROUND))
+    small = background_of(kinds, awkward, len(trials), stream(seed, BACKGROUND))
     other = [scaled(effect, clean) for effect in small if background and beside]
     acting = effects + other
     factor, motor_factor = _scatter(nature, trials, bench, background, seed)
     if noise and background:
-        slow, trials = nearly_stalling(nature, trials, acting, _stream(seed, AWKWARD, 2))
+        slow, trials = nearly_stalling(nature, trials, acting, stream(seed, AWKWARD, 2))
         awkward = replace(awkward, nearly_stalls=slow)
     board = board_of(nature, trials, factor if noise else None)
     nuisances = Nuisances()
@@ -174,21 +174,21 @@ def make(
         # Where the ends differ by what is withheld, they differ by nothing beside it.
         ends = beside and "end-asymmetry" not in {kind.name for kind in kinds}
         nuisances = _nuisances(seed, noise=noise, ends=ends)
-        board = disturbed(board, trials, nuisances, _stream(seed, NUISANCES, 1))
-    clock_start = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
+        board = disturbed(board, trials, nuisances, stream(seed, NUISANCES, 1))
+    clock_start = stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     motion = move(board, acting)
     noise_of = nature if noise else None
     trains = event_trains(
-        board, motion, acting, phases, clock_start, noise_of, _stream(seed, EVENTS)
+        board, motion, acting, phases, clock_start, noise_of, stream(seed, EVENTS)
     )
     if noise and background:
-        disturb_rng = _stream(seed, NUISANCES, 2)
+        disturb_rng = stream(seed, NUISANCES, 2)
         trains = disturbed_trains(trains, board, clock_start, nuisances, disturb_rng)
-        trains, awkward = spoiled(trains, awkward, _stream(seed, AWKWARD, 3))
+        trains, awkward = spoiled(trains, awkward, stream(seed, AWKWARD, 3))
     tables, lost = gravity_tables(trials, trains, ticks=noise)
     if bench is not None and runs is not None:
         scatter = motor_factor if noise else np.ones((len(bench), 1))
-        currents = _stream(seed, CURRENTS) if noise else None
+        currents = stream(seed, CURRENTS) if noise else None
         tables |= motor_tables(bench, runs, acting, scatter, nature, currents)
     truth = _truth(nature, withheld, effects, other, awkward)
     truth["nuisances"] = nuisances.as_json()
@@ -201,7 +201,7 @@ def make(
 def _phases(seed: int, sensors: str, trials: int) -> dict[bool, Array]:
     """Draw where the first magnet of each sensor stands [m], by whether it is at the load."""
     return {
-        at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (trials, 1))
+        at_load: stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (trials, 1))
         for at_load in (False, True)
         if sensors in ("both", "load" if at_load else "drive")
     }
@@ -209,7 +209,7 @@ def _phases(seed: int, sensors: str, trials: int) -> dict[bool, Array]:
 
 def _nuisances(seed: int, *, noise: bool, ends: bool) -> Nuisances:
     """Draw nuisances; without noise only the ends of the board may differ."""
-    nuisances = draw_nuisances(_stream(seed, NUISANCES))
+    nuisances = draw_nuisances(stream(seed, NUISANCES))
     if not ends:
         nuisances = replace(nuisances, ends=0.0)
     return nuisances if noise else Nuisances(ends=nuisances.ends)
@@ -235,7 +235,8 @@ def _check(withheld: Withheld, design: str) -> None:
             forms_of(EFFECTS[name], withheld.form)
 
 
-def _stream(seed: int, *which: int) -> Generator:
+def stream(seed: int, *which: int) -> Generator:
+    """Return the random numbers of one part of a case."""
     return np.random.default_rng([seed, *which])
 
 
@@ -248,14 +249,14 @@ def _scatter(
 ) -> tuple[Array, Array]:
     """Draw the factors of friction, of the trials and, (runs, 1), of the motor board."""
 
-    def normals(size: int, stream: int) -> Array:
-        rng = _stream(seed, SCATTER, stream)
+    def normals(size: int, part: int) -> Array:
+        rng = stream(seed, SCATTER, part)
         if not heavy:
             return rng.standard_normal(size)
         return np.asarray(rng.standard_t(STUDENT_DEGREES, size) * np.sqrt(1 - 2 / STUDENT_DEGREES))
 
-    def by_trial(setup: Array, stream: int) -> Array:
-        setups = _stream(seed, SCATTER, stream).standard_normal(int(setup.max()) + 1)
+    def by_trial(setup: Array, part: int) -> Array:
+        setups = stream(seed, SCATTER, part).standard_normal(int(setup.max()) + 1)
         return np.asarray(setups[setup])
 
     factor = 1 + nature.tau * normals(len(trials), 0) + nature.omega * by_trial(trials.setup, 1)
@@ -269,6 +270,14 @@ def _scatter(
     return factor, runs[:, None]
 
 
+def coefficients_of(nature: Nature) -> dict[str, dict[str, float]]:
+    """Return the true c1 [-], c2 [N] and c3 [1/deg] by pulley size."""
+    return {
+        size: dict(zip(("c1", "c2", "c3"), map(float, row), strict=True))
+        for size, row in zip(SIZES, nature.coefficients, strict=True)
+    }
+
+
 def _truth(
     nature: Nature,
     withheld: Withheld,
@@ -277,19 +286,9 @@ def _truth(
     awkward: Awkward,
 ) -> dict[str, Any]:
     return {
-        "coefficients": {
-            size: dict(zip(("c1", "c2", "c3"), map(float, row), strict=True))
-            for size, row in zip(SIZES, nature.coefficients, strict=True)
-        },
+        "coefficients": coefficients_of(nature),
         "scatter": {
-            "tau": nature.tau,
-            "omega": nature.omega,
-            "tau_motor": nature.tau_motor,
-            "omega_motor": nature.omega_motor,
-            "sigma_x": nature.sigma_x,
-            "sigma_t": nature.sigma_t,
-            "sigma_current": nature.sigma_current,
-            "load_noise": nature.load_noise,
+            **{name: getattr(nature, name) for name in TYPICAL},
             "idle_current": [float(value) for value in nature.idle],
         },
         "kind": withheld.kind,

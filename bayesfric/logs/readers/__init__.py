@@ -44,7 +44,7 @@ def kind_of(path: Path) -> str:
         raise InputError([Fault(str(path), expected, value="a folder without it")])
     kinds = f"a log: a file that ends in {', '.join(KINDS)}, or the folder of a ROS 2 bag"
     if not path.is_file():
-        raise InputError([Fault(str(path), kinds)])
+        raise InputError([Fault(str(path), kinds, value="no such file")])
     kind = KINDS.get(path.suffix.lower())
     if kind is None:
         raise InputError([Fault(str(path), kinds, value=path.suffix or path.name)])

@@ -40,13 +40,21 @@ ENOUGH = 5
 def scorecard_line(card: ScorecardFile) -> Notice:
     """Return the outcome for a report's first page."""
     missed = [target.name for target in card.targets if target.met is False]
-    kept = sum(target.met is True for target in card.targets)
-    judged = kept + len(missed)
-    said = f"{_of(card.accuracy)} verdicts are correct. {kept} of {judged} promises that these "
-    said += "cases can judge are kept"
+    outcomes = [target.outcome for target in card.targets if target.rate.rate is not None]
+    counts = [
+        f"{outcomes.count(outcome)} {outcome}"
+        for outcome in ("kept", "kept so far", "missed", "missed so far")
+        if outcome in outcomes
+    ]
+    said = f"{_of(card.accuracy)} verdicts are correct"
+    if counts:
+        said += f". These cases judge {len(outcomes)} of {len(card.targets)} promises: "
+        said += ", ".join(counts)
+    if any("so far" in count for count in counts):
+        said += " (so far: with too few cases to be sure)"
     which = f". Missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
-    proof = " The effects were tuned on these seeds: the rates prove nothing." if tuning else ""
+    proof = " These seeds were used to tune the effects: the rates prove nothing." if tuning else ""
     return Notice(
         "attention" if missed else "info" if tuning else "good",
         [f"{said}{which}.{proof} See ", Reference("blind"), "."],
@@ -96,28 +104,23 @@ def _promises(card: ScorecardFile) -> Table:
     few = [target for target in card.targets if target.met is None and target.rate.cases]
     return Table(
         "What was promised, and what came of it.",
-        ["promise", *right_columns("range", "rate", "95 % interval", "cases"), "kept"],
+        ["promise", *right_columns("range", "rate", "95 % interval", "cases"), "outcome"],
         [
             [
                 target.name,
                 _range(target),
                 *_cells(target.rate),
-                _kept(target.met),
+                Strong(target.outcome) if target.met is False else target.outcome,
             ]
             for target in card.targets
             if target.rate.rate is not None
         ],
         label="promises",
-        note="A promise is kept if the rate keeps it; the interval is that of Clopper and Pearson."
+        note="Kept: the whole interval (Clopper and Pearson) lies in the range that is promised. "
+        "Kept so far: the rate does, and more cases are needed to be sure. Missed likewise."
         + (f" No case yet for: {'; '.join(untried)}." if untried else "")
         + "".join(f" {target.name}: {target.met_why}." for target in few),
     )
-
-
-def _kept(met: bool | None) -> Text:
-    if met is None:
-        return MISSING
-    return "yes" if met else Strong("no")
 
 
 def _figure(card: ScorecardFile) -> Figure:
@@ -127,7 +130,8 @@ def _figure(card: ScorecardFile) -> Figure:
     return Figure(
         svg_of(promises_and_reliability, card),
         [
-            "Left: rates with 95 % intervals; what is promised is shaded, a cross is a miss. "
+            "Left: rates with 95 % intervals. Shaded: what is promised. A cross: missed; grey: too "
+            "few cases to be sure. "
             "Right: how often verdicts come true over the probability that they report, a dot "
             "for each range of it; grey bars hold 95 % of what true probabilities would give. "
             "From ",
@@ -208,7 +212,7 @@ def _true_by_verdict(card: ScorecardFile) -> Table:
             ]
             for verdict, stated in card.reliability_by_verdict.items()
         ],
-        label="verdicts",
+        label="verdicts-in-hindsight",
         note="Said: the mean probability. Expected: where the share should lie, 95 %, if the "
         "probabilities are right. Below it verdicts are too sure, above it not sure enough.",
     )

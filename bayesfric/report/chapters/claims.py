@@ -1,6 +1,6 @@
 """The paper's claims: refuted and open ones on page one, and a chapter with their evidence."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Literal, TypeAlias
 
 from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
@@ -43,8 +43,16 @@ FAMILIES = {
 }
 
 
-def fallen(judged: ClaimsFile) -> Notice:
-    """Return, for page one, which of the paper's claims are refuted and which stay open."""
+def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
+    """Return, for page one, which of the paper's claims are refuted and which stay open.
+
+    Parameters
+    ----------
+    judged : ClaimsFile
+        As it is stored.
+    lacking : str
+        A force that the laws of the claims lack, which may be why one is refuted.
+    """
     by_verdict = {
         verdict: [claim for claim in judged.claims if claim.verdict == verdict] for verdict in SIGNS
     }
@@ -54,17 +62,25 @@ def fallen(judged: ClaimsFile) -> Notice:
         f"{len(ones)} {_worded(verdict)}" for verdict, ones in by_verdict.items() if ones
     )
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
-    for claim in by_verdict["refuted"]:
+    if lacking and by_verdict["refuted"]:
+        said += [" ", Strong("Refuted:"), " ", *_codes(by_verdict["refuted"])]
+        said.append(
+            f". The claims are judged by laws that lack {lacking}, which may be the reason."
+        )
+    for claim in () if lacking else by_verdict["refuted"]:
         said += [" ", Strong("Refuted:"), " ", Code(claim.id), f": {claim.reason}"]
     for verdict, word in (("undecided", "Undecided"), ("not-testable", "Not testable")):
         if by_verdict[verdict]:
-            said.append(f" {word}: ")
-            for place, claim in enumerate(by_verdict[verdict]):
-                said += [", " if place else "", Code(claim.id)]
-            said.append(".")
+            said += [f" {word}: ", *_codes(by_verdict[verdict]), "."]
     all_hold = len(by_verdict["supported"]) == len(judged.claims)
     kind: Kind = "attention" if by_verdict["refuted"] else "good" if all_hold else "info"
     return Notice(kind, said, title="The paper's claims")
+
+
+def _codes(claims: Sequence[ClaimResult]) -> Iterator[Inline]:
+    """Yield the names of claims, with commas between them."""
+    for place, claim in enumerate(claims):
+        yield from (", " if place else "", Code(claim.id))
 
 
 def _untestable(judged: ClaimsFile) -> bool:

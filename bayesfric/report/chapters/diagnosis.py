@@ -60,8 +60,8 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     return Notice(
         box(record),
         [
-            Strong(f"{VERDICTS[record.verdict]}."),
-            f" {record.sentence} ",
+            Strong(f"{VERDICTS[record.verdict]}{_once_entered(record)}."),
+            f" {_with_meanings(record)} ",
             f"What may act: {listed(record.possible)}. " if open_still else "",
             "See ",
             Reference("diagnosis"),
@@ -69,6 +69,21 @@ def verdict_line(record: DiagnosisFile) -> Notice:
         ],
         title="Sim-to-real gap",
     )
+
+
+def _once_entered(record: DiagnosisFile) -> str:
+    """Return that a simulator of a joint has no gap with new numbers, which are not its own."""
+    enter = [number for joint in record.joints or (record,) for number in joint.enter]
+    own = [number for number in enter if number.in_your_simulator is not None]
+    return " once the numbers below are entered" if own and not has_gap(record) else ""
+
+
+def _with_meanings(record: DiagnosisFile) -> str:
+    """Return the verdict's sentence, in which each cause is followed by what it is."""
+    said = record.sentence
+    for cause in record.causes:
+        said = said.replace(cause.effect, f"{cause.effect} ({cause.sentence})", 1)
+    return said
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:

@@ -51,7 +51,8 @@ def _wrong(joint: DiagnosisFile) -> str:
     ]
     if not wrong:
         return ""
-    return f" Its own are outside of the 90 % interval: {', '.join(wrong)}."
+    lie = "lies" if len(wrong) == 1 else "lie"
+    return f" Its own {', '.join(wrong)} {lie} outside of the 90 % interval."
 
 
 def _listed(joint: DiagnosisFile) -> str:

@@ -12,8 +12,20 @@ from bayesfric.plots.margins import (
     limit_cycle_against_gain,
 )
 from bayesfric.plots.style import svg_of
-from bayesfric.report.content import Block, Figure, Notice, Reference, from_file
-from bayesfric.report.quantities import format_interval, format_share
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Figure,
+    Notice,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+    Text,
+    from_file,
+    right_columns,
+)
+from bayesfric.report.quantities import MISSING, format_interval, format_number, format_share
 from bayesfric.report.words import sentences
 from bayesfric.schemas import LoopMargins, MarginsFile
 
@@ -25,7 +37,11 @@ SHOWN_UNITS = {
     "deg": ("°", 1.0),
 }
 HUNTS = "limit_cycle_probability"
-NOW = "At the γ = "  # how the sentence of an answer begins that says what happens at the file's γ
+NOW = ", as in the file, it hunts in "  # stands in what an answer says of the γ of the file
+HUNTING = (
+    "To hunt is to swing about the target instead of coming to rest; γ is the share of the "
+    "modelled friction that the controller compensates."
+)
 LITTLE = 0.01  # of a variance
 LAW = "c1, c2, c3"  # the group of a variance that the friction law is
 WORDS = {
@@ -36,7 +52,7 @@ WORDS = {
     "headroom_clip": "headroom to the clip",
     "headroom_continuous": "headroom to continuous torque",
     "gamma_necessary": "γ necessary to hunt",
-    "gamma_hunting": "γ that hunts",
+    "gamma_hunting": "γ from which it hunts",
     "amplitude_margin": "amplitude margin",
     "limit_cycle_amplitude": "amplitude of the limit cycle",
     "limit_cycle_frequency": "frequency of the limit cycle",
@@ -56,28 +72,30 @@ WORDS = {
 
 
 def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
-    """Yield, for page one, the largest safe compensation gain of each loop.
+    """Yield, for page one, whether each loop is safe, and up to which compensation gain.
 
     Parameters
     ----------
     margins : MarginsFile
         What ``bayesfric margins`` wrote.
     alone : bool
-        Whether nothing else is on that page, which then has the figures.
+        Whether nothing else is on that page, which then has the specs.
     """
     for loop in margins.loops:
-        yield Notice(
-            _kind(loop),
-            [
-                " ".join([*_gain(loop), *_missed(loop), *_decided(loop)]),
-                " What was not examined: ",
-                Reference("margins"),
-                ".",
-            ],
-            title=f"{loop.name}: {_verdict(loop)}",
-        )
-    if alone:
-        yield from gain_figures(margins)
+        beside = () if alone else _missed(loop)
+        yield Notice(_kind(loop), " ".join([*_gain(loop), *beside]), title=_title(loop))
+    if not alone:
+        return
+    yield from _specs(margins.loops)
+    for loop in margins.loops:
+        decided = " ".join(_decided(loop))
+        if decided:
+            yield Paragraph([Code(loop.name), f": {decided}"])
+    yield Paragraph([HUNTING, " What was not examined: ", Reference("margins"), "."])
+
+
+def _title(loop: LoopMargins) -> str:
+    return f"{loop.name}: {_verdict(loop)}"
 
 
 def _verdict(loop: LoopMargins) -> str:
@@ -116,7 +134,10 @@ def _missed(loop: LoopMargins) -> Iterator[str]:
 def _gain(loop: LoopMargins) -> Iterator[str]:
     """Yield whether the loop hunts at the gain of its file, and up to which gain it is safe."""
     gamma, most = loop.largest_safe_compensation_gain, loop.limit_cycle_probability_max
-    yield from (said for said in sentences(loop.answer) if said.startswith(NOW))
+    for said in sentences(loop.answer):
+        if NOW in said:
+            hunting = said.partition(NOW)[2].removesuffix(".")
+            yield f"It hunts in {hunting.partition(' (at 95')[0].partition(', ')[0]}."
     if loop.compensation_signal == "none":
         yield "It has no friction compensation whose gain could be set."
     elif gamma is None:
@@ -125,7 +146,7 @@ def _gain(loop: LoopMargins) -> Iterator[str]:
         down = np.floor(100 * gamma) / 100
         all_of_them = gamma >= loop.limit_cycle_probability[-1].gamma
         up_to = f"{down:g}" if all_of_them else f"{down:.2f}"
-        yield f"Safe up to γ = {up_to}: hunts with probability {100 * most:g}\u202f% at most."
+        yield f"Safe up to γ = {up_to}: hunts in at most {100 * most:g}\u202f% of the draws."
 
 
 def _decided(loop: LoopMargins) -> Iterator[str]:
@@ -137,8 +158,51 @@ def _decided(loop: LoopMargins) -> Iterator[str]:
         return
     first = max(shares, key=lambda name: shares[name])
     law = "under 1 %" if shares[LAW] < LITTLE else format_share(shares[LAW])
-    said = f"Of the variance of friction c1, c2 and c3 decide {law}"
-    yield said + ("." if first == LAW else f", {first} {format_share(shares[first])}.")
+    yield f"c1, c2 and c3 make {law} of the variance of friction."
+    if first != LAW:
+        yield f"The assumed {first} makes {format_share(shares[first])}: measure that."
+
+
+def _specs(loops: Sequence[LoopMargins]) -> Iterator[Table]:
+    """Yield the figures that have a spec, those that miss it in bold; none where there is none."""
+    rows = [
+        [*([] if len(loops) == 1 else [loop.name]), *row] for loop in loops for row in _judged(loop)
+    ]
+    if rows:
+        yield Table(
+            "What the loop's file asks for, and how probably it is missed.",
+            [
+                *([] if len(loops) == 1 else ["loop"]),
+                "figure",
+                *right_columns("asked for", "5 % to 95 % of the draws", "misses with probability"),
+            ],
+            rows,
+            label="specs",
+            note="Bold: misses its spec more often than the file allows.",
+        )
+
+
+def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
+    """Yield a row for each figure with a spec: spec, interval, and how probably it is missed."""
+    for metric in loop.metrics:
+        if metric.spec is None or metric.interval is None:
+            continue
+        name = " ".join(filter(None, (metric.name, metric.direction)))
+        unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
+        words = ", ".join(filter(None, (WORDS.get(metric.name, metric.name), metric.direction)))
+        low, high = (
+            format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95)
+        )
+        row = [
+            words,
+            f"{metric.sense} {scale * metric.spec:g}\u202f{unit}".rstrip(),
+            f"{low} to {high}\u202f{unit}".rstrip(),
+            chance_of_missing(metric) or MISSING,
+        ]
+        missed = {name, HUNTS if metric.name == "gamma_hunting" else name} & {
+            *(loop.missed_specs or ())
+        }
+        yield [Strong(cell) if missed else cell for cell in row]
 
 
 def gain_figures(margins: MarginsFile) -> Iterator[Block]:
@@ -150,7 +214,7 @@ def gain_figures(margins: MarginsFile) -> Iterator[Block]:
             from_file(
                 "margins.json",
                 "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
-                "to 95 %; the black tick is the spec.",
+                "to 95 % of the draws. Black tick: the spec.",
             ),
             "Horizontal bars with a dot at the median, in groups by loop: errors in millimetres "
             "on the left, torque headroom in per cent on the right.",
@@ -181,8 +245,8 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
         from_file(
             "margins.json",
             "Probability that the loop hunts, over the compensation gain, with twice its Monte "
-            "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "
-            "upright line the largest γ within it.",
+            "Carlo error. Dot: the γ of the loop's file. Dotted: the probability that the file "
+            "allows. Upright line: the largest safe γ.",
         ),
         "A line for each loop over the compensation gain, which rises where the loop begins to "
         "hunt.",

@@ -25,13 +25,13 @@ from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.faults import faults
-from bayesfric.report.chapters.gain import gain_lines
+from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
-    claims_beside,
     coefficient_heads,
     fitted_numbers,
+    lacking_force,
     numbers_to_use,
     refitted_coefficients,
 )
@@ -56,9 +56,7 @@ from bayesfric.schemas import FitFile, RecordingId
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 NO_BREAK = "\u00a0"
 USE = "Use these coefficients"
-OF_THE_LAW_ALONE = (
-    "By the law alone: what the named causes make at the speeds of these runs is in it. "
-)
+OF_THE_LAW_ALONE = "What the named causes make at the speeds of these runs is in it. "
 PAPERS_LAW = " The law of n pulleys at wrap angle θ: " + "n ((c₁ + c₃ (θ − 85°)) T + c₂).".replace(
     " ", NO_BREAK
 )
@@ -71,6 +69,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     for record in list(stored.records.values())[:1]:
         yield recorded(record.recording, stored.fitted)
     fitted, diagnosed = stored.fitted, stored.diagnosis
+    refitted = {} if diagnosed is None else refitted_coefficients(diagnosed.record)
     if fitted is not None:
         yield from convergence(fitted.fit)
     if diagnosed is not None:
@@ -79,30 +78,35 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from numbers_to_use(diagnosed.record, alone=alone)
         yield from numbers_to_enter(diagnosed.record)
     if fitted is not None:
-        refitted = {} if diagnosed is None else refitted_coefficients(diagnosed.record)
         if diagnosed is None or not diagnosed.record.enter:
             yield from in_a_sentence(fitted.fit)
         unknown = diagnosed is not None and diagnosed.record.verdict == "unknown"
-        yield from expected(fitted, coefficients=not refitted, unknown_force=unknown)
-        yield from coefficients_figure(fitted, refitted)
+        if not refitted:
+            yield from expected(fitted, coefficients=True, unknown_force=unknown)
     pooled = stored.pooled
     if pooled is not None and pooled.pooled is not None:
         yield from convergence(pooled)
         yield population(pooled, pooled.pooled)
     yield from faults(stored)
+    if fitted is not None or pooled is not None or diagnosed is not None:
+        yield from worries(stored)
     if stored.claims is not None:
-        yield fallen(stored.claims.record)
-        if diagnosed is not None:
-            yield from claims_beside(diagnosed.record)
+        lacking = "" if diagnosed is None else lacking_force(diagnosed.record)
+        yield fallen(stored.claims.record, lacking)
     if stored.margins is not None:
         yield from gain_lines(stored.margins, alone=fitted is None)
+    if fitted is None and pooled is None and diagnosed is None:  # the answer stands first
+        yield from worries(stored)
+    if stored.margins is not None and fitted is None:
+        yield from gain_figures(stored.margins)
     if stored.scorecard is not None and fitted is None:
         yield scorecard_line(stored.scorecard)
     if stored.calibration is not None and fitted is None:
         yield calibration_line(stored.calibration)
     if stored.comparison is not None:
         yield comparison_line(stored.comparison)
-    yield from worries(stored)
+    if fitted is not None and not refitted:  # beside refitted numbers it opens their chapter
+        yield from coefficients_figure(fitted, {})
 
 
 def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
@@ -187,8 +191,8 @@ def expected(
         ],
         label="expected",
         note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
-        + "Friction: of the law at the most frequent condition and its middle tension, ± half of "
-        "the 90 % interval. On a new assembly: nine runs in ten, scatter included."
+        + "Friction: at the most frequent condition and its middle tension, ± half of the 90 % "
+        "interval. On a new assembly: nine runs in ten, scatter included."
         + (PAPERS_LAW if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
@@ -276,9 +280,11 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     remarks = attention_of_all(stored.records)
-    lines: Sequence[str] = [line if fit is None else _remark(line, fit) for _, line in remarks]
+    lines: Sequence[str] = [
+        line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
+    ]
     if len(lines) > FEW:
-        yield Notice("attention", f"{len(lines)} remarks must be read with the numbers:")
+        yield Notice("attention", f"Read these {len(lines)} remarks with the numbers:")
         yield BulletList(lines)
         return
     for line in lines:

@@ -6,21 +6,21 @@ from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
 from bayesfric.report.chapters.plain_law import plain_coefficients, plain_table
 from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
-from bayesfric.report.content import Block, Heading, Notice, Paragraph, Table, decimal_columns
+from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_columns
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile, ParameterSummary
 
 
-def summary(stored: StoredFit, warnings: Iterable[Notice] = ()) -> Iterator[Block]:
+def summary(stored: StoredFit, warnings: Iterable[Block] = ()) -> Iterator[Block]:
     """Yield the coefficients and the scatter.
 
     Parameters
     ----------
     stored : StoredFit
         Whose numbers they are.
-    warnings : iterable of Notice
+    warnings : iterable of blocks
         That stand before them.
     """
     fit = stored.fit
@@ -100,8 +100,8 @@ MEANINGS = {
     "tau": "relative scatter of friction from trial to trial",
     "omega": "relative scatter of friction from {group} to {group}",
     "omega_intercept": "relative scatter of c2 alone from {group} to {group}",
-    "wander": "relative rms of friction that wanders along the travel of a trial",
-    "wander_length": "correlation length of the wander",
+    "wander": "relative rms of the part of friction that varies along the travel of a trial",
+    "wander_length": "length over which friction varies along the travel of a trial",
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
     "sigma_a": "error of an acceleration without a standard error",

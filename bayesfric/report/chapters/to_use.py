@@ -1,10 +1,10 @@
 """The numbers to use where a cause is named: the law refitted with it, and the cause itself."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from bayesfric.effects import all_effects
 from bayesfric.effects.base import REFERENCE_TENSION_N
-from bayesfric.plots.labels import ordered_sizes, sizes_of
+from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
 from bayesfric.report.content import (
     Block,
@@ -18,7 +18,7 @@ from bayesfric.report.content import (
     Text,
 )
 from bayesfric.report.diagnosed import has_gap
-from bayesfric.report.quantities import MISSING, error_cells
+from bayesfric.report.quantities import MISSING, error_cells, format_unit
 from bayesfric.schemas import (
     Cause,
     DiagnosisFile,
@@ -28,10 +28,12 @@ from bayesfric.schemas import (
     ParameterSummary,
 )
 
+HALF = "Median ± half of the 90 % interval."
+
 
 def _acting_causes(diagnosis: DiagnosisFile) -> Sequence[Cause]:
-    """Return the named causes that make a gap; none under another verdict."""
-    if diagnosis.verdict != "named":
+    """Return the causes that make a gap, or would if the law alone did not take it up."""
+    if diagnosis.verdict in ("unknown", "unseparated"):
         return ()
     return tuple(cause for cause in diagnosis.causes if cause.makes_a_gap)
 
@@ -49,63 +51,84 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
 
     Yields
     ------
-    Table
-        One at most; none for a joint, whose numbers :func:`numbers_to_enter` has.
+    Table, Paragraph
+        One table at most, and what the causes' parameters are; none for a joint, whose numbers
+        :func:`numbers_to_enter` has.
     """
     causes = _acting_causes(diagnosis)
     if diagnosis.enter:
         return
     if causes:
         yield _with_causes(diagnosis.law, causes)
-    if causes or not alone or not diagnosis.law:
-        return
-    yield Table(
-        "Coefficients of the recalibrated law.",
-        ["number", "unit", "value"],
-        [
+        yield Paragraph(list(_parameters(causes)))
+    elif alone and diagnosis.law:
+        yield Table(
+            "Coefficients of the recalibrated law.",
+            ["", *_heads(diagnosis.law)],
             [
-                symbol(name),
-                unit_head(name, number.unit),
-                Strong(_with_error(number.before, exponent(name))),
-            ]
-            for name, number in _by_size(diagnosis.law)
-        ],
-        label="use",
-        note="Median ± half of the 90 % interval."
-        + (" The gap is not in them." if has_gap(diagnosis) else ""),
-    )
+                [whose, *map(Strong, cells)]
+                for whose, cells in _numbers(diagnosis.law, lambda number: number.before)
+            ],
+            label="use",
+            note=HALF + (" The gap is not in them." if has_gap(diagnosis) else ""),
+        ).filled()
 
 
 def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table:
-    """Return the law refitted with the causes beside the law alone, and the causes' parameters."""
+    """Return the law refitted with the causes, and below it the law alone."""
     names = " and ".join(cause.effect for cause in causes)
-    rows: list[list[Text]] = [
-        [
-            symbol(name),
-            unit_head(name, number.unit),
-            Strong(_with_error(number.after, exponent(name))),
-            _with_error(number.before, exponent(name)),
-        ]
-        for name, number in _by_size(law)
+    dampings = _dampings(law, causes)
+    damping = [Column("damping of a pulley", "N·s/m")] if dampings else []
+    refitted: list[list[Text]] = [
+        [whose or "law", *map(Strong, cells), *map(Strong, dampings.get(whose, []))]
+        for whose, cells in _numbers(law, lambda number: number.after)
     ]
-    rows += [
-        [Code(f"{cause.effect}.{name}"), number.unit, Strong(_with_error(number)), MISSING]
-        for cause in causes
-        for name, number in cause.parameters.items()
+    biased: list[list[Text]] = [
+        [f"{whose}, law alone (biased)".removeprefix(", "), *cells, *([""] if dampings else [])]
+        for whose, cells in _numbers(law, lambda number: number.before)
     ]
     return Table(
         f"Use these numbers: the law refitted together with {names}.",
-        ["number", "unit", "use", "law alone (biased)"],
-        rows,
+        ["", *_heads(law), *damping],
+        refitted + biased,
         label="use",
-        note=[
-            "Median ± half of the 90 % interval. The law alone takes up a part of the force of "
-            f"{names}, so that its coefficients are biased: fit.json, draws.nc and the chapters on "
-            "the fit have these. ",
-            *_meanings(causes),
-            *_dampings(law, causes),
-        ],
-    )
+        note=f"{HALF} The law alone takes up a part of the force of {names}: its coefficients, "
+        "which fit.json, draws.nc and the chapters on the fit have, are biased.",
+    ).filled()
+
+
+def _heads(law: Mapping[str, LawNumber]) -> list[Column]:
+    """Return a column for each coefficient of a law, with its unit and power of ten."""
+    units = {parts(name)[0]: number.unit for name, number in law.items()}
+    return [Column(symbol(stem), unit_head(stem, unit)) for stem, unit in units.items()]
+
+
+def _numbers(
+    law: Mapping[str, LawNumber], chosen: Callable[[LawNumber], Interval]
+) -> Iterator[tuple[str, list[str]]]:
+    """Yield each pulley size, in their usual order, with the numbers that it has."""
+    stems = dict.fromkeys(parts(name)[0] for name in law)
+    for size in ordered_sizes({parts(name)[1] for name in law}):
+        names = [f"{stem}[{size}]" if size else stem for stem in stems]
+        yield (
+            size,
+            [
+                _with_error(chosen(law[name]), exponent(name)) if name in law else MISSING
+                for name in names
+            ],
+        )
+
+
+def _parameters(causes: Sequence[Cause]) -> Iterator[Inline]:
+    """Yield each parameter of the causes with its value and, where it is known, its meaning."""
+    examined = all_effects(None)
+    for cause in causes:
+        effect = examined.get(cause.effect)
+        meanings = {p.name: p.meaning for p in (() if effect is None else effect.parameters)}
+        for name, number in cause.parameters.items():
+            yield from (Code(f"{cause.effect}.{name}"), " ")
+            yield Strong(f"{_with_error(number)}\u202f{format_unit(number.unit)}".rstrip())
+            yield f": {meanings[name]}. " if name in meanings else ". "
 
 
 def fitted_numbers(fit: FitFile) -> dict[str, list[Text]]:
@@ -165,14 +188,11 @@ def refitted_coefficients(diagnosis: DiagnosisFile) -> dict[str, tuple[float, fl
     }
 
 
-def claims_beside(diagnosis: DiagnosisFile) -> Iterator[Paragraph]:
-    """Yield that the claims were judged without the force that the diagnosis found."""
-    causes = " and ".join(cause.effect for cause in _acting_causes(diagnosis))
-    if causes or diagnosis.verdict == "unknown":
-        yield Paragraph(
-            f"The claims are judged with laws that lack {causes or 'the unknown force'}: where one "
-            "is refuted, that force may be the reason."
-        )
+def lacking_force(diagnosis: DiagnosisFile) -> str:
+    """Return which force the laws of the claims lack: the causes, an unknown one, or none."""
+    if diagnosis.verdict == "unknown":
+        return "the unknown force"
+    return " and ".join(cause.effect for cause in _acting_causes(diagnosis))
 
 
 def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
@@ -190,39 +210,17 @@ def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
         )
 
 
-def _by_size(law: Mapping[str, LawNumber]) -> list[tuple[str, LawNumber]]:
-    """Return the numbers of a law, pulley sizes in their usual order, others behind."""
-    sizes = ordered_sizes(sizes_of(law))
-    places = {f"[{size}]": place for place, size in enumerate(sizes)}
-    return sorted(
-        law.items(), key=lambda item: places.get(item[0][item[0].find("[") :], len(sizes))
-    )
-
-
-def _meanings(causes: Sequence[Cause]) -> Iterator[Inline]:
-    """Yield what each parameter of a cause means, where its effect is known here."""
-    examined = all_effects(None)
-    for cause in causes:
-        effect = examined.get(cause.effect)
-        for parameter in () if effect is None else effect.parameters:
-            if parameter.name in cause.parameters:
-                yield Code(f"{cause.effect}.{parameter.name}")
-                yield f": {parameter.meaning}. "
-
-
-def _dampings(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Iterator[str]:
-    """Yield viscous friction in the unit that a simulator takes, for each pulley size."""
+def _dampings(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> dict[str, list[str]]:
+    """Return viscous friction in the unit that a simulator takes, for each pulley size."""
     for cause in causes:
         slope = cause.parameters.get("slope")
-        sizes = [
-            size
-            for size in ordered_sizes(sizes_of(law))
-            if {f"c1[{size}]", f"c2[{size}]"} <= {*law}
-        ]
-        if cause.effect != "viscous" or cause.law != "constant" or slope is None or not sizes:
-            continue
-        damping = [f"{_of_a_pulley(law, size) * slope.q50:.2g} ({size})" for size in sizes]
-        yield f"As a damping of one pulley: {', '.join(damping)} N·s/m. "
+        if cause.effect == "viscous" and cause.law == "constant" and slope is not None:
+            return {
+                size: [f"{_of_a_pulley(law, size) * slope.q50:.2g}"]
+                for size in sizes_of(law)
+                if {f"c1[{size}]", f"c2[{size}]"} <= {*law}
+            }
+    return {}
 
 
 def _of_a_pulley(law: Mapping[str, LawNumber], size: str) -> float:

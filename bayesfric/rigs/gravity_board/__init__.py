@@ -1,5 +1,5 @@
 """The gravity board, an Atwood machine over n pulleys (paper Sec. III.B)."""
 
-from bayesfric.rigs.gravity_board.trials import RIG
+from bayesfric.rigs.gravity_board.kind import RIG
 
 __all__ = ["RIG"]

@@ -26,7 +26,7 @@ from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.gravity_board.forces import SteadyForces
-from bayesfric.rigs.gravity_board.places import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.gravity_board.wander import Wander
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array
-from bayesfric.inference.priors import LOG_2PI
+from bayesfric.inference.quadratic import LOG_2PI
 from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.trial_motion import NUISANCES, Events

@@ -42,7 +42,6 @@ from bayesfric.rigs.gravity_board.measurements import (
     rough_noise,
 )
 from bayesfric.rigs.gravity_board.places import TrialPlaces
-from bayesfric.rigs.gravity_board.places import trial_condition as trial_condition
 from bayesfric.rigs.gravity_board.wander import Wander
 
 SCATTER = ("tau", "omega", "omega_intercept")

@@ -10,7 +10,7 @@ from bayesfric.observation.feasible import evenly, every_condition, levels_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 
 PAIRS_OF_MASSES = 10  # of each size
 MOVING_M_S2 = 0.1  # acceleration below which a trial might stall

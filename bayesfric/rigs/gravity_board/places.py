@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Reading, State
@@ -33,6 +32,7 @@ from bayesfric.rigs.gravity_board.trial_motion import (
     pilot_coefficients,
     pilot_of,
     prepare_events,
+    trial_condition,
 )
 
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
@@ -43,17 +43,6 @@ LEAST_ACCELERATION = 1e-3  # m/s², of a trial that is said to start from rest
 BENT_READING = Unsupported(
     "It rings faster than the likelihood's few fixed responses follow, its rate being unknown."
 )
-
-
-def trial_condition(trials: pd.DataFrame, rig: RigConstants) -> Condition:
-    """Return the condition of each trial, arrays of shape (N,)."""
-    return Condition(
-        trials["n_pulleys"].to_numpy(dtype=np.float64),
-        trials["wrap_angle_deg"].to_numpy(dtype=np.float64),
-        trials["mass_drive_kg"].to_numpy(dtype=np.float64),
-        trials["mass_load_kg"].to_numpy(dtype=np.float64),
-        rig.gravity_m_s2,
-    )
 
 
 class TrialPlaces:

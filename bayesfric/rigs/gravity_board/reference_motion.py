@@ -18,8 +18,8 @@ from bayesfric.physics.gravity import nominal_tension, tension_feedback
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.pulley_radii import pulley_radii
 
 PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared

@@ -13,22 +13,24 @@ at the same places, quadratics that differ a little.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from statistics import NormalDist
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
 
 from bayesfric.arrays import Array
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 
 TAIL = 1e-4  # probability of a |z| beyond the limit by noise alone
 MATERIAL_SHARE = 0.01  # of friction; the mean of both is then off by half of it
 CLIPPED = 4.0  # standard deviations: events beyond do not inform the noise
 NORMAL_MEDIAN_SQUARE = 0.4549  # median of a squared standard normal
 NOISE_ROUNDS = 8
+LEAST_LIMIT = NormalDist().inv_cdf(1 - TAIL / 2)  # of |z|, however many events tell the noise
 
 
 @dataclass(frozen=True)
@@ -41,12 +43,17 @@ class SensorAgreement:
         One row a trial with two sensors: `trial`; `z`, drive less load;
         `friction_share`, by which their frictions differ (infinite where the
         motion leaves no friction); `disagrees`.
-    limit : float or None
-        Of |z|: 3.89, or more where few events tell the noise. None without trials.
+    freedom : int or None
+        Degrees of freedom, by which the events tell the noise. None without trials.
     """
 
     trials: pd.DataFrame
-    limit: float | None
+    freedom: int | None
+
+    @cached_property
+    def limit(self) -> float | None:
+        """Of |z|: 3.89, or more where few events tell the noise. None without trials."""
+        return None if self.freedom is None else _limit(self.freedom)
 
 
 def sensor_agreement(
@@ -91,16 +98,25 @@ def sensor_agreement(
     friction = condition.drive_force_n - mass * 0.5 * (drive + load) * spacing
     share = np.full(z.size, np.inf)
     np.divide(mass * np.abs(difference) * spacing, friction, out=share, where=friction > 0)
-    limit = -float(stdtrit(trains.time.size - 3 * trains.starts.size, TAIL / 2))
+    freedom = trains.time.size - 3 * trains.starts.size
+    disagrees = (np.abs(z) > LEAST_LIMIT) & (share > MATERIAL_SHARE)
+    if disagrees.any():
+        disagrees &= np.abs(z) > _limit(freedom)
     table = pd.DataFrame(
         {
             "trial": compared["trial"].to_numpy(),
             "z": z,
             "friction_share": share,
-            "disagrees": (np.abs(z) > limit) & (share > MATERIAL_SHARE),
+            "disagrees": disagrees,
         }
     )
-    return SensorAgreement(table, limit)
+    return SensorAgreement(table, freedom)
+
+
+def _limit(freedom: int) -> float:
+    from scipy.special import stdtrit  # late: nearly no recording has a trial near the limit
+
+    return -float(stdtrit(freedom, TAIL / 2))
 
 
 def _common_time(trains: EventTrains) -> EventTrains:

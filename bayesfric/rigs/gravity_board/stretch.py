@@ -8,8 +8,7 @@ from bayesfric.arrays import Array
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
-from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
+from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events, trial_condition
 
 
 def friction_ratios(

@@ -10,8 +10,21 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.physics.gravity import Condition
+from bayesfric.recording.tables import RigConstants
 
 NUISANCES = 3  # offsets of the two sensors and first speed
+
+
+def trial_condition(trials: pd.DataFrame, rig: RigConstants) -> Condition:
+    """Return the condition of each trial, arrays of shape (N,)."""
+    return Condition(
+        trials["n_pulleys"].to_numpy(dtype=np.float64),
+        trials["wrap_angle_deg"].to_numpy(dtype=np.float64),
+        trials["mass_drive_kg"].to_numpy(dtype=np.float64),
+        trials["mass_load_kg"].to_numpy(dtype=np.float64),
+        rig.gravity_m_s2,
+    )
 
 
 @dataclass(frozen=True)

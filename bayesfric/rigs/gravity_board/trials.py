@@ -20,21 +20,11 @@ from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
-from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.frames import stands_in
-from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import (
-    Predictive,
-    Resting,
-    Rig,
-    RigTrials,
-    Simulated,
-    Unsupported,
-    Words,
-)
-from bayesfric.rigs.changes import Change
+from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.base import Predictive, Resting, Rig, RigTrials, Unsupported
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
-from bayesfric.rigs.gravity_board.likelihood import GravityModel, trial_condition
+from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.linear import LinearEvents
 from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
@@ -44,92 +34,15 @@ from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
 from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
-from bayesfric.rigs.gravity_board.sensor_clocks import clock_faults
-from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
-from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trajectories import trajectories
-from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
-from bayesfric.rigs.protocols import Protocol
-from bayesfric.rigs.truth import Truth
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
 from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
-STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
 DISAGREEING_SHARE = (
     0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
 )
-WORDS = Words("gravity board", "trial", "trials", regime="accelerated", paper=True)
-
-
-@dataclass(frozen=True)
-class GravityBoard(Rig):
-    """A board on which a weight falls and lifts another over n pulleys."""
-
-    name: str = "gravity"
-    words: Words = WORDS
-    tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
-
-    def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
-        """Return the trials that enter by the rules of :mod:`.screening`.
-
-        Raises
-        ------
-        InputError
-            The clocks of the two sensors differ by more than a cable explains.
-        """
-        if recording.gravity is None:
-            return None
-        screened = screen_trials(recording.gravity, recording.rig, exclude=exclude)
-        if faults := clock_faults(screened.clocks):
-            raise InputError(faults)
-        return GravityTrials(
-            recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
-        )
-
-    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
-        """Return by how much the clocks of the two sensors differ."""
-        trials = self.trials(recording)
-        text = None if trials is None else trials.screened.clocks.described
-        return () if text is None else (("sensor clocks", text),)
-
-    def left_out(self, recording: Recording) -> list[Fault]:
-        """Return the trials that the rules of :mod:`.screening` leave out, and by which."""
-        if recording.gravity is None:
-            return []
-        excluded = screen_trials(recording.gravity, recording.rig).excluded
-        faults = [
-            Fault("gravity_trials.csv", f"a trial that enters; {rule}: {RULES[rule]}", None, trial)
-            for trial, rule in excluded.items()
-        ]
-        return with_rest(faults[:LISTED], len(faults[LISTED:]))
-
-    def change(
-        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
-    ) -> Change | None:
-        """Return what an effect changes of trials, relative to their friction."""
-        if effect.acts_on == "current":
-            return None
-        if effect.acts_on == "reading":
-            return change_of_readings(design, constants, truth)
-        return change_of_trials(design, constants, truth)
-
-    def simulate(
-        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
-    ) -> Simulated:
-        """Return trials in their order and their events; see :mod:`.simulator`."""
-        streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
-        order, *rngs = (streams[place] for place in STREAMS)
-        trials = lay_trials(design, order)
-        events, moved, stayed = draw_events(trials, constants, truth, *rngs)
-        if stayed.any():
-            trials["did_not_move"] = np.where(stayed, "true", "false")
-        kept = trials[moved | stayed].reset_index(drop=True)
-        stalled = tuple(trials.loc[~(moved | stayed), "trial"])
-        return Simulated({"gravity": Gravity(kept, events)}, len(kept), stalled)
-
-
-RIG = GravityBoard()
 
 
 @dataclass(frozen=True)
@@ -138,6 +51,8 @@ class GravityTrials(RigTrials):
 
     Parameters
     ----------
+    rig : Rig
+        The kind of rig.
     constants : RigConstants
         The board.
     gravity : Gravity
@@ -154,6 +69,7 @@ class GravityTrials(RigTrials):
         Rms error of an event, of trials that nobody has made; None is what events show [m].
     """
 
+    rig: Rig
     constants: RigConstants
     gravity: Gravity
     screened: Screened
@@ -161,7 +77,6 @@ class GravityTrials(RigTrials):
     at_rest: pd.DataFrame
     law: FrictionLaw = BASELINES["paper"]
     event_error_m: float | None = None
-    rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
     @cached_property

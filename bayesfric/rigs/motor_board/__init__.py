@@ -1,5 +1,5 @@
 """The motor board: constant speed, friction by current (paper Sec. III.A)."""
 
-from bayesfric.rigs.motor_board.trials import RIG
+from bayesfric.rigs.motor_board.kind import RIG
 
 __all__ = ["RIG"]

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -17,55 +16,12 @@ from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
-from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Rig, RigTrials, Simulated, Unsupported, Words
-from bayesfric.rigs.changes import Change
+from bayesfric.recording.tables import Motor, RigConstants
+from bayesfric.rigs.base import Predictive, Rig, RigTrials, Unsupported
 from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.motor_board.linear import motor_rows
 from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
-from bayesfric.rigs.motor_board.simulator import simulate_motor
-from bayesfric.rigs.motor_board.strength import change_of_runs
-from bayesfric.rigs.protocols import Protocol
-from bayesfric.rigs.truth import Truth
-
-STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
-WORDS = Words("motor board", "run", "runs", paper=True)
-
-
-@dataclass(frozen=True)
-class MotorBoard(Rig):
-    """A board on which a motor winds the cable at constant speed."""
-
-    name: str = "motor"
-    words: Words = WORDS
-    tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
-
-    def trials(self, recording: Recording, *, exclude: bool = True) -> "MotorRuns | None":
-        """Return all runs: no rule keeps one out."""
-        del exclude
-        if recording.motor is None:
-            return None
-        return MotorRuns(recording.rig, recording.motor, _by_trial(recording.motor.runs))
-
-    def change(
-        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
-    ) -> Change | None:
-        """Return what an effect changes of runs, relative to their friction."""
-        del design
-        return None if effect.acts_on == "reading" else change_of_runs(constants, truth)
-
-    def simulate(
-        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
-    ) -> Simulated:
-        """Return runs in their order and the idle motor; see :mod:`.simulator`."""
-        del design
-        streams = [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)]
-        motor = simulate_motor(constants, truth, *(streams[place] for place in STREAMS))
-        return Simulated({"motor": motor}, len(motor.runs))
-
-
-RIG = MotorBoard()
 
 
 @dataclass(frozen=True)
@@ -74,6 +30,8 @@ class MotorRuns(RigTrials):
 
     Parameters
     ----------
+    rig : Rig
+        The kind of rig.
     constants : RigConstants
         The board.
     motor : Motor
@@ -84,11 +42,11 @@ class MotorRuns(RigTrials):
         Around which a diagnosis makes them linear.
     """
 
+    rig: Rig
     constants: RigConstants
     motor: Motor
     recorded: pd.DataFrame
     law: FrictionLaw = BASELINES["paper"]
-    rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
     @cached_property

@@ -63,6 +63,9 @@ class AxisRules:
     own_length: float = rule(
         1.05, "1", "a load has shares of its own where these take so much more off", WINDOWS
     )
+    least_length: float = rule(
+        7.0, "sd", "a load's play or wind-up is told where positions resolve it so far", WINDOWS
+    )
     few_runs: int = rule(6, "trials", "fewer runs are cut in parts, to hold some out", WINDOWS)
     least_setups: int = rule(3, "assemblies", "fewer do not scatter from one to another", WINDOWS)
     heavy_load: float = rule(

@@ -3,7 +3,8 @@
 A load that coasts through play, or rings on a spring, does so in another rhythm at each length:
 between two lengths that a prior's quantiles would try nothing can be interpolated. Where the
 longest of all is the strongest, no length is told: what is explained goes on over all of the path,
-as what a coarse encoder in the loop does.
+as what a coarse encoder in the loop does. Nor is one that positions do not resolve: how a load
+follows there is told by their errors, which are in the force that the path takes too.
 """
 
 from dataclasses import replace
@@ -48,7 +49,7 @@ def with_lengths(
         for effect in all_effects(None).values()
         for held in effect.needs & LENGTHS.keys()
     }
-    lengths, endless = {}, set()
+    lengths, untold = {}, set()
     for held, effect in by_held.items():
         tried = measures.stroke * LENGTHS[held]
         takes, best = rows.strongest(effect, tried, measures)
@@ -59,9 +60,10 @@ def with_lengths(
             if own.takes > AXIS_RULES.own_length * takes:
                 best, measures = own.length, replace(measures, mass_over_friction=own.heavy)
                 longest = False
-        endless |= {held} if longest else set()
+        if longest or best < AXIS_RULES.least_length * readings.position_sd:
+            untold.add(held)
         lengths[held] = best * np.exp(SPREAD * SHAPE_NODES)
-    measures = replace(measures, lengths=lengths, endless=frozenset(endless))
+    measures = replace(measures, lengths=lengths, untold=frozenset(untold))
     spring = by_held["spring"]
     damped = max(
         (replace(measures, damping=damping) for damping in DAMPINGS),

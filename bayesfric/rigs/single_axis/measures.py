@@ -52,9 +52,10 @@ class Measures:
         Rms of the force that goes with the place, where it takes much of the force.
     lengths : mapping of str to ndarray
         Of how a load is held: lengths at which it is followed [m or rad].
-    endless : frozenset of str
+    untold : frozenset of str
         Of how a load is held: those that explain most at the longest length of all that were
-        tried, so that no length is better than those beside it.
+        tried, so that no length is better than those beside it, or at one that the positions do
+        not resolve.
     damping : float
         Of a load's spring, over what is critical.
     mass_over_friction : float
@@ -82,7 +83,7 @@ class Measures:
     limit: Limit
     pull: float = 0.0
     lengths: Mapping[str, Array] = field(default_factory=dict)
-    endless: frozenset[str] = frozenset()
+    untold: frozenset[str] = frozenset()
     damping: float = DAMPINGS[2]
     mass_over_friction: float = 1.0
     carried: Carried | None = None

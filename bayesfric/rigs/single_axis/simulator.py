@@ -21,9 +21,8 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.loads import behind
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.acting import draw_phases, of_kind, total
-from bayesfric.rigs.base import Simulated
 from bayesfric.rigs.changes import Change
-from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.own_design import OwnDesign, Simulated
 from bayesfric.rigs.single_axis.following import LENGTHS
 from bayesfric.rigs.truth import AppliedEffect, Truth
 

@@ -14,16 +14,13 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects import NO_OFFSET, Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
-from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
-from bayesfric.recording.joints import parted_by_joint
-from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Predictive, Rig, RigTrials, Unsupported, Words, why_inert
+from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.base import Predictive, Rig, RigTrials, Unsupported, why_inert
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
@@ -31,7 +28,6 @@ from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.instruments import compared
-from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
@@ -41,29 +37,11 @@ from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import state_of, varied_columns
-from bayesfric.rigs.single_axis.servo import NEVER, Servo, servo_of
+from bayesfric.rigs.single_axis.servo import NEVER, Servo
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
-from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.schemas import Instrument, LawNumber
 from bayesfric.simulators import SimulatorCalls
 
-WORDS = Words(
-    "driven axis",
-    "run",
-    "runs",
-    "The law is what every simulator of joints has: inertia times acceleration is the drive force "
-    "less a constant offset and less Coulomb and viscous friction, which oppose the motion. "
-    "Acceleration is never measured, and no difference of positions is taken: force "
-    "and position are multiplied by a smooth test function over short windows in which the axis "
-    "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
-    "together by the errors of positions and forces, and by friction that wanders along the path; "
-    "friction scatters from run to run (τ) and from setup to setup (ω). The clocks of force "
-    "and position may be off by a little (latency), which no friction is blamed for.",
-    "setup",
-    "setups",
-    "accelerated",
-    thresholds=AXIS_RULES,
-)
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
 TURNS = {
@@ -94,58 +72,12 @@ PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
 @dataclass(frozen=True)
-class SingleAxis(Rig):
-    """A mass, or a joint, that one drive moves along or about one axis."""
-
-    name: str = "single-axis"
-    words: Words = WORDS
-    tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
-    own_design: OwnDesign = DESIGN
-
-    def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
-        """Return the runs in which the axis moves; no rule keeps another out."""
-        del exclude
-        if recording.axis is None or not_modelled(recording.axis, recording.rig):
-            return None
-        return _opened(self, recording.axis, recording.rig)
-
-    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
-        """Return what a log of commands says of its servo."""
-        lines: list[tuple[str, str]] = []
-        for joint, part in (parted_by_joint(recording) or {"": recording}).items():
-            servo = None if part.axis is None else servo_of(part.axis, recording.rig)
-            said = () if servo is None else servo.said(rotary=recording.rig.rotary)
-            lines += [(f"servo {joint}".strip(), line) for line in said]
-        return tuple(lines)
-
-    def left_out(self, recording: Recording) -> list[Fault]:
-        """Return the runs that do not enter, and why; see :mod:`.left_out`."""
-        if recording.axis is None:
-            return []
-        if parted := parted_by_joint(recording):
-            return [
-                replace(fault, column=f"{joint}, {fault.column}" if fault.column else joint)
-                for joint, part in parted.items()
-                for fault in self.left_out(part)
-            ]
-        if faults := not_modelled(recording.axis, recording.rig):
-            return faults
-        entered = entering(recording.axis, recording.rig)
-        if isinstance(entered, Unsupported):
-            return [Fault(self.tables[1], f"a run that enters: {entered.reason}")]
-        return left_out(recording.axis, recording.rig)
-
-
-RIG = SingleAxis()
-
-
-@dataclass(frozen=True)
 class AxisRuns(RigTrials):
     """Runs, or parts of runs where they are few, that enter.
 
     Parameters
     ----------
-    rig : SingleAxis
+    rig : Rig
         The kind of rig.
     constants : RigConstants
         The machine.
@@ -177,7 +109,7 @@ class AxisRuns(RigTrials):
         Whose commands stand in the place of a force; None where a force was logged.
     """
 
-    rig: SingleAxis
+    rig: Rig
     constants: RigConstants
     table: pd.DataFrame
     readings: Readings
@@ -224,7 +156,7 @@ class AxisRuns(RigTrials):
         offered = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
         for turns, shown in TURNS.items():
             offered -= shown if self.turns < turns else set()
-        offered -= self.measures.endless
+        offered -= self.measures.untold
         # Of runs that are all alike a mass beside the one that is declared is an error of that.
         declared = self.constants.moving_mass_kg is not None
         if self._tested.any() and not (declared and self._tested.all()):
@@ -451,7 +383,7 @@ class AxisRuns(RigTrials):
     def beside(self, simulator: SimulatorCalls) -> "AxisRuns":
         """Return the runs beside a user's simulator of them; see :mod:`.simulated`."""
         assert self.source is not None
-        return _opened(self.rig, self.source, self.constants, simulator) or self
+        return opened(self.rig, self.source, self.constants, simulator) or self
 
     @property
     def has_pulleys(self) -> bool:
@@ -638,10 +570,11 @@ class AxisRuns(RigTrials):
         )
 
 
-def _opened(
-    rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
+def opened(
+    rig: Rig, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
-    opened = entering(axis, constants, simulator)
-    if isinstance(opened, Unsupported):
+    """Return the runs in which the axis moves; None without any."""
+    entered = entering(axis, constants, simulator)
+    if isinstance(entered, Unsupported):
         return None
-    return AxisRuns(rig, **opened._asdict(), source=axis)
+    return AxisRuns(rig, **entered._asdict(), source=axis)

@@ -13,11 +13,9 @@ from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
 from bayesfric.observation.readings import Readings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
-from bayesfric.recording.tables import Recording
-from bayesfric.rigs.base import CONDITION, Rig, Unsupported, Words
-from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.base import CONDITION, Rig, Unsupported
 from bayesfric.rigs.readings import ReadingTrials
-from bayesfric.rigs.steady_points.bench import Bench, bench_of
+from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.next_points import lay_out
 from bayesfric.rigs.steady_points.places import (
     DIRECTION,
@@ -25,44 +23,11 @@ from bayesfric.rigs.steady_points.places import (
     state_of,
     supported,
 )
-from bayesfric.rigs.steady_points.simulator import DESIGN
 from bayesfric.rigs.steady_points.warming import WARMTH, over_the_points, warms_unseen
 
-NAME = "steady-points"
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
-WORDS = Words(
-    "bench",
-    "point",
-    "points",
-    "The law of friction is c1 T + c2 at a load T, of which c2 alone is left where no load was "
-    "recorded; of n pulleys of wrap angle θ it is n ((c1 + c3 (θ − 85°)) T + c2). A reading is "
-    "the law's friction times 1 + η + ε, of its assembly and its own, both "
-    "normal, and an error with the standard error that was recorded or, where there is none, "
-    "with one that is estimated.",
-)
-
-
-@dataclass(frozen=True)
-class SteadyPoints(Rig):
-    """Anybody's bench, joint or slide on which friction was measured at steady motion."""
-
-    name: str = NAME
-    words: Words = WORDS
-    tables: tuple[str, ...] = ("steady_friction.csv",)
-    own_design: OwnDesign = DESIGN
-
-    def trials(self, recording: Recording, *, exclude: bool = True) -> "SteadyTrials | None":
-        """Return all points: no rule keeps one out."""
-        del exclude
-        if recording.steady is None:
-            return None
-        bench = bench_of(recording.steady, rotary=recording.rig.rotary)
-        return SteadyTrials(bench, recording.steady.rename(columns={"run": "trial"}))
-
-
-RIG = SteadyPoints()
 
 
 @dataclass(frozen=True)
@@ -71,6 +36,8 @@ class SteadyTrials(ReadingTrials):
 
     Parameters
     ----------
+    rig : Rig
+        The kind of rig.
     bench : Bench
         The points.
     recorded : DataFrame
@@ -81,11 +48,11 @@ class SteadyTrials(ReadingTrials):
         Of points that are laid out: columns that make a condition, beside the tension.
     """
 
+    rig: Rig
     bench: Bench
     recorded: pd.DataFrame
     law: FrictionLaw = BASELINES["paper"]
     settings: tuple[str, ...] = ()
-    rig: SteadyPoints = RIG
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -161,7 +128,7 @@ class SteadyTrials(ReadingTrials):
         """Return the points under a friction law."""
         bench = self.bench
         return Readings(
-            NAME,
+            self.rig.name,
             bench.table,
             self.loads,
             law,

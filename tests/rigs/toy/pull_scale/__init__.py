@@ -17,7 +17,8 @@ from bayesfric.observation.readings import Readings
 from bayesfric.physics.friction import coulomb_friction
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
-from bayesfric.rigs.base import CONDITION, Rig, Simulated, Unsupported, Words
+from bayesfric.rigs.base import CONDITION, Rig, Unsupported, Words
+from bayesfric.rigs.own_design import Simulated
 from bayesfric.rigs.readings import ReadingTrials
 from bayesfric.rigs.truth import laws_of
 
