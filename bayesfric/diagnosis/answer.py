@@ -16,7 +16,7 @@ from bayesfric.diagnosis.examined import examined_effects, no_effects
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument
 from bayesfric.diagnosis.judging import Judged
-from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
+from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs, widened
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -96,6 +96,7 @@ def law_told(
     judged: Judged,
     measured: Measured,
     conclusion: Conclusion,
+    practical: float,
     rng: np.random.Generator,
 ) -> dict[str, LawNumber]:
     """Return the law before and after, by the instrument where there is one.
@@ -104,6 +105,8 @@ def law_told(
     ----------
     compared, judged, measured, conclusion
         As of :class:`Answer`.
+    practical : float
+        Practical share of friction.
     rng : Generator
         Source of randomness of scatter from run to run.
     """
@@ -111,6 +114,8 @@ def law_told(
     law = law_of_diagnosis(
         compared.model, compared.psi, judged.posterior, judged.residuals, scatter, rng
     )
+    if compared.data.rigs[0].along_path:
+        law = widened(law, measured.gap, practical)
     return by_the_instrument(law, conclusion.instrument)
 
 
@@ -183,6 +188,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         model, law, judged.posterior, told_of.causes, gap, judged.residuals
     )
     words = sentence_of(_statement(answer, told_of, unseparated))
+    considered = [cause for cause in told_of.considered if cause.effect in words]
     return DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),
@@ -195,7 +201,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         practical_share=question.practical,
         verdict=conclusion.verdict,
         verdict_probability=conclusion.probability,
-        sentence=f"{words} {held_out_words(gap, told_of.causes or told_of.considered)}",
+        sentence=f"{words} {held_out_words(gap, told_of.causes or considered)}",
         **_hypotheses(answer),
         **told_of._asdict(),
         overruled_by=conclusion.why or conclusion.bent,

@@ -155,7 +155,7 @@ def _diagnose(
         question.examined,
         axes,
     )
-    law = law_told(compared, judged, measured, conclusion, scatter)
+    law = law_told(compared, judged, measured, conclusion, question.practical, scatter)
     answer = Answer(question, compared, judged, measured, conclusion, law, *where)
     summary = file_of(answer, causes_told(answer, checks), attributes)
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}

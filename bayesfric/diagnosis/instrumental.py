@@ -14,11 +14,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from bayesfric.diagnosis.law import wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
+CALLED = dict.fromkeys(ACCELERATES, "inertia")
 SIGNED = frozenset({"viscous"})  # numbers that may be below zero
 
 
@@ -107,6 +109,9 @@ def by_the_instrument(
 ) -> dict[str, LawNumber]:
     """Return the numbers of a law, those that an instrument has as it tells them if it alarms.
 
+    Where it is sure that least squares are bent, and too weak to set them right, errors are as
+    large as it makes the bend.
+
     Parameters
     ----------
     law : mapping of str to LawNumber
@@ -114,19 +119,25 @@ def by_the_instrument(
     instrument : Instrument or str
         Beside it, or why there is none.
     """
-    if isinstance(instrument, str) or not instrument.alarms:
+    unsettled = why_unsettled(instrument) is not None
+    if isinstance(instrument, str) or not (instrument.alarms or unsettled):
         return dict(law)
-    called = dict.fromkeys(ACCELERATES, "inertia")
+    widened = _by_as_much if unsettled else _number_told
+    values = {name: instrument.numbers.get(CALLED.get(name, name)) for name in law}
     return {
-        name: _number_told(name, number, instrument, called.get(name, name))
+        name: number if (value := values[name]) is None else widened(name, number, value)
         for name, number in law.items()
     }
 
 
-def _number_told(name: str, number: LawNumber, instrument: Instrument, called: str) -> LawNumber:
-    if called not in instrument.numbers:
-        return number
-    value = instrument.numbers[called]
+def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNumber:
+    """Return a number with an error as large as least squares may be bent."""
+    bend, sd = abs(value.instrumental - value.ordinary), number.after.sd
+    factor = float(np.hypot(1.0, bend / sd)) if sd > 0 else 1.0
+    return number.model_copy(update={"after": wider(number.after, factor, name)})
+
+
+def _number_told(name: str, number: LawNumber, value: InstrumentNumber) -> LawNumber:
     least = -np.inf if name in SIGNED else 0.0
     mean, sd, quantiles = normal_above(value.instrumental, value.instrumental_se, least)
     low, middle, high = map(float, quantiles)

@@ -1,5 +1,6 @@
 """The numbers of the law, with and without what acts beside it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,16 +9,18 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.overruling import leaves_too_much
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
-from bayesfric.schemas import Interval, LawNumber
+from bayesfric.schemas import Gap, Interval, LawNumber
 
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
+POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 FRICTION = frozenset({"coulomb", "viscous"})
 
 
@@ -124,6 +127,48 @@ def law_of_diagnosis(
                 after=interval(draws[:, place, column] * (1 + deviation * (name in FRICTION))),
             )
     return numbers | _beside_the_law(alone, at, posterior)
+
+
+def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[str, LawNumber]:
+    """Return the numbers of a joint's law with errors as large as held-out data show them to be.
+
+    Where these leave more than scatter makes, by what counts, whatever makes that bends the
+    numbers too: errors by scatter alone are too small by as much.
+
+    Parameters
+    ----------
+    law : mapping of str to LawNumber
+        With errors by scatter.
+    gap : Gap
+        Of data held out.
+    practical : float
+        Practical share of friction.
+
+    References
+    ----------
+    R. T. Birge, "The calculation of errors by the method of least squares", Physical Review 40
+    (1932).
+    """
+    if not leaves_too_much(gap, practical) or gap.floor.q50 <= 0:
+        return dict(law)
+    factor = float(np.hypot(1.0, gap.held_out_excess / gap.floor.q50))
+    return {
+        name: number.model_copy(
+            update={
+                "before": wider(number.before, factor, name),
+                "after": wider(number.after, factor, name),
+            }
+        )
+        for name, number in law.items()
+    }
+
+
+def wider(interval: Interval, factor: float, name: str) -> Interval:
+    """Return an interval that is a factor as wide, within what the number of a name can be."""
+    low, high = (interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95))
+    if name in POSITIVE:
+        low = max(low, 0.0)
+    return interval.model_copy(update={"sd": factor * interval.sd, "q05": low, "q95": high})
 
 
 def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:

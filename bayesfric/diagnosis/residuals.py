@@ -31,6 +31,7 @@ AXES = {
     "rig": "1",
 }
 """Covariates with their units."""
+AT_ONCE = 100  # draws of forces whose squares are taken
 CATEGORIES = ("drive_end", "setup", "pulley_size", "rig")
 """Covariates that are numbers of a category."""
 
@@ -176,6 +177,15 @@ class Residuals:
         basis = left / np.sqrt(self.weight)[:, None]
         taken = np.tensordot(basis, np.tensordot(basis.T * self.weight, values, 1), 1)
         return np.asarray(np.subtract(values, taken, out=taken))
+
+    def mean_square(self, force: Array, taken: Array | float = 0.0) -> Array:
+        """Return the weighted mean squares of draws of forces, (R, S), less what is taken of them.
+
+        Some draws at a time: squares of all would be as large as the draws.
+        """
+        taken, places = np.broadcast_to(taken, force.shape), range(0, force.shape[1], AT_ONCE)
+        rest = (force[:, k : k + AT_ONCE] - taken[:, k : k + AT_ONCE] for k in places)
+        return np.concatenate([self.weight @ left**2 for left in rest])
 
     def taken_by_law(self, values: Array) -> Array:
         """Return what a recalibrated law takes of forces, (R, S), in its numbers, (S, sizes, 3)."""

@@ -7,6 +7,7 @@ is not: put in the order of an axis, neighbours have it together. Means over nei
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
@@ -71,8 +72,8 @@ def differs_within_runs(noise: Mapping[str, float], practical: float) -> str | N
         Practical share of friction.
     """
     in_time = noise.get(SLOW, 0.0)
-    along = float(np.hypot(*(noise.get(name, 0.0) for name in MAPS)))
-    share = float(np.hypot(in_time, along))
+    along = hypot(*(noise.get(name, 0.0) for name in MAPS))
+    share = hypot(in_time, along)
     if share < practical:
         return None
     how = "changes slowly in time" if in_time > along else "differs along the path"

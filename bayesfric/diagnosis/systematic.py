@@ -18,7 +18,7 @@ from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
-from bayesfric.diagnosis.residuals import Residuals, spread_numbers
+from bayesfric.diagnosis.residuals import AT_ONCE, Residuals, spread_numbers
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
@@ -99,7 +99,7 @@ def posterior_of(
     weights = np.array(list(chances.values()))
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     hypotheses: list[Hypothesis] = []
-    forces, hidden = [], []
+    force, hidden = np.empty((residuals.size.size, DRAWS)), []
     effects = EffectDraws(model, residuals)
     refitted = RefittedLaw(model.layout.sizes, DRAWS)
     for hypothesis, count in zip(chances, counts.tolist(), strict=True):
@@ -108,21 +108,26 @@ def posterior_of(
         rows = slice(len(hypotheses), len(hypotheses) + count)
         own, weighed, wide = _hypothesis_of(model, search, hypothesis)
         drawn = _numbers(own, weighed, wide, count, rng)
-        force, moves = _force_and_law(model, residuals, own, weighed.acting, drawn)
-        forces.append(residuals.without_law(force))
-        refitted.take(rows, own, weighed.acting, weighed.at.psi, drawn, moves)
+        moves = []
+        for start in range(0, count, AT_ONCE):  # forces of all draws are large
+            some = drawn[start : start + AT_ONCE]
+            made, moved = _force_and_law(model, residuals, own, weighed.acting, some)
+            place = rows.start + start
+            force[:, place : place + len(some)] = residuals.without_law(made)
+            moves.append(moved)
+        refitted.take(rows, own, weighed.acting, weighed.at.psi, drawn, np.concatenate(moves))
         effects.take_columns(rows, own, weighed, drawn, rng)
         forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
         hidden.append(effects.take_phases(rows, own, weighed, wide, forms, rng))
         hypotheses += [hypothesis] * count
-    force, hidden2 = np.concatenate(forces, axis=1), np.concatenate(hidden)
+    hidden2 = np.concatenate(hidden)
     rms = residuals.friction_rms
     return Posterior(
         np.array(hypotheses, dtype=object),
         force,
         hidden2,
         (RULES.unresolved * rms * rng.standard_normal(DRAWS)) ** 2,
-        np.sqrt(residuals.weight @ force**2 + hidden2),
+        np.sqrt(residuals.mean_square(force) + hidden2),
         effects.strengths,
         {name: float(np.mean(values)) for name, values in effects.left.items()},
         {name: np.concatenate(values) for name, values in effects.amplitudes.items()},
@@ -263,8 +268,7 @@ def left_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array:
         What is predicted of it, the law recalibrated [N].
     """
     taken = taken.reshape(len(taken), -1)
-    left = residuals.weight @ (posterior.force - taken) ** 2
-    return np.asarray(left + posterior.hidden2)
+    return np.asarray(residuals.mean_square(posterior.force, taken) + posterior.hidden2)
 
 
 def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Array | None:

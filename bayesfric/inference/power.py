@@ -19,6 +19,7 @@ from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI, from_normal, log_density, prior_sd
 
 NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
+NARROW = 1 / 3  # of an error: nodes around an estimate pass a narrower prior by
 LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
 LEAST_PRECISION_RATIO = (
     1.05  # least ratio of posterior to prior precision of an amplitude that data inform
@@ -36,10 +37,14 @@ def log_bayes_factor(estimate: float, error: float, prior: Prior) -> float:
     prior : Prior
         Of the amplitude.
     """
+    step = float(np.log(NODES[1] - NODES[0]))
+    if prior_sd(prior) < NARROW * error:
+        amplitude = from_normal(prior, NODES)
+        gained = amplitude * (estimate - amplitude / 2) / error**2
+        return float(logsumexp(gained - 0.5 * (NODES**2 + LOG_2PI))) + step
     amplitude = estimate + error * NODES
     with np.errstate(divide="ignore"):
         density = log_density(prior, amplitude) - 0.5 * (NODES**2 + LOG_2PI)
-    step = float(np.log(NODES[1] - NODES[0]))
     return float(logsumexp(density) + step + 0.5 * ((estimate / error) ** 2 + LOG_2PI)) + float(
         np.log(error)
     )

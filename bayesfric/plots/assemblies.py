@@ -85,7 +85,7 @@ def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str,
     axes.plot(middle, score.to_numpy(), "o", color=COLORS["blue"], markersize=size)
     axes.set_title(title)
     axes.set_xlabel("score expected of its rank")
-    axes.set_ylabel(f"score of {what}")
+    axes.set_ylabel(f"score of\n{what}")
 
 
 def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
@@ -120,4 +120,4 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     axes.set_xticks(range(len(written)), written, rotation=upright, fontsize=6.5)
     by = "by pulley size, number and wrap angle" if several else "in their order"
     axes.set_title(f"{title}: {by}")
-    axes.set_ylabel(f"score of one {what}")
+    axes.set_ylabel(f"score of\none {what}")

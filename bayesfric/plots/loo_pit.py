@@ -56,4 +56,4 @@ def draw_probabilities(axes: Axes, table: xr.Dataset, title: str) -> None:
     axes.step(at, table["pit_difference"].to_numpy(), where="mid", color=COLORS["blue"])
     axes.set_xlim(0, 1)
     axes.set_title(title)
-    axes.set_xlabel("probability of less friction, left out")
+    axes.set_xlabel("probability of less friction")

@@ -230,15 +230,15 @@ def _effects(look: _Look) -> pd.DataFrame:
         errors = [_errors(model, precision, law, shape) for shape in shapes]
         if not np.isfinite(errors[0][0]):
             continue
-        found, hidden = (
+        named, unnamed = (
             [_named_from(*of_shape, amplitude.prior, odds, probability) for of_shape in errors]
             for probability in (FOUND_WITH, HIDDEN_WITH)
         )
         rows[f"{law.effect}/{law.law}"] = {
-            "smallest": found[0],
-            "unseen": min(hidden),
+            "smallest": named[0],
+            "unseen": min(unnamed),
             "unit": amplitude.unit,
-            "share": _share(model, model.candidate(law, at), found[0]),
+            "share": _share(model, model.candidate(law, at), named[0]),
         }
     return pd.DataFrame.from_dict(rows, orient="index")
 

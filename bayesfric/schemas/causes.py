@@ -70,7 +70,7 @@ class LawNumber(Record):
     before: Interval = Field(description="Of the law alone.")
     after: Interval = Field(
         description="Averaged over all hypotheses, what acts beside the law taken apart; by the "
-        "instrument where that alarms."
+        "instrument where that alarms. Of a joint, as wide as data held out show its errors to be."
     )
     least_squares: Interval | None = Field(
         None, description="The same by least squares, where `after` is by the instrument."

@@ -89,13 +89,13 @@ class Target(Record):
     @property
     def outcome(self) -> str:
         """Whether it is kept or missed, in words: surely by its interval, or so far."""
-        rate, least, most = self.rate, self.at_least or 0.0, self.at_most
-        if self.met is None or rate.low is None or rate.high is None:
+        rate, least = self.rate, self.at_least or 0.0
+        if self.met is None:
             return self.met_why or "not tried"
-        above, below = rate.low >= least, most is None or rate.high <= most
+        above, below = rate.low >= least, self.at_most is None or rate.high <= self.at_most
         if self.met:
             return "kept" if above and below else "kept so far"
-        outside = rate.high < least or (most is not None and rate.low > most)
+        outside = rate.high < least or (self.at_most is not None and rate.low > self.at_most)
         return "missed" if outside else "missed so far"
 
 

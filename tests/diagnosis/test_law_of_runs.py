@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from report.diagnosis_sample import diagnosis
 
-from bayesfric.diagnosis.law import scatter_of_runs
+from bayesfric.diagnosis.law import scatter_of_runs, widened
+from bayesfric.schemas import Interval, LawNumber
 
 
 def a_model(runs, *, pulleys=False):
@@ -46,3 +48,27 @@ def test_points_of_friction_behind_a_joint_are_none_of_its_runs():
     left = np.repeat(2.0 * np.array([0.01, -0.01, 0.01, -0.01, 0.5]), 20)
     scatter = scatter_of_runs(a_model(4), windows_of(5), left)
     assert (scatter.runs, scatter.share) == (4, pytest.approx(0.01 * np.sqrt(4 / 3)))
+
+
+def interval(middle, sd):
+    return Interval(mean=middle, sd=sd, q05=middle - 1.6 * sd, q50=middle, q95=middle + 1.6 * sd)
+
+
+@pytest.mark.parametrize(("excess", "factor"), [(0.0, 1.0), (0.01, 1.0), (0.4, 5.0)])
+def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
+    """Viscous friction of 0.5 beside other joints was told as 0.53 to 0.55: scatter makes 0.08."""
+    floor = interval(0.4 / 24**0.5, 0.0)
+    gap = diagnosis().gap.model_copy(
+        update={"held_out_excess": excess, "friction_rms": 1.0, "floor": floor}
+    )
+    law = {
+        name: LawNumber(unit="1", before=known, after=known)
+        for name, known in (("viscous", interval(0.54, 0.01)), ("coulomb", interval(0.01, 0.005)))
+    }
+    told = widened(law, gap, 0.02)
+    viscous, coulomb = told["viscous"].after, told["coulomb"].after
+    assert viscous.sd == pytest.approx(0.01 * factor)
+    assert viscous.q05 == pytest.approx(0.54 - 1.6 * 0.01 * factor)
+    assert viscous.q95 == pytest.approx(0.54 + 1.6 * 0.01 * factor)
+    assert coulomb.q05 >= 0
+    assert told["viscous"].before == viscous

@@ -35,9 +35,10 @@ def test_nine_of_ten_such_effects_are_found(prior):
     assert found == pytest.approx(0.9, abs=4 * np.sqrt(0.09 / 4000))
 
 
-def test_a_poor_error_beside_a_narrow_prior():
-    """Solved for the estimate at which the closed form is the odds."""
-    error = 1.45 * WIDTH
+@pytest.mark.parametrize("widths", [1.45, 2.9, 3.1, 4.4])
+def test_a_poor_error_beside_a_narrow_prior(widths):
+    """Solved for the estimate at which the closed form is the odds, up to what data barely tell."""
+    error = widths * WIDTH
     amplitude = smallest_found(error, Normal(mean=0.0, sd=WIDTH), TEN, 0.9)
     shrink = WIDTH**2 / (WIDTH**2 + error**2)
     score = np.sqrt((2 * TEN + np.log1p((WIDTH / error) ** 2)) / shrink)

@@ -225,11 +225,11 @@ def test_assemblies_stand_at_their_scores_over_their_rank_and_condition():
     tree["trial_checks"] = xr.DataTree(checks)
     _, _, of_trials, _ = assemblies_left_out(tree).axes
     assert of_trials.lines[-1].get_xydata().tolist() == [[-0.6, -1.1], [0.6, 0.7]]
-    assert of_trials.get_ylabel() == "score of a trial"
-    assert by_condition.get_ylabel() == "score of one assembly"
+    assert of_trials.get_ylabel() == "score of\na trial"
+    assert by_condition.get_ylabel() == "score of\none assembly"
     tree["trials"].attrs["group"] = "setup"  # as a rig without assemblies calls it
     labels = [axes.get_ylabel() for axes in assemblies_left_out(tree).axes]
-    assert [labels[1], labels[3]] == ["score of one setup"] * 2
+    assert [labels[1], labels[3]] == ["score of\none setup"] * 2
     # Of one condition they would all lie in one place: they stand in their order.
     alone = table.drop_vars(["pulley_size", "n_pulleys", "wrap_angle_deg"])
     tree["trial_assemblies"] = xr.DataTree(alone)

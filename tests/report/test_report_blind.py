@@ -58,10 +58,20 @@ def rows(blocks, label):
 def test_each_promise_stands_with_its_rate_and_whether_it_is_kept(blocks):
     promises = rows(blocks, "promises")
     assert promises["full strength named, own form"] == [
-        *("≥\u00a095.0\u202f%", "95.0\u202f%", "75.1\u202f% to 99.9\u202f%", "19 of 20", "kept so far"),
+        *(
+            "≥\u00a095.0\u202f%",
+            "95.0\u202f%",
+            "75.1\u202f% to 99.9\u202f%",
+            "19 of 20",
+            "kept so far",
+        ),
     ]
     falsely = promises["no effect, falsely named"]
-    assert (falsely[0], falsely[1], falsely[4]) == ("≤\u00a02.0\u202f%", "10.0\u202f%", "missed so far")
+    assert (falsely[0], falsely[1], falsely[4]) == (
+        "≤\u00a02.0\u202f%",
+        "10.0\u202f%",
+        "missed so far",
+    )
     (table,) = [b for b in blocks if isinstance(b, Table) and b.label == "promises"]
     assert "both of a pair named" not in promises  # no case can judge it
     assert "No case yet for: full strength named, foreign form; " in words(table.note)

@@ -39,7 +39,6 @@ from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 
-VIEWS = 2  # sums of hypotheses that are kept: those of one with all candidates are large
 _Sizes = tuple[OneSize, ...]
 
 
@@ -185,9 +184,7 @@ class GravityPart(LinearRig):
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None:
-            if len(self._views) >= VIEWS:
-                self._views.clear()
-            self._views[key] = view
+            self._views = {key: view}  # one alone: those of all candidates are large
         return view
 
     def evaluate(
