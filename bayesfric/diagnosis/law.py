@@ -165,7 +165,9 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:
     """Return an interval that is a factor as wide, within what the number of a name can be."""
-    low, high = (interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95))
+    low, high = (
+        interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95)
+    )
     if name in POSITIVE:
         low = max(low, 0.0)
     return interval.model_copy(update={"sd": factor * interval.sd, "q05": low, "q95": high})

@@ -29,7 +29,6 @@ NOT_YET_SMALL: set[str] = {
     "diagnosis/model.py",
     "effects/base.py",
     "fitting/pooled.py",
-    "planning.py",
     "replaying.py",
     "rigs/gravity_board/rows.py",
     "rigs/single_axis/trials.py",
