@@ -34,7 +34,6 @@ from bayesfric.hypothesis import UNKNOWN, Hypothesis, printed
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.model_amounts import model_errors
 from bayesfric.schemas import (
-    Absorbed,
     Axis,
     Cause,
     DiagnosisFile,
@@ -278,10 +277,7 @@ def _hypotheses(answer: Answer) -> dict[str, Any]:
         "inclusion": inclusion_of(
             answer.conclusion.overruled.effects_known, answer.judged.posterior, question.practical
         ),
-        "absorbed": tuple(
-            Absorbed(effect=effect.effect, by=effect.by, bias=effect.bias, unit=effect.unit)
-            for effect in search.classes.absorbed
-        ),
+        "absorbed": search.classes.absorbed,
         "effects": examined_effects(
             answer.compared.first,
             [*question.examined, *question.lacking],

@@ -11,7 +11,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.recalibrating import Refit, recalibrated, refit_of
 from bayesfric.diagnosis.residuals import Residuals, numbers_of_laws, spread_numbers, used_of
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.inference.symmetric import eigen_of
+from bayesfric.inference.symmetric import root_of
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.physics.friction import Coefficients
 
@@ -169,9 +169,9 @@ class Arms:
         refit = refit_of(self.plain, residuals, ~out)
         # What effects and nuisances are uncertain by, in columns of unit variance.
         shared = slice(layout.own * len(layout.sizes), None)
-        values, vectors = eigen_of(at.covariance[shared, shared])
-        numbers = np.zeros((values.size, at.mean.size))
-        numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
+        root = root_of(at.covariance[shared, shared])
+        numbers = np.zeros((len(root), at.mean.size))
+        numbers[:, shared] = root.T
         uncertain = held(numbers).transpose(1, 2, 0)
         uncertain = uncertain[..., np.any(uncertain, axis=(0, 1))]
         further = np.empty((residuals.size.size, uncertain.shape[-1]))

@@ -4,6 +4,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.inference.symmetric import root_of
 
 
 def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array:
@@ -25,8 +26,7 @@ def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array
     for part, wander in zip(residuals.covariance, residuals.wander, strict=True):
         rows = slice(start, start + len(part))
         friction = residuals.friction_n[rows]
-        values, vectors = np.linalg.eigh(part + wander * np.outer(friction, friction))
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        root = root_of(part + wander * np.outer(friction, friction))
         relative = omega[rows] * of_setups[residuals.setup[rows]]
         relative += tau[rows] * of_trials[residuals.trial[rows]]
         drawn[rows] = relative * friction[:, None] + root @ rng.standard_normal((len(part), count))

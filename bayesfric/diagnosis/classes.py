@@ -14,32 +14,11 @@ from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.rigs.base import Unsupported
+from bayesfric.schemas import Absorbed
 
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
-
-
-@dataclass(frozen=True)
-class AbsorbedEffect:
-    """An effect that does nothing but move a parameter of the baseline.
-
-    Parameters
-    ----------
-    effect : str
-        Its name.
-    by : str
-        The parameter that moves most, in widths of its prior.
-    bias : float
-        By how much, at one standard deviation of the amplitude.
-    unit : str
-        Of the bias.
-    """
-
-    effect: str
-    by: str
-    bias: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -50,7 +29,7 @@ class Classes:
     ----------
     members : tuple of tuple of str
         Effects of each class.
-    absorbed : tuple of AbsorbedEffect
+    absorbed : tuple of Absorbed
         What only moves the baseline.
     left_out : dict of str to str
         Other effects, with the reason.
@@ -62,7 +41,7 @@ class Classes:
     """
 
     members: tuple[tuple[str, ...], ...]
-    absorbed: tuple[AbsorbedEffect, ...]
+    absorbed: tuple[Absorbed, ...]
     left_out: dict[str, str]
     odds: Mapping[str, float] = field(default_factory=dict)
     ladders: Mapping[str, str] = field(default_factory=dict)
@@ -195,7 +174,7 @@ def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
 
 def _absorbed(
     model: LinearModel, information: Information, sd: Array, place: int, name: str
-) -> AbsorbedEffect | None:
+) -> Absorbed | None:
     """Return where the coefficients go that make good for one sd of an effect.
 
     None where no coefficient is free: what is the rig's own then takes it.
@@ -214,7 +193,7 @@ def _absorbed(
     column = most % model.layout.own
     bias = float(moved[most] * model.scales[column])
     by, unit = model.data.law_numbers(size)[column]
-    return AbsorbedEffect(name, by, bias, unit)
+    return Absorbed(effect=name, by=by, bias=bias, unit=unit)
 
 
 def _alias(

@@ -17,7 +17,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
-from bayesfric.inference.symmetric import eigen_of
+from bayesfric.inference.symmetric import eigen_of, root_of
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.observation.linear import LinearRig
 from bayesfric.rigs.base import RigTrials
@@ -226,8 +226,7 @@ def _expected(
         place, kept = _shared(model, rows, rig, which, start, int(rig.size[trial]))
         covariance[np.ix_(place, place)] += which.at.covariance[np.ix_(kept, kept)]
     taken = information @ mean
-    values, vectors = eigen_of(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    root = root_of(covariance)
     stiffness, turned = eigen_of(root.T @ information @ root)
     moved = turned.T @ (root.T @ taken)
     square = mean @ taken - (moved**2 / (1 + np.maximum(stiffness, 0.0))).sum()

@@ -7,7 +7,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.inference.symmetric import eigen_of
+from bayesfric.inference.symmetric import root_of
 from bayesfric.observation.layout import COEFFICIENTS
 
 
@@ -56,8 +56,7 @@ class Refit:
     def spread(self, residuals: Residuals, further: Array) -> Array:
         """Return columns whose outer product is the covariance of the coefficients, (p, k)."""
         covariance = self.smoothing @ residuals.scattered(self.smoothing.T)
-        values, vectors = eigen_of(0.5 * (covariance + covariance.T))
-        own = vectors * np.sqrt(np.maximum(values, 0.0))
+        own = root_of(0.5 * (covariance + covariance.T))
         return np.asarray(self.sd[:, None] * np.hstack([own, -self.smoothing @ further]))
 
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.observation.coefficients import coefficient_name
-from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.truth import table1_coefficients
 
 Shipped = Mapping[str, Coefficients] | Mapping[str, float]
 """Laws by pulley size, or numbers by name as ``fit.json`` has them."""
@@ -26,10 +26,7 @@ def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
         The rigs, which know what their numbers are called.
     """
     if given is None:
-        return {
-            size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
-            for size, row in table1().items()
-        }
+        return table1_coefficients()
     laws = {size: law for size, law in given.items() if isinstance(law, Coefficients)}
     numbers = {
         name: number for name, number in given.items() if not isinstance(number, Coefficients)

@@ -17,6 +17,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN
+from bayesfric.inference.symmetric import root_of
 
 TO_SD = 1.4826  # of the median of absolute values of normal numbers
 ROUNDS = 8
@@ -149,9 +150,7 @@ def _weights_by(model: LinearModel, search: Search) -> dict[str, Array] | None:
 
 def _leverage(windows: Residuals, rows: Flags, model: LinearModel, at: At, mixing: Array) -> Array:
     """Return by how much of itself each reading moves what is expected of it, below 1."""
-    values, vectors = np.linalg.eigh(at.covariance)
-    roots = (vectors * np.sqrt(np.maximum(values, 0.0))).T
-    local = spread_numbers(model, roots, mixing)[:, windows.size[rows]]
+    local = spread_numbers(model, root_of(at.covariance).T, mixing)[:, windows.size[rows]]
     moved2 = (np.einsum("prq,rq->pr", local, windows.columns[rows]) ** 2).sum(axis=0)
     return np.asarray(np.minimum(moved2 / windows.chance2[rows], MOST_LEVERAGE))
 

@@ -34,3 +34,17 @@ def eigen_of(matrix: Array) -> tuple[Array, Array]:
     except np.linalg.LinAlgError:
         values, vectors = eigh(matrix, driver="ev")
     return np.asarray(values, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
+
+
+def root_of(covariance: Array) -> Array:
+    """Return a matrix, (n, n), whose product with its transpose is a covariance.
+
+    Eigenvalues that rounding has left below zero count as zero.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n, n)
+        Symmetric and finite, with no negative eigenvalue but for rounding.
+    """
+    values, vectors = eigen_of(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -48,6 +48,12 @@ def law_of(theta: Mapping[str, Array | float], size: str) -> Coefficients:
     return Coefficients(*(theta.get(name, nothing) for name in names))
 
 
+def law_of_rows(laws: Mapping[str, Coefficients], sizes: "pd.Series[str]") -> Coefficients:
+    """Return the law of each row by its pulley size, arrays of the length of the column."""
+    rows = zip(*(laws[size] for size in sizes), strict=True)
+    return Coefficients(*(np.array(column) for column in rows))
+
+
 def intercept_of(law: Coefficients) -> Array:
     """Return the part of one pulley's friction that has a scatter of its own [N]: c2.
 

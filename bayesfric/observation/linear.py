@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -123,63 +123,72 @@ class Evaluated:
     deviations: Callable[[Sequence[Array], Sequence[Array]], Deviations] | None = None
 
 
-class LinearRows(Protocol):
+class LinearRows(ABC):
     """Trials of one rig, linear around a reference law."""
 
-    @property
-    def name(self) -> str:
-        """Of the rig."""
+    if TYPE_CHECKING:  # fields of some, and worked out by others
 
-    @property
-    def table(self) -> pd.DataFrame:
-        """One row a trial: ``trial``, ``setup``, ``pulley_size``, condition."""
+        @property
+        def name(self) -> str:
+            """Of the rig."""
 
-    @property
-    def loads(self) -> tuple[str, ...]:
-        """Columns that, with size, number and wrap angle, make a condition."""
+        @property
+        def table(self) -> pd.DataFrame:
+            """One row a trial: ``trial``, ``setup``, ``pulley_size``, condition."""
 
-    @property
-    def friction_n(self) -> Array:
-        """By the reference law, shape (N,) [N]."""
+        @property
+        def loads(self) -> tuple[str, ...]:
+            """Columns that, with size, number and wrap angle, make a condition."""
 
-    @property
-    def acceleration(self) -> Array:
-        """By the reference law, shape (N,) [m/s²]."""
+        @property
+        def friction_n(self) -> Array:
+            """By the reference law, shape (N,) [N]."""
 
-    @property
-    def state(self) -> State:
-        """Where every trial is along its path."""
+        @property
+        def state(self) -> State:
+            """Where every trial is along its path."""
 
-    @property
-    def trial_axes(self) -> tuple[str, ...]:
-        """Covariates that only this rig has, along which there are smooth forces."""
+        @property
+        def trial_axes(self) -> tuple[str, ...]:
+            """Covariates that only this rig has, along which there are smooth forces."""
 
     @property
     def scattering_axes(self) -> tuple[str, ...]:
         """Those along which friction's scatter may go as a small smooth force does."""
+        return ()
 
     @property
     def clock_nuisances(self) -> tuple[int, ...]:
         """Places of nuisances that are errors of clocks: no law takes up a force by them."""
+        return ()
 
+    @abstractmethod
     def covariates(self) -> Mapping[str, Array]:
         """Return covariates by name, arrays that broadcast to (N,) or (N, P)."""
 
+    @abstractmethod
     def where(self, acts_on: ActsOn) -> Any:
         """Return the places of a law that acts on something, or Unsupported."""
 
-    def size_of(self, candidate: Candidate) -> float:
-        """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
-
+    @abstractmethod
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what amplitude 1 adds to friction as a share of it, (C, N, P)."""
 
+    def size_of(self, candidate: Candidate) -> float:
+        """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
+        force = self.relative_force(candidate)
+        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+
     def strays(self) -> tuple[str, ...]:
         """Return trials that lie far from the others of their assembly."""
+        return ()
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of numbers that are the rig's own."""
+        del priors
+        return ()
 
+    @abstractmethod
     def laid_out(self, model: ModelColumns, place: int) -> "LinearRig":
         """Return the rig with the columns of a model, at its place among all."""
 
@@ -299,11 +308,6 @@ def with_heavy_scatter(rig: _AnyRig, heavy: HeavyScatter | None) -> _AnyRig:
     weighted = copy(rig)
     weighted._heavy = heavy
     return weighted
-
-
-def rms_of(force: Array | Unsupported) -> float:
-    """Return the rms of what amplitude 1 adds to friction; 0 of what a rig cannot show."""
-    return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
 
 
 def rank(trials: pd.DataFrame) -> Array:

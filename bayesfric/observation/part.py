@@ -1,42 +1,55 @@
 """Rows of a rig laid out: columns of the numbers of a hypothesis, and what scatters."""
 
+from abc import abstractmethod
 from copy import copy
-from typing import Protocol, Self
+from typing import ClassVar, Self
 
 import numpy as np
-import pandas as pd
 
 from bayesfric.arrays import Array
-from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.effects import ActsOn
+from bayesfric.effects.candidates import Candidate, on_friction, unit_values
 from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import LinearRig
+from bayesfric.observation.linear import LinearRig, LinearRows
 from bayesfric.observation.unsupported import Unsupported
 
 
-class LaidRows(Protocol):
+class LaidRows(LinearRows):
     """E rows of N trials around a reference law, of which columns can be made."""
 
-    @property
-    def name(self) -> str:
-        """Of the rig."""
+    unseen_phases: ClassVar[Unsupported]
+    """Why effects whose phase nobody recorded are not seen."""
 
-    @property
-    def table(self) -> pd.DataFrame:
-        """One row a trial."""
-
+    @abstractmethod
     def coefficient_columns(self) -> Array:
         """Return what c1, c2 and c3 add to each row, (E, 3)."""
 
+    @abstractmethod
     def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
         """Return what a smooth force adds, in units (N,) unless it is relative, (E, k)."""
 
+    @abstractmethod
+    def added(self, acts_on: ActsOn, size: Array) -> Array:
+        """Return what a force, or what else an effect acts on, adds to each row, (E,)."""
+
     def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 adds to each row, (E,)."""
+        effect = candidate.effect
+        where = self.where(effect.acts_on)
+        if isinstance(where, Unsupported):
+            return where
+        if effect.components:
+            return self.unseen_phases
+        values, small = unit_values(candidate)
+        size = np.asarray(effect.laws[candidate.law](values, where)) / small
+        return self.added(effect.acts_on, size)
 
+    @abstractmethod
     def nuisance_columns(self) -> Array:
         """Return what the rig's own numbers add to each row, (E, K)."""
 
+    @abstractmethod
     def scatter_column(self) -> Array:
         """Return what a relative deviation of friction of 1 adds to each row, (E,)."""
 

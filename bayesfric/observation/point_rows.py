@@ -14,9 +14,10 @@ import pandas as pd
 from bayesfric.analysis import Priors
 from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn, State
-from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
-from bayesfric.observation.linear import NoiseParameter, rms_of
+from bayesfric.observation.linear import NoiseParameter
+from bayesfric.observation.part import LaidRows
 from bayesfric.observation.unsupported import Unsupported
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 
@@ -26,7 +27,7 @@ AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a 
 
 
 @dataclass(frozen=True)
-class PointRows:
+class PointRows(LaidRows):
     """Trials of one reading each around a reference law.
 
     Parameters
@@ -72,6 +73,8 @@ class PointRows:
         Coefficients that make no sense here, such as the slope where no load was recorded.
     """
 
+    unseen_phases = AVERAGES
+
     name: str
     table: pd.DataFrame
     loads: tuple[str, ...]
@@ -97,21 +100,6 @@ class PointRows:
         """Covariates that only this rig has."""
         return tuple(self.further)
 
-    @property
-    def scattering_axes(self) -> tuple[str, ...]:
-        """None."""
-        return ()
-
-    @property
-    def clock_nuisances(self) -> tuple[int, ...]:
-        """None."""
-        return ()
-
-    @property
-    def acceleration(self) -> Array:
-        """None, shape (N,)."""
-        return np.zeros(len(self.table))
-
     def covariates(self) -> dict[str, Array]:
         """Return where every trial is, arrays of shape (N,)."""
         state, count = self.state, len(self.table)
@@ -128,11 +116,8 @@ class PointRows:
 
     def where(self, acts_on: ActsOn) -> Any:
         """Return the places of a law, or Unsupported."""
-        return self._absent(acts_on) or self.state
-
-    def _absent(self, acts_on: ActsOn) -> Unsupported | None:
         if acts_on == self.direct or acts_on in ("friction", "drive"):
-            return None
+            return self.state
         return NO_EVENTS if acts_on == "reading" else NO_MOTOR
 
     def readings(self, force_n: Array) -> Array:
@@ -160,17 +145,10 @@ class PointRows:
         """Return the reading of a relative deviation of friction of 1, (N,)."""
         return np.asarray(self.per_newton * self.friction_n)
 
-    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what an effect of amplitude 1 adds to each reading, (N,)."""
-        effect = candidate.effect
-        if absent := self._absent(effect.acts_on):
-            return absent
-        if effect.components:
-            return AVERAGES
-        values, small = unit_values(candidate)
-        law = np.asarray(effect.laws[candidate.law](values, self.state)) / small
-        law = np.broadcast_to(law, (len(self.table),))
-        return law if effect.acts_on == self.direct else self.readings(law)
+    def added(self, acts_on: ActsOn, size: Array) -> Array:
+        """Return what a force, or what adds to the reading itself, adds to each, (N,)."""
+        added = np.broadcast_to(size, (len(self.table),))
+        return added if acts_on == self.direct else self.readings(added)
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what amplitude 1 adds to friction as a share of it, (1, N, 1)."""
@@ -178,14 +156,6 @@ class PointRows:
         if isinstance(column, Unsupported):
             return column
         return np.asarray(column / self.per_newton / self.friction_n)[None, :, None]
-
-    def size_of(self, candidate: Candidate) -> float:
-        """Return the rms of what amplitude 1 does, as a share of friction."""
-        return rms_of(self.relative_force(candidate))
-
-    def strays(self) -> tuple[str, ...]:
-        """Return no trial: one reading alone cannot show that its trial strays."""
-        return ()
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of the shared curve."""

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.effects import Effect
+from bayesfric.observation.coefficients import law_of_rows
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 
@@ -128,5 +129,4 @@ class Truth:
 
 def laws_of(truth: Truth, sizes: "pd.Series[str]") -> Coefficients:
     """Return the law of each row, arrays of its length."""
-    laws = [truth.coefficients[size] for size in sizes]
-    return Coefficients(*(np.array(column) for column in zip(*laws, strict=True)))
+    return law_of_rows(truth.coefficients, sizes)

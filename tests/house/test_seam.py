@@ -1,31 +1,37 @@
 """How much a rig says: the members of what it fills, and those that no base fills for it.
 
-The counts may only shrink. A rig whose trials are one reading each writes 20 members, as
+The counts may only shrink. A rig whose trials are one reading each writes 10 members, as
 docs/decisions/observation.md has it.
 """
 
 from bayesfric.observation.exact import ExactModel
 from bayesfric.observation.linear import LinearRig, LinearRows
-from bayesfric.observation.points import LinearReadings, PointPart
 from bayesfric.rigs.base import Rig, RigTrials
-from bayesfric.rigs.kind import PlainRig
-from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.machine import MachineTrials
+from bayesfric.rigs.readings import ReadingTrials
 
 # What a rig fills, and how many members that has.
-SEAM = {Rig: 9, RigTrials: 45, ExactModel: 10, LinearRows: 16, LinearRig: 10}
-MOST = 20  # that a rig of readings writes in all
+SEAM = {Rig: 9, MachineTrials: 10, RigTrials: 35, ExactModel: 10, LinearRows: 15, LinearRig: 10}
+MOST = 10  # that a rig of readings writes in all
+FIELDS = {  # of which only a type checker knows
+    RigTrials: {"rig", "table", "recorded", "loads"},
+    LinearRows: {"name", "table", "loads", "friction_n", "state", "trial_axes"},
+}
 
 
 def members(kind):
     """Return the public members that a class names itself."""
-    return {name for name in (*vars(kind), *kind.__annotations__) if not name.startswith("_")}
+    named = {*vars(kind), *kind.__annotations__, *FIELDS.get(kind, ())}
+    return {name for name in named if not name.startswith("_")}
 
 
-def filled(kind):
-    """Return the public members that a class has, fields among them."""
-    return set().union(
-        *(members(base) for base in kind.__mro__[:-1] if base.__module__ != "typing")
-    )
+def unfilled(kind):
+    """Return the public members that a base leaves to its rigs: abstract ones, and fields."""
+    return {
+        name
+        for name in members(kind)
+        if getattr(getattr(kind, name, None), "__isabstractmethod__", not hasattr(kind, name))
+    }
 
 
 def test_the_seam_does_not_grow():
@@ -33,12 +39,5 @@ def test_the_seam_does_not_grow():
 
 
 def test_a_rig_of_readings_writes_few_of_them():
-    by_default = {name for name in ("at_rest", "intercept") if hasattr(ExactModel, name)}
-    written = [
-        *(members(Rig) - filled(PlainRig)),
-        *(members(RigTrials) - filled(PlainTrials)),
-        *(members(ExactModel) - by_default),
-        *(members(LinearRows) - filled(LinearReadings)),
-        *(members(LinearRig) - filled(PointPart)),
-    ]
+    written = {*unfilled(Rig), *FIELDS[RigTrials], *ReadingTrials.__abstractmethods__}
     assert len(written) <= MOST, sorted(written)

@@ -9,9 +9,9 @@ import numpy as np
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
+from bayesfric.rigs.base import Rig, Words
 from bayesfric.rigs.gravity_board.screening import RULES, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_clocks import clock_faults
-from bayesfric.rigs.kind import Words
 
 if TYPE_CHECKING:
     from bayesfric.effects import Effect
@@ -26,13 +26,12 @@ WORDS = Words("gravity board", "trial", "trials", regime="accelerated", paper=Tr
 
 
 @dataclass(frozen=True)
-class GravityBoard:
+class GravityBoard(Rig):
     """A board on which a weight falls and lifts another over n pulleys."""
 
     name: str = "gravity"
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
-    own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
         """Return the trials that enter by the rules of :mod:`.screening`.

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from bayesfric.observation.coefficients import law_of_rows
 from bayesfric.observation.feasible import evenly, every_condition, levels_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration
@@ -59,8 +60,7 @@ def on_time(
     sensors : sequence of str
         That see them.
     """
-    laws_by_trial = [laws[size] for size in trials["pulley_size"]]
-    law = Coefficients(*(np.array(column) for column in zip(*laws_by_trial, strict=True)))
+    law = law_of_rows(laws, trials["pulley_size"])
     rate = coulomb_acceleration(law, trial_condition(trials, rig))
     moving = rate > MOVING_M_S2
     trials = trials[moving].reset_index(drop=True)

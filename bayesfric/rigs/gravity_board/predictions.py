@@ -5,7 +5,6 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.arrays import Array
-from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
@@ -13,6 +12,7 @@ from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.residuals import beside_predicted
+from bayesfric.rigs.truth import table1_coefficients
 
 CURVE_POINTS = 41
 
@@ -54,15 +54,13 @@ def curves(model: GravityModel, named: dict[str, Array], baseline: FrictionLaw) 
     cells = cells.drop(columns="place")
     top = float(np.max(nominal_tension(model.condition, 0.0)))
     tension = np.linspace(0.0, top, CURVE_POINTS)
-    paper = np.full((len(cells), CURVE_POINTS), np.nan)
+    printed, paper = table1_coefficients(), np.full((len(cells), CURVE_POINTS), np.nan)
     law = np.empty((len(cells), CURVE_POINTS, len(QUANTILES)))
     for place, (size, n, wrap) in enumerate(cells.itertuples(index=False)):
         draws = Coefficients(*(named[f"{c}[{size}]"][:, None] for c in ("c1", "c2", "c3")))
         law[place] = bands(baseline.at_tension(draws, n, wrap, tension))
-        if size in table1():
-            row = table1()[size]
-            printed = Coefficients(row.c1.value, row.c2.value, row.c3.value)
-            paper[place] = coulomb_friction(printed, n, wrap, tension)
+        if size in printed:
+            paper[place] = coulomb_friction(printed[size], n, wrap, tension)
     return xr.Dataset(
         {
             "law_n": (("curve", "tension_n", "quantile"), law),

@@ -11,7 +11,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.candidates import Candidate, unit_values
-from bayesfric.observation.coefficients import intercept_of
+from bayesfric.observation.coefficients import intercept_of, law_of_rows
 from bayesfric.observation.linear import rank
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension, tension_feedback
@@ -47,7 +47,7 @@ class ReferenceMotion:
         self.table, self.constants, self._gravity = gravity.trials, rig, gravity
         self.condition = trial_condition(gravity.trials, rig)
         sizes = gravity.trials["pulley_size"]
-        self.law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
+        self.law = law_of_rows(laws, sizes)
         mass = self.condition.total_mass_kg
         self.friction_n = law.gravity(self.law, self.condition)
         self._predicted = (self.condition.drive_force_n - self.friction_n) / mass

@@ -14,13 +14,12 @@ from typing import Any, Self
 
 import numpy as np
 
-from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, Effect, Law, Reading
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.smooths import Smooth
-from bayesfric.observation.linear import rms_of
+from bayesfric.observation.linear import LinearRows
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -39,7 +38,7 @@ ROWS_AT_ONCE = 4096  # of which columns are made: more would be most of what a d
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
 
-class GravityRows(ReferenceMotion):
+class GravityRows(ReferenceMotion, LinearRows):
     """Events as rows of a linear model.
 
     Parameters
@@ -78,8 +77,6 @@ class GravityRows(ReferenceMotion):
 
     name = "gravity"
     loads = ("mass_drive_kg", "mass_load_kg")
-    scattering_axes: tuple[str, ...] = ()
-    clock_nuisances: tuple[int, ...] = ()
     trial_axes = ("displacement", "order", "acceleration", "drive_end", "trial_in_setup")
 
     def __init__(
@@ -333,17 +330,12 @@ class GravityRows(ReferenceMotion):
             columns = self.candidate_columns(candidate)
             assert not isinstance(columns, Unsupported)
             return float(np.sqrt((columns.sum(axis=1) ** 2).mean()))
-        return rms_of(self.relative_force(candidate))
+        return super().size_of(candidate)
 
     def strays(self) -> tuple[str, ...]:
         """Return the trials whose friction is far from that of their assembly."""
         far = far_from_their_own(self.relative_deviation(), self.table["setup"].to_numpy())
         return tuple(str(trial) for trial in self.table["trial"][far])
-
-    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return none: all that the board has of its own scatters from trial to trial."""
-        del priors
-        return ()
 
     def relative_deviation(self) -> Array:
         """Return how far each trial's friction is from the law, as a share of it, (N,)."""

@@ -21,6 +21,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings
 from bayesfric.rigs.gravity_board.effects_on_trials import TrialMotion, passing_times, trial_motion
 from bayesfric.rigs.gravity_board.event_trains import SENSORS
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.protocols import Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
 
@@ -68,7 +69,7 @@ def draw_events(
     assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
     spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s
     setup_index = pd.factorize(trials["setup"])[0]
-    law, condition = laws_of(truth, trials["pulley_size"]), conditions_of(trials, rig)
+    law, condition = laws_of(truth, trials["pulley_size"]), trial_condition(trials, rig)
     eta = truth.omega * scatter_rng.standard_normal(setup_index.max() + 1)
     factor = 1 + eta[setup_index] + truth.tau * scatter_rng.standard_normal(len(trials))
     kappa = truth.omega_intercept * scatter_rng.standard_normal(setup_index.max() + 1)
@@ -110,17 +111,6 @@ def draw_events(
     )
     start = motion.time_at(np.full((len(trials), 1, 1), LEAST_MOTION_M))
     return events, moved, ~np.isfinite(start[:, 0, 0])
-
-
-def conditions_of(trials: pd.DataFrame, rig: RigConstants) -> Condition:
-    """Return the condition of each trial, arrays of shape (N,)."""
-    return Condition(
-        trials["n_pulleys"].to_numpy(),
-        trials["wrap_angle_deg"].to_numpy(),
-        trials["mass_drive_kg"].to_numpy(),
-        trials["mass_load_kg"].to_numpy(),
-        rig.gravity_m_s2,
-    )
 
 
 def _draw_wander(

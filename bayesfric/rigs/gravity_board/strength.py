@@ -7,7 +7,8 @@ from bayesfric.effects import Reading, State
 from bayesfric.physics.gravity import TRAVEL_M, nominal_tension, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
-from bayesfric.rigs.gravity_board.simulator import conditions_of, lay_trials
+from bayesfric.rigs.gravity_board.simulator import lay_trials
+from bayesfric.rigs.gravity_board.trial_motion import trial_condition
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
@@ -19,7 +20,7 @@ DERIVATIVE_SHARE = 1e-4  # of a trial's duration, the step of a second derivativ
 def change_of_trials(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
     """Return how an effect changes the friction of each trial, at equal steps of time."""
     trials = lay_trials(design, np.random.default_rng(0))
-    condition = conditions_of(trials, constants)
+    condition = trial_condition(trials, constants)
     law = laws_of(truth, trials["pulley_size"])
     motion = trajectory(law, condition)
     whole = motion.time_at(np.full(len(trials), TRAVEL_M))
@@ -45,7 +46,7 @@ def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) 
     It is (m1 + m2) times the second derivative of the mean of both sensors' errors.
     """
     trials = lay_trials(design, np.random.default_rng(0))
-    condition = conditions_of(trials, constants)
+    condition = trial_condition(trials, constants)
     motion = trajectory(laws_of(truth, trials["pulley_size"]), condition)
     whole = motion.time_at(np.full(len(trials), TRAVEL_M))
     assert constants.hall_spacing_m and constants.magnets_per_revolution

@@ -22,7 +22,7 @@ from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.base import Predictive, Resting, Rig, Unsupported
+from bayesfric.rigs.base import Predictive, Resting, Rig, RigTrials, Unsupported
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.linear import LinearEvents
@@ -38,7 +38,6 @@ from bayesfric.rigs.gravity_board.slopes import paper_slopes
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
-from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
 DISAGREEING_SHARE = (
@@ -47,7 +46,7 @@ DISAGREEING_SHARE = (
 
 
 @dataclass(frozen=True)
-class GravityTrials(PulleyTrials):
+class GravityTrials(RigTrials):
     """Trials that enter, those of an assembly adjacent.
 
     Parameters
@@ -80,7 +79,7 @@ class GravityTrials(PulleyTrials):
     event_error_m: float | None = None
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row a trial."""
         return self.gravity.trials
@@ -211,7 +210,7 @@ class GravityTrials(PulleyTrials):
         sigma_x, sigma_t = (float(np.median(theta[name])) for name in ("sigma_x", "sigma_t"))
         return friction_ratios(with_events, self.constants, cable, sigma_x, sigma_t)
 
-    @property
+    @cached_property
     def recorded(self) -> pd.DataFrame:
         """All trials as recorded."""
         return self.source.trials

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.kind import PlainRig, Words
+from bayesfric.rigs.base import Rig, Words
 
 if TYPE_CHECKING:
     from bayesfric.effects import Effect
@@ -21,7 +21,7 @@ WORDS = Words("motor board", "run", "runs", paper=True)
 
 
 @dataclass(frozen=True)
-class MotorBoard(PlainRig):
+class MotorBoard(Rig):
     """A board on which a motor winds the cable at constant speed."""
 
     name: str = "motor"

@@ -7,7 +7,7 @@ import numpy as np
 
 from bayesfric.analysis import Priors
 from bayesfric.effects import State
-from bayesfric.observation.coefficients import intercept_of
+from bayesfric.observation.coefficients import intercept_of, law_of_rows
 from bayesfric.observation.linear import NoiseParameter, noise_parameter, rank
 from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
@@ -50,7 +50,7 @@ def motor_rows(
     assert constants.motor_torque_constant_n_m_per_a and constants.capstan_radius_m
     torque, radius = constants.motor_torque_constant_n_m_per_a, constants.capstan_radius_m
     condition, sizes = run_condition(runs, constants), runs["pulley_size"]
-    law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
+    law = law_of_rows(laws, sizes)
     signed = baseline.motor(law, condition)
     speed = np.asarray(condition.velocity_m_s, dtype=np.float64)
     load = load_current(condition, signed, torque, radius)

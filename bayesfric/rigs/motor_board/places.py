@@ -6,12 +6,12 @@ import pandas as pd
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import small_values
-from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.motor import MotorCondition, nominal_tension
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
+from bayesfric.rigs.truth import table1_coefficients
 
 ON_READINGS = Unsupported("It acts on sensors along a trial, and this board reads a current.")
 OVER = Unsupported("Nothing of it is left, or it averages out, once the cable runs steadily.")
@@ -74,8 +74,7 @@ class RunPlaces:
         """Return why an effect cannot enter the likelihood; None where it can."""
         if effect.acts_on == "reading":
             return ON_READINGS
-        medium = table1()["medium"]  # any law will do
-        law = Coefficients(medium.c1.value, medium.c2.value, medium.c3.value)
+        law = table1_coefficients()["medium"]  # any law will do
         state = self.state(law, np.zeros(1), np.ones(1))
         for effect_law in effect.laws.values():
             response = np.asarray(effect_law(small_values(effect), state))

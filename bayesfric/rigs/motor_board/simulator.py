@@ -18,6 +18,7 @@ from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.motor import MotorCondition, load_current, motor_friction, nominal_tension
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings, total
+from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.rigs.protocols import (
     IDLE_REPEATS,
     IDLE_SPEEDS_M_S,
@@ -60,7 +61,7 @@ def simulate_motor(
     """Run every assembly, weight and speed, and the idle motor."""
     runs = lay_runs(rng)
     assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
-    condition = run_conditions(runs, rig)
+    condition = run_condition(runs, rig)
     setup_index = pd.factorize(runs["setup"])[0]
     eta = truth.omega_motor * rng.standard_normal(setup_index.max() + 1)
     factor = 1 + eta[setup_index] + truth.tau_motor * rng.standard_normal(len(runs))
@@ -100,17 +101,6 @@ def _idle(truth: Truth, velocity_m_s: Array) -> Array:
     level, slope, curvature = truth.idle_current
     speed = np.abs(velocity_m_s)
     return np.asarray(np.sign(velocity_m_s) * (level + slope * speed + curvature * speed**2))
-
-
-def run_conditions(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
-    """Return the condition of each run, arrays of shape (N,)."""
-    return MotorCondition(
-        runs["n_pulleys"].to_numpy(),
-        runs["wrap_angle_deg"].to_numpy(),
-        runs["hanging_mass_kg"].to_numpy(),
-        runs["velocity_m_s"].to_numpy(),
-        rig.gravity_m_s2,
-    )
 
 
 def _forces(

@@ -7,14 +7,15 @@ from bayesfric.effects import State
 from bayesfric.physics.motor import load_current, motor_friction, nominal_tension
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
-from bayesfric.rigs.motor_board.simulator import lay_runs, run_conditions
+from bayesfric.rigs.motor_board.places import run_condition
+from bayesfric.rigs.motor_board.simulator import lay_runs
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 
 def change_of_runs(constants: RigConstants, truth: Truth) -> Change:
     """Return how an effect changes the friction of each run, or its current taken for it."""
     runs = lay_runs(np.random.default_rng(0))
-    condition = run_conditions(runs, constants)
+    condition = run_condition(runs, constants)
     law = laws_of(truth, runs["pulley_size"])
     friction = motor_friction(law, condition)
     constant, radius = constants.motor_torque_constant_n_m_per_a, constants.capstan_radius_m

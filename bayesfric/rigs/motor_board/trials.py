@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
@@ -16,16 +17,15 @@ from bayesfric.observation.points import LinearReadings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.base import Predictive, Rig, Unsupported
+from bayesfric.rigs.base import Predictive, Rig, RigTrials, Unsupported
 from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.motor_board.linear import motor_rows
 from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
-from bayesfric.rigs.plain import PlainTrials
 
 
 @dataclass(frozen=True)
-class MotorRuns(PlainTrials):
+class MotorRuns(RigTrials):
     """Runs that enter.
 
     Parameters
@@ -49,7 +49,7 @@ class MotorRuns(PlainTrials):
     law: FrictionLaw = BASELINES["paper"]
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row a run; its id is ``trial``."""
         return _by_trial(self.motor.runs)

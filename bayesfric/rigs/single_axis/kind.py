@@ -7,7 +7,7 @@ from bayesfric.errors import Fault
 from bayesfric.observation.unsupported import Unsupported
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.kind import PlainRig, Words
+from bayesfric.rigs.base import Rig, Words
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ WORDS = Words(
 
 
 @dataclass(frozen=True)
-class SingleAxis(PlainRig):
+class SingleAxis(Rig):
     """A mass, or a joint, that one drive moves along or about one axis."""
 
     name: str = "single-axis"

@@ -9,7 +9,7 @@ import pandas as pd
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array, Flags
 from bayesfric.inference.priors import LOG_2PI
-from bayesfric.inference.symmetric import eigen_of
+from bayesfric.inference.symmetric import root_of
 from bayesfric.observation.layout import ModelColumns
 from bayesfric.observation.linear import Evaluated, NoiseParameter, noise_parameter
 from bayesfric.observation.part import ColumnsPart, laid_columns, row_weights, scattering_column
@@ -122,7 +122,7 @@ class AxisPart(ColumnsPart):
             # The residual, and the columns by a root of what is not known of their numbers.
             mixed = np.zeros((k + 1, k + 1))
             mixed[:, 0] = np.append(-m, 1.0)
-            mixed[:k, 1:] = _root(v)
+            mixed[:k, 1:] = root_of(0.5 * (v + v.T))
             run, setup, run_map, machine_map, slow = shared.moments(mixed)
             numbers, inverse = shared.of_rows()
             pulled = lent[:, :COLUMNS]
@@ -225,12 +225,6 @@ class AxisPart(ColumnsPart):
             },
             counts=min(readings.hop, 1.0) * root**2,
         )
-
-
-def _root(covariance: Array) -> Array:
-    """Return a matrix whose product with its transpose is a covariance."""
-    values, vectors = eigen_of(0.5 * (covariance + covariance.T))
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _noise(

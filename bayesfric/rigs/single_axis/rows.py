@@ -10,9 +10,10 @@ import pandas as pd
 from bayesfric.analysis import Priors
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
-from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.smooths import Smooth
-from bayesfric.observation.linear import rank, rms_of
+from bayesfric.observation.linear import rank
+from bayesfric.observation.part import LaidRows
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.columns import TAKEN
@@ -29,7 +30,7 @@ OWN_COLUMNS = ("run", "order", "setup", "role")
 
 
 @dataclass(frozen=True)
-class AxisRows:
+class AxisRows(LaidRows):
     """Rows around a reference law.
 
     Parameters
@@ -62,6 +63,8 @@ class AxisRows:
     further : tuple of str
         Columns of the recording's own that varied.
     """
+
+    unseen_phases = UNKNOWN_PHASE
 
     name: str
     table: pd.DataFrame
@@ -108,11 +111,6 @@ class AxisRows:
     def friction_of_row(self) -> Array:
         """By the reference law, (W,) [N]."""
         return np.asarray(self.law.coulomb + self.law.viscous * self.mean(self.readings.speed))
-
-    @property
-    def acceleration(self) -> Array:
-        """Of no use here: it changes along a run; zeros, (N,)."""
-        return np.zeros(len(self.table))
 
     @property
     def moved_mass(self) -> float:
@@ -165,15 +163,10 @@ class AxisRows:
         """Return what a relative deviation of friction of 1 adds to each row, (W,)."""
         return self.friction_of_row
 
-    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what an effect of amplitude 1 adds to each row, (W,)."""
-        effect = candidate.effect
-        if effect.acts_on not in ("friction", "drive"):
-            return NO_SENSOR
-        if effect.components:
-            return UNKNOWN_PHASE
-        values, small = unit_values(candidate)
-        return self.mean(np.asarray(effect.laws[candidate.law](values, self.state)) / small)
+    def added(self, acts_on: ActsOn, size: Array) -> Array:
+        """Return what a force at places inside adds to each row, (W,)."""
+        del acts_on
+        return self.mean(size)
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what amplitude 1 adds to friction as a share of it, (1, 1, W)."""
@@ -181,14 +174,6 @@ class AxisRows:
         if isinstance(column, Unsupported):
             return column
         return np.asarray(column / self.friction_of_row)[None, None]
-
-    def size_of(self, candidate: Candidate) -> float:
-        """Return the rms of what amplitude 1 does, as a share of friction."""
-        return rms_of(self.relative_force(candidate))
-
-    def strays(self) -> tuple[str, ...]:
-        """Return no trial: runs differ by their scatter."""
-        return ()
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return prior standard deviations of the columns of :meth:`nuisance_columns`.

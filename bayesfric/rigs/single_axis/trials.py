@@ -19,10 +19,9 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
 from bayesfric.recording.tables import Axis, RigConstants
-from bayesfric.rigs.base import Predictive, Rig, Unsupported, why_inert
+from bayesfric.rigs.base import Predictive, Rig, RigTrials, Unsupported, why_inert
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_law import OwnLaw
-from bayesfric.rigs.plain import PlainTrials
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
@@ -73,7 +72,7 @@ PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
 @dataclass(frozen=True)
-class AxisRuns(PlainTrials):
+class AxisRuns(RigTrials):
     """Runs, or parts of runs where they are few, that enter.
 
     Parameters
@@ -128,7 +127,7 @@ class AxisRuns(PlainTrials):
     spikes: float = 0.0
     servo: Servo | None = None
 
-    @property
+    @cached_property
     def recorded(self) -> pd.DataFrame:
         """All trials."""
         return self.table

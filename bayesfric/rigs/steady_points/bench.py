@@ -87,6 +87,18 @@ class Bench:
             return np.zeros(len(self.table))
         return np.asarray(self.table["velocity_m_s"].abs(), dtype=np.float64)
 
+    @property
+    def known_sd(self) -> Array:
+        """Standard error of each reading, NaN where nobody states it, shape (N,) [N]."""
+        if "friction_sd_n" not in self.given:
+            return np.full(len(self.table), np.nan)
+        return self.table["friction_sd_n"].to_numpy(dtype=np.float64)
+
+    @property
+    def friction_scale(self) -> float:
+        """How large friction is [N]."""
+        return self.scale.force * Scale.paper_force_n * float(self.table["n_pulleys"].mean())
+
     def priors(self) -> dict[str, PriorOverrides]:
         """Return priors of the coefficients of sizes that are not the paper's.
 

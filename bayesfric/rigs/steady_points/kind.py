@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.kind import PlainRig, Words
+from bayesfric.rigs.base import Rig, Words
 
 if TYPE_CHECKING:
     from bayesfric.rigs.own_design import OwnDesign
@@ -23,7 +23,7 @@ WORDS = Words(
 
 
 @dataclass(frozen=True)
-class SteadyPoints(PlainRig):
+class SteadyPoints(Rig):
     """Anybody's bench, joint or slide on which friction was measured at steady motion."""
 
     name: str = "steady-points"

@@ -7,11 +7,12 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from bayesfric.observation.coefficients import law_of_rows
 from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
+from bayesfric.rigs.base import CONDITION
 from bayesfric.rigs.steady_points.bench import Bench
-from bayesfric.rigs.steady_points.places import CONDITION
 
 LEVELS = 5  # of a column
 MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle
@@ -55,8 +56,7 @@ def lay_out(
     for name in ("velocity_m_s", *bench.covariates):
         if name in bench.given and name not in settings:
             points[name] = table[name].iloc[0]
-    each_law = zip(*(laws[size] for size in points["pulley_size"]), strict=True)
-    coefficients = Coefficients(*(np.array(values) for values in each_law))
+    coefficients = law_of_rows(laws, points["pulley_size"])
     where = (points[name].to_numpy(dtype=np.float64) for name in CONDITION)
     points["friction_n"] = law.at_tension(coefficients, *where)
     if "friction_sd_n" in bench.given:

@@ -8,10 +8,9 @@ from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.terms import small_values
 from bayesfric.observation.linear import rank
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, coulomb_friction
-from bayesfric.rigs.base import Unsupported, why_inert
+from bayesfric.rigs.base import CONDITION, Unsupported, why_inert
 from bayesfric.rigs.steady_points.bench import ABSENT, Bench
 
-CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 LEAST_TENSION = 1e-6  # of the middle: some laws divide by it
 DIRECTION = "direction"
 NO_PATH = Unsupported(

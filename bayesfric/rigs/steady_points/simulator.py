@@ -16,9 +16,9 @@ from bayesfric.observation.linear import rank
 from bayesfric.physics.friction import coulomb_friction
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import draw_phases, of_kind, total
+from bayesfric.rigs.base import CONDITION
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_design import OwnDesign, Simulated
-from bayesfric.rigs.steady_points.places import CONDITION
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of, table1_coefficients
 
 CELLS = ((5, 85.0), (9, 50.0), (9, 85.0), (9, 85.0), (15, 85.0), (15, 135.0))

@@ -1,34 +1,28 @@
 """Points that enter, and what kind of rig they are of."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
-from bayesfric.analysis import Analysis, PriorOverrides
+from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
-from bayesfric.effects.candidates import Candidate
-from bayesfric.effects.terms import ActiveEffect
-from bayesfric.observation.exact import ExactLikelihood
-from bayesfric.observation.points import LinearReadings
+from bayesfric.observation.readings import Readings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
-from bayesfric.rigs.base import Predictive, Rig, Unsupported
-from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.base import CONDITION, Rig, Unsupported
+from bayesfric.rigs.readings import ReadingTrials
 from bayesfric.rigs.steady_points.bench import Bench
-from bayesfric.rigs.steady_points.likelihood import PointsModel
-from bayesfric.rigs.steady_points.linear import points_rows
 from bayesfric.rigs.steady_points.next_points import lay_out
 from bayesfric.rigs.steady_points.places import (
-    CONDITION,
+    DIRECTION,
     covariates_of,
     state_of,
     supported,
 )
-from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.warming import WARMTH, over_the_points, warms_unseen
 
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
@@ -37,7 +31,7 @@ NO_TENSION = Unsupported("No tension_n was recorded to which friction could be p
 
 
 @dataclass(frozen=True)
-class SteadyTrials(PlainTrials):
+class SteadyTrials(ReadingTrials):
     """Points that enter.
 
     Parameters
@@ -60,20 +54,15 @@ class SteadyTrials(PlainTrials):
     law: FrictionLaw = BASELINES["paper"]
     settings: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row a point; its id is ``trial``."""
         return self.bench.table
 
-    @property
+    @cached_property
     def loads(self) -> tuple[str, ...]:
         """The tension, where it was recorded."""
         return (*(("tension_n",) if "tension_n" in self.bench.given else ()), *self.settings)
-
-    @property
-    def slowest_speed_m_s(self) -> float:
-        """The least speed of a point; infinite where nobody says [m/s]."""
-        return float(self.bench.speed.min()) if "velocity_m_s" in self.bench.given else float("inf")
 
     @property
     def has_pulleys(self) -> bool:
@@ -135,32 +124,35 @@ class SteadyTrials(PlainTrials):
             return effect
         return bench.scale.adapted(effect, rotary=bench.rotary)
 
-    def linear(
-        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> LinearReadings:
-        """Return the readings as rows of a linear model; nothing starts to move here."""
-        del acting
-        return points_rows(self.bench, self.loads, self.law, laws)
+    def readings(self, law: FrictionLaw) -> Readings:
+        """Return the points under a friction law."""
+        bench = self.bench
+        return Readings(
+            self.rig.name,
+            bench.table,
+            self.loads,
+            law,
+            partial(state_of, bench),
+            bench.known_sd,
+            bench.friction_scale,
+            bench.coefficients_without(),
+            bench.shared,
+            bench.force_unit,
+            # Two directions leave a smooth force nothing that an effect of them does not say.
+            {name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
+        )
+
+    @property
+    def recorded_columns(self) -> tuple[str, ...]:
+        """What was recorded: where there is no pulley, none is spoken of."""
+        names = ("pulley_size", *CONDITION, "velocity_m_s", *self.bench.covariates)
+        return tuple(name for name in names if name in self.bench.given)
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "SteadyTrials":
         """Return a point at every feasible condition; see :mod:`.next_points`."""
         bench, settings = lay_out(self.bench, self.law, laws)
         return replace(self, bench=bench, settings=settings)
 
-    def likelihood(
-        self,
-        analysis: Analysis,
-        law: FrictionLaw = BASELINES["paper"],
-        effects: Sequence[ActiveEffect] = (),
-    ) -> ExactLikelihood:
-        """Return the density of the readings."""
-        supported_effects = [effect for effect in effects if self.supports(effect.effect) is None]
-        return ExactLikelihood(PointsModel(self.bench, analysis, law, supported_effects))
-
     def quality(self) -> Mapping[str, Any]:
         """Return how many points enter."""
         return {"points": len(self.table)}
-
-    def predicted(self, view: Predictive) -> xr.Dataset:
-        """Return friction measured, and predicted for a new point."""
-        return points_dataset(self.bench, self.recorded, view)
