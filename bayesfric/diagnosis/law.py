@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -182,11 +183,12 @@ def held_by_blocks(
     turns : bool
         Whether the machine turns.
     """
-    rows = model.rigs[0].rows
+    rows: Any = model.rigs[0].rows  # an axis': pulleys have no readings
     readings = rows.readings
     place = np.asarray(readings.position @ readings.weights)
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
+    own = own[:, own.any(axis=0)]  # the law may lack some
     nuisances = [readings.way, *(readings.way * pull for pull in pulls), *readings.beside.T]
     errors = block_errors(np.column_stack([own, *nuisances]), np.asarray(rows.residual()))
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
