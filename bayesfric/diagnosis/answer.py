@@ -16,7 +16,7 @@ from bayesfric.diagnosis.examined import examined_effects, no_effects
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument
 from bayesfric.diagnosis.judging import Judged
-from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs, widened
+from bayesfric.diagnosis.law import held_by_blocks, law_of_diagnosis, scatter_of_runs, widened
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -115,6 +115,8 @@ def law_told(
     )
     if compared.data.rigs[0].along_path:
         law = widened(law, measured.gap, practical)
+        if conclusion.verdict == "unknown":
+            law = held_by_blocks(law, compared.model, judged.residuals.turns)
     return by_the_instrument(law, conclusion.instrument)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from bayesfric.schemas import Gap, Interval, LawNumber
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
+BLOCKS = 10  # stretches of a log that are left out one after another
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 FRICTION = frozenset({"coulomb", "viscous"})
@@ -161,6 +163,75 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
         )
         for name, number in law.items()
     }
+
+
+def held_by_blocks(
+    law: Mapping[str, LawNumber], model: LinearModel, turns: bool
+) -> dict[str, LawNumber]:
+    """Return the numbers of a joint's law with errors no smaller than its stretches differ by.
+
+    A force that no effect explains, such as a push by hand, bends the numbers by more than any
+    error of a row says. What pulls with the place is free here: in a free swing it takes the
+    place of the inertia.
+
+    Parameters
+    ----------
+    law : mapping of str to LawNumber
+        With errors by the model.
+    model : LinearModel
+        In which the hypotheses were compared.
+    turns : bool
+        Whether the machine turns.
+    """
+    rows: Any = model.rigs[0].rows  # an axis': pulleys have no readings
+    readings = rows.readings
+    place = np.asarray(readings.position @ readings.weights)
+    pulls = [np.sin(place), np.cos(place)] if turns else [place]
+    own = np.asarray(rows.coefficient_columns())
+    own = own[:, own.any(axis=0)]  # the law may lack some
+    nuisances = [readings.way, *(readings.way * pull for pull in pulls), *readings.beside.T]
+    errors = block_errors(np.column_stack([own, *nuisances]), np.asarray(rows.residual()))
+    names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
+    by_name = dict(zip([*names, "offset"], errors, strict=False))
+    if MASS in by_name:
+        by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
+
+    def wide(number: Interval, name: str) -> Interval:
+        factor = by_name.get(name, 0.0) / number.sd if number.sd > 0 else 1.0
+        return wider(number, max(1.0, float(factor)), name)
+
+    return {
+        name: number.model_copy(
+            update={"before": wide(number.before, name), "after": wide(number.after, name)}
+        )
+        for name, number in law.items()
+    }
+
+
+def block_errors(columns: Array, force: Array) -> Array:
+    """Return standard errors of least squares by a jackknife over stretches of rows, (k,).
+
+    Parameters
+    ----------
+    columns : ndarray, shape (W, k)
+        What each number adds to the rows, in their order in time.
+    force : ndarray, shape (W,)
+        Of the rows.
+
+    References
+    ----------
+    H. R. Künsch, "The jackknife and the bootstrap for general stationary observations", Annals
+    of Statistics 17 (1989).
+    """
+    size = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(size > 0, size, 1.0)
+    stretches = np.array_split(np.arange(len(force)), BLOCKS)
+    fits = [
+        np.linalg.lstsq(np.delete(scaled, rows, 0), np.delete(force, rows), rcond=None)[0]
+        for rows in stretches
+    ]
+    deviation = np.sqrt((BLOCKS - 1) * np.var(np.stack(fits), axis=0))
+    return np.asarray(deviation / np.where(size > 0, size, 1.0))
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from report.diagnosis_sample import diagnosis
 
-from bayesfric.diagnosis.law import scatter_of_runs, widened
+from bayesfric.diagnosis.law import block_errors, scatter_of_runs, widened
 from bayesfric.schemas import Interval, LawNumber
 
 
@@ -72,3 +72,22 @@ def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
     assert viscous.q95 == pytest.approx(0.54 + 1.6 * 0.01 * factor)
     assert coulomb.q05 >= 0
     assert told["viscous"].before == viscous
+
+
+def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth():
+    rng = np.random.default_rng(4)
+    time = np.arange(222) * 0.08
+    place = 2.5 * np.sin(3.5 * time) + 0.3 * np.sin(1.3 * time)
+    acceleration = -16 * np.sin(place) + rng.normal(0, 0.5, time.size)
+    columns = np.column_stack([acceleration, np.sin(place), np.sign(np.cos(3.5 * time))])
+    truth = np.array([0.0626, 1.0, 0.184])
+    force = columns @ truth + rng.normal(0, 0.05, time.size)
+    columns[190:194, 0] -= 100  # nobody logs the hand
+    fitted = np.linalg.lstsq(columns, force, rcond=None)[0]
+    left = force - columns @ fitted
+    by_rows = np.sqrt(np.diag(np.linalg.inv(columns.T @ columns)) * left.var())
+
+    off = np.abs(fitted - truth)
+
+    assert off[0] > 1.64 * by_rows[0]
+    assert np.all(off[:2] < 1.64 * block_errors(columns, force)[:2])
