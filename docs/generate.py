@@ -200,7 +200,7 @@ def _loop() -> str:
 
 
 ACTS_ON = {
-    "friction": "friction: a force against the motion that scatters like all friction",
+    "friction": "friction: a force against the motion, with the scatter of all friction",
     "drive": "the drive: a force against the motion that does not scatter",
     "reading": "the readings of events",
     "current": "the motor's current",

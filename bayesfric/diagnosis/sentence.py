@@ -234,7 +234,7 @@ def _undecided(statement: Statement) -> str:
     up_to = f"{gap.systematic.q95 / gap.friction_rms:.1%} of friction" if gap.friction_rms else ""
     if gap.no_share is not None:
         up_to = f"{gap.systematic.q95:.3g} {gap.unit} rms ({gap.no_share})"
-    return f"These data do not exclude a gap of up to {up_to}; {left}"
+    return f"These data allow a gap as large as {up_to}; {left}"
 
 
 def _unknown(statement: Statement) -> str:
