@@ -13,7 +13,7 @@ class Rate(Record):
     """How many of how many, with a 95 % interval of Clopper and Pearson."""
 
     rate: Number | None = Field(description="Share; null where there was no case.")
-    rate_why: Why = None
+    rate_why: Annotated[Why, Because("no case counts")] = None
     low: Number = Field(description="Lower end of the 95 % interval.")
     high: Number = Field(description="Upper end.")
     hits: int = Field(description="Cases of which it is true.")
@@ -24,11 +24,11 @@ class Estimate(Record):
     """A figure over cases, with a 95 % interval from drawing cases anew."""
 
     value: Number | None = Field(description="The figure; null where there is none.")
-    value_why: Why = None
+    value_why: Annotated[Why, Because("no case counts")] = None
     low: Number | None = Field(description="Lower end of the 95 % interval.")
-    low_why: Why = None
+    low_why: Annotated[Why, Because("no case counts")] = None
     high: Number | None = Field(description="Upper end.")
-    high_why: Why = None
+    high_why: Annotated[Why, Because("no case counts")] = None
     cases: int = Field(description="Cases that count.")
 
 
@@ -89,13 +89,13 @@ class Target(Record):
     @property
     def outcome(self) -> str:
         """Whether it is kept or missed, in words: surely by its interval, or so far."""
-        rate, least, most = self.rate, self.at_least or 0.0, self.at_most
+        rate, least = self.rate, self.at_least or 0.0
         if self.met is None:
             return self.met_why or "not tried"
-        above, below = rate.low >= least, most is None or rate.high <= most
+        above, below = rate.low >= least, self.at_most is None or rate.high <= self.at_most
         if self.met:
             return "kept" if above and below else "kept so far"
-        outside = rate.high < least or (most is not None and rate.low > most)
+        outside = rate.high < least or (self.at_most is not None and rate.low > self.at_most)
         return "missed" if outside else "missed so far"
 
 
@@ -111,16 +111,18 @@ class ScoredCase(Record):
     withheld: tuple[str, ...] = Field(description="Names of what is withheld.")
     form: tuple[str, ...] = Field(description="Functional form of each.")
     own: bool | None = Field(description="Whether all forms are the diagnosis's own.")
-    own_why: Why = None
+    own_why: Annotated[Why, Because("nothing is withheld")] = None
     strength: dict[str, Number] = Field(description="Of each; 1 is 10 % of friction, rms.")
     noise_free_gap: Number | None = Field(
         description="Without noise, baseline refitted: rms over rms friction."
     )
-    noise_free_gap_why: Why = None
+    noise_free_gap_why: Annotated[Why, Because("nobody made this recording without noise")] = None
     oracle_power: Number | None = Field(
         description="Of the best test that knows the force that is withheld."
     )
-    oracle_power_why: Why = None
+    oracle_power_why: Annotated[
+        Why, Because("nothing is withheld, or nobody made this recording without noise")
+    ] = None
     counts_as_none: bool = Field(
         description="Nothing is withheld, or that gap is below the practical share."
     )
@@ -139,11 +141,15 @@ class ScoredCase(Record):
     shrink: Interval | None = Field(description="As reported.")
     shrink_why: Why = None
     true_shrink: Number | None = Field(description="What the causes take of the noise-free gap.")
-    true_shrink_why: Why = None
+    true_shrink_why: Annotated[
+        Why, Because("no gap without noise that causes could take up, or none is known")
+    ] = None
     shrink_covered: bool | None = Field(
         description="Whether the 90 % interval holds the true shrink, where rightly named."
     )
-    shrink_covered_why: Why = None
+    shrink_covered_why: Annotated[
+        Why, Because("not rightly named, or the shrink or its true value does not exist")
+    ] = None
     parameters_covered: dict[str, bool] = Field(
         description="Likewise each parameter of an own form, where the law told is that form."
     )
@@ -156,10 +162,10 @@ class ScorecardFile(Record):
     seed: int = Field(description="Of the first case; each further case has the next.")
     versions: dict[str, str] = Field(description="Python and packages.")
     recording: RecordingId | None = Field(description="The user's; null for a campaign.")
-    recording_why: Why = None
+    recording_why: Annotated[Why, Because("a campaign makes a recording for each case")] = None
     analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
     created: str | None = Field(description="SOURCE_DATE_EPOCH, else null.")
-    created_why: Why = None
+    created_why: Annotated[Why, Because("SOURCE_DATE_EPOCH is not set")] = None
     engine: str = Field(description="Who made the recordings: an engine, or the user.")
     design: str = Field(description="After which protocol.")
     hypotheses: Literal["design", "prior", "user"] = Field(

@@ -22,6 +22,11 @@ from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, printed
 OWN, REST = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])  # orthogonal
 
 
+def mean_square(force, taken=0.0):
+    """Return mean squares of four windows of one weight."""
+    return np.mean((force - taken) ** 2, axis=0)
+
+
 def judged(shares, labels):
     """Draws of a force of rms 0.1 of friction, of whose square effects leave these shares."""
     shares = np.asarray(shares)
@@ -34,7 +39,10 @@ def judged(shares, labels):
         gap=np.full(shares.size, 0.1),
     )
     residuals = SimpleNamespace(
-        weight=np.full(4, 0.25), friction_rms=1.0, without_law=lambda column: column
+        weight=np.full(4, 0.25),
+        friction_rms=1.0,
+        without_law=lambda column: column,
+        mean_square=mean_square,
     )
     arms = SimpleNamespace(
         causes=SimpleNamespace(laws=("viscous",)), of_causes=lambda windows: OWN[:, None]
@@ -214,7 +222,10 @@ def test_beside_gravity_an_effect_has_to_take_most_of_what_gravity_leaves(
     weight, spring, rest = np.ones(4), OWN, REST
     force = weight + of_spring * spring + left * rest
     residuals = SimpleNamespace(
-        weight=np.full(4, 0.25), friction_rms=1.0, without_law=lambda column: column
+        weight=np.full(4, 0.25),
+        friction_rms=1.0,
+        without_law=lambda column: column,
+        mean_square=mean_square,
     )
     posterior = SimpleNamespace(
         hypothesis=np.array([Hypothesis(["gravity-torque", "spring"])] * 3, dtype=object),

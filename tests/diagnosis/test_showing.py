@@ -56,7 +56,7 @@ def test_a_joint_that_turned_once_is_said_to_have_shown_nothing_of_its_places():
     rig = SimpleNamespace(along_path=True, open_still=turned_once)
     model = SimpleNamespace(data=SimpleNamespace(rigs=[rig]))
     judged = SimpleNamespace(residuals=recorded(60))
-    why = _why_not_shown(model, search(0.6), judged, "none")
+    why = _why_not_shown(model, search(0.6), judged, "none", 0.02)
     assert why.startswith("60 windows do not tell an unknown force from none")
     assert why.endswith(f"; {turned_once}")
 

@@ -45,7 +45,11 @@ def test_the_share_is_what_the_laws_can_have_at_any_amplitude(hidden, unresolved
     gap = np.sqrt(WEIGHT @ force**2 + hidden2)
     fine = np.full(2, unresolved)
     posterior = SimpleNamespace(force=force, hidden2=hidden2, unresolved2=fine, gap=gap)
-    residuals = SimpleNamespace(weight=WEIGHT, friction_rms=1.0)
+    residuals = SimpleNamespace(
+        weight=WEIGHT,
+        friction_rms=1.0,
+        mean_square=lambda force, taken: WEIGHT @ (force - taken) ** 2,
+    )
     taken2 = WEIGHT @ had**2
     expected = taken2 / (taken2 + off**2 + hidden + unresolved)
     np.testing.assert_allclose(shrink_of(residuals, posterior, CAUSES), expected)
