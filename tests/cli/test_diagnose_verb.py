@@ -36,7 +36,8 @@ def test_it_writes_prints_and_fails_on_a_gap(board, monkeypatch, no_processes):
     assert not {"0.000", "1.000"} & {*listed}  # a bound instead, as everywhere
     report = bayesfric("report", "out")
     assert report.exit_code == 0, report.stderr
-    said = summary.sentence.split("; adding")[0].replace("%", "\u202f%")  # as a report sets it
+    # A report says behind an effect's name what it is, and sets numbers in its own way.
+    said = summary.sentence.split("; adding")[0].removeprefix("stribeck ").replace("%", "\u202f%")
     said = said.replace("> ", "\\>\u00a0")  # as Markdown has it
     assert said in (board / "out" / "summary.md").read_text()
 

@@ -106,7 +106,7 @@ def test_what_to_measure_first_is_said_where_one_number_decides(tmp_path):
     (found,) = compute_margins([loop({"drive.friction_n_m": drive})], draws).summary.loops
     share = found.variance_share["gamma_necessary"]["drive.friction_n_m"]
     assert share > 0.9
-    assert f"{share:.0%} of the variance of the friction is the assumed drive.friction_n_m" in (
+    assert f"The assumed drive.friction_n_m makes {share:.0%} of the variance of the friction" in (
         found.answer
     )
     (found,) = compute_margins([loop()], draws).summary.loops
