@@ -116,7 +116,7 @@ def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     share = gap.systematic.q05 / gap.friction_rms
     there = told("undecided", gap, 0.9 * share)
     assert "(probability 0.970); its cause stays open" in there
-    assert "gap of up to" in told("undecided", gap, 1.1 * share)
+    assert "gap as large as" in told("undecided", gap, 1.1 * share)
     both = [cause("viscous"), cause("stribeck")]
     together = told("undecided", gap, 0.9 * share, present=both)
     assert together.endswith(f"; viscous and stribeck act, each less than {0.9 * share:.1%}.")
