@@ -96,11 +96,12 @@ Share = Annotated[float, Field(gt=0, lt=1)]
 class ClaimRules(Section):
     """When a claim is supported, refuted, or neither.
 
-    A claim that has rivals is refuted where the Bayes factor, the size of the effect and
-    prediction all speak against it, and supported where the Bayes factor speaks for it and
-    the effect is too small to matter. To refute, the Bayes factor must hold over a tenfold
-    change of the width of the rivals' priors; to support, a weaker one must. A claim
-    without rivals rests on a probability.
+    A claim may have rivals: effects that it says are absent. It is refuted where the Bayes
+    factor favours a rival, the rival's effect is large enough to matter, and it improves
+    prediction. It is supported where the Bayes factor favours the claim and the rival's effect
+    is too small to matter. Otherwise it stays undecided. To refute, the Bayes factor must hold
+    over a tenfold change of the width of the rivals' priors; to support, a weaker one must. A
+    claim without rivals rests on a probability.
     """
 
     support_log10_bayes_factor: Finite = Field(

@@ -211,9 +211,10 @@ def _effects() -> str:
     lines = [
         "# Effects",
         "",
-        "What the diagnosis examines beside the friction law, and",
-        "`bayesfric simulate --effect NAME` adds. Strength 1 changes friction, or its equivalent,",
-        "by 10 % rms over the design. The variants of an effect are averaged with equal weight. A",
+        "These are the effects that a diagnosis examines beside the friction law.",
+        "`bayesfric simulate --effect NAME` adds one to a recording. Strength 1 changes",
+        "friction, or its equivalent, by 10 % rms over the design. The variants of an effect",
+        "are averaged with equal weight. A",
         "prior says what would be noticed; the plausible range says what would be believed.",
         "[How to write one](howto/effect.md).",
     ]

@@ -158,8 +158,8 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
         f"scatter alone makes {row.floor.q50:.3g} {gap.unit} on average"
     )
     if row.below_floor <= 1 - RULES.above_floor:
-        return f"{sizes}, so that more than scatter is left."
-    return f"{sizes}, so that chance explains the difference."
+        return f"{sizes}, a difference that chance does not explain."
+    return f"{sizes}, a difference that chance can make."
 
 
 def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:

@@ -58,14 +58,14 @@ def test_without_an_alarm_nothing_changes(silent):
 def test_a_weak_instrument_says_how_far_least_squares_may_be_bent():
     """A joint of 0.020 kg·m² was told to have 0.0015 to 0.0053, by an instrument of F = 1.6."""
     weak = instrument(alarms=False).model_copy(update={"strength": 1.6})
-    told = by_the_instrument(law(), weak)
-    assert told["inertia"].after.q50 == law()["inertia"].after.q50
-    assert told["inertia"].after.sd == pytest.approx(0.0105, rel=0.01)
-    assert told["inertia"].after.q05 < 0.0645 < told["inertia"].after.q95
-    assert told["coulomb"].after.q05 >= 0
-    assert told["viscous"].after.q05 < -0.1
-    assert told["offset"] == law()["offset"]
-    assert told["inertia"].least_squares is None
+    widened = by_the_instrument(law(), weak)
+    assert widened["inertia"].after.q50 == law()["inertia"].after.q50
+    assert widened["inertia"].after.sd == pytest.approx(0.0105, rel=0.01)
+    assert widened["inertia"].after.q05 < 0.0645 < widened["inertia"].after.q95
+    assert widened["coulomb"].after.q05 >= 0
+    assert widened["viscous"].after.q05 < -0.1
+    assert widened["offset"] == law()["offset"]
+    assert widened["inertia"].least_squares is None
 
 
 def of_backlash(ordinary, instrumental, se):

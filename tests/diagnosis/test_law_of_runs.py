@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from report.diagnosis_sample import diagnosis
 
-from bayesfric.diagnosis.law import block_errors, scatter_of_runs, widened
+from bayesfric.diagnosis.law import block_errors, held_by_blocks, scatter_of_runs, widened
 from bayesfric.schemas import Interval, LawNumber
 
 
@@ -65,13 +65,13 @@ def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
         name: LawNumber(unit="1", before=known, after=known)
         for name, known in (("viscous", interval(0.54, 0.01)), ("coulomb", interval(0.01, 0.005)))
     }
-    told = widened(law, gap, 0.02)
-    viscous, coulomb = told["viscous"].after, told["coulomb"].after
+    numbers = widened(law, gap, 0.02)
+    viscous, coulomb = numbers["viscous"].after, numbers["coulomb"].after
     assert viscous.sd == pytest.approx(0.01 * factor)
     assert viscous.q05 == pytest.approx(0.54 - 1.6 * 0.01 * factor)
     assert viscous.q95 == pytest.approx(0.54 + 1.6 * 0.01 * factor)
     assert coulomb.q05 >= 0
-    assert told["viscous"].before == viscous
+    assert numbers["viscous"].before == viscous
 
 
 def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth():
@@ -91,3 +91,38 @@ def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth
 
     assert off[0] > 1.64 * by_rows[0]
     assert np.all(off[:2] < 1.64 * block_errors(columns, force)[:2])
+
+
+@pytest.mark.parametrize("pushed", [False, True])
+def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
+    """Rows count along the motion; gravity, which the law lacks, is not its error."""
+    rng = np.random.default_rng(5)
+    time = np.arange(222) * 0.08
+    place, speed = 2.5 * np.sin(3.5 * time), 8.75 * np.cos(3.5 * time)
+    way, acceleration = np.sign(speed), -16 * np.sin(place) + rng.normal(0, 2.0, time.size)
+    law = np.column_stack([way * acceleration, np.ones(time.size), way * speed])
+    force = law @ np.array([0.0626, 0.184, 0.047]) + way * np.sin(place)
+    force += rng.normal(0, 0.05, time.size)
+    if pushed:
+        law[190:194, 0] -= 100
+    readings = SimpleNamespace(
+        position=place[:, None], weights=np.ones(1), way=way, beside=np.zeros((time.size, 0))
+    )
+    rows = SimpleNamespace(
+        readings=readings, coefficient_columns=lambda: law, residual=lambda: force
+    )
+    model = SimpleNamespace(
+        rigs=[SimpleNamespace(rows=rows)],
+        laws={"axis": None},
+        data=SimpleNamespace(
+            law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")]
+        ),
+    )
+    numbers = {
+        "inertia": LawNumber(unit="1", before=interval(0.03, 0.01), after=interval(0.03, 0.01))
+    }
+    held = held_by_blocks(numbers, model, turns=True)["inertia"].after
+    assert held.q50 == 0.03
+    assert (held.sd > 0.02) is pushed
+    if not pushed:
+        assert held == numbers["inertia"].after

@@ -111,8 +111,8 @@ def test_mass_and_friction_have_to_be_told(mass_sd, friction_sd, why):
         free=np.ones((1, 3), dtype=bool),
     )
     posterior = SimpleNamespace(law=SimpleNamespace(coefficients=coefficients))
-    told = loosely_known(model, residuals, posterior, 0.02)
-    assert told is None if why is None else told.startswith(why)
+    reason = loosely_known(model, residuals, posterior, 0.02)
+    assert reason is None if why is None else reason.startswith(why)
 
 
 def test_a_recording_of_one_stroke_is_refused(tmp_path):

@@ -132,5 +132,5 @@ def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     ],
 )
 def test_friction_that_differs_within_runs_by_what_counts_is_said(noise, words):
-    told = differs_within_runs(noise, 0.02)
-    assert told is None if words is None else told.startswith(words)
+    reason = differs_within_runs(noise, 0.02)
+    assert reason is None if words is None else reason.startswith(words)

@@ -124,7 +124,10 @@ def test_sdf_has_what_its_schema_asks_for(unit):
         assert pivot.get("name")
         assert pivot.get("type") in {"revolute", "prismatic"}
         assert {pivot.findtext("parent"), pivot.findtext("child")} == set(links)
-        assert np.linalg.norm([float(one) for one in pivot.findtext("axis/xyz").split()]) == 1
+        assert (
+            np.linalg.norm([float(component) for component in pivot.findtext("axis/xyz").split()])
+            == 1
+        )
         assert {part.tag for part in pivot.find("axis")} == SDF_PARTS["axis"]
     for element in root.iter():
         if element.tag in SDF_NUMBERS:

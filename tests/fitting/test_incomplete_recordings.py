@@ -181,8 +181,10 @@ def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, fit_of,
     check_friction(fitted, recording)
     if sampler is RIDGE:
         assert summary.converged
-        told = any(line.startswith("These data say little of") for line in summary.attention)
-        assert told is not all(informed.values())
+        prior_decides = any(
+            line.startswith("These data say little of") for line in summary.attention
+        )
+        assert prior_decides is not all(informed.values())
     fitted.write(tmp_path / "out")
     assert (tmp_path / "out" / "fit.json").is_file()
 

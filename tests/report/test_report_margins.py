@@ -59,7 +59,7 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert {row[0] for row in specs.rows} == {"bench", "second"}
     assert "c1, c2 and c3 make" in decided.text[1]
     assert hunting.text[0].startswith("To hunt is to swing")
-    assert [one.label for one in gain_figures(computed.summary)] == [
+    assert [figure.label for figure in gain_figures(computed.summary)] == [
         "limit-cycle",
         "error-headroom",
     ]
