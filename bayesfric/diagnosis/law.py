@@ -249,15 +249,15 @@ def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[st
     by_name, start = {}, 0
     count = sum(alone.layout.nuisances)
     for rig, own in zip(alone.data.rigs, alone.layout.nuisances, strict=True):
-        for name, (place, unit) in rig.shared_numbers.items():
+        for name, (place, unit, of_one) in rig.shared_numbers.items():
             column = start + place
             number = at.mean.size - count + column
-            scale = float(alone.scales[alone.layout.local - count + column])
+            scale = of_one * float(alone.scales[alone.layout.local - count + column])
             sd = float(np.sqrt(at.covariance[number, number]))
             by_name[name] = LawNumber(
                 unit=unit,
                 before=_normal(float(at.mean[number]) * scale, sd * scale),
-                after=interval(posterior.law.nuisances[:, column]),
+                after=interval(of_one * posterior.law.nuisances[:, column]),
             )
         start += own
     return by_name
