@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
@@ -21,6 +21,8 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 BLOCKS = 10  # stretches of a log that are left out one after another
+SLOWER = 4  # neighbouring windows that are taken together, to see what slow motion alone tells
+ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 FRICTION = frozenset({"coulomb", "viscous"})
@@ -168,10 +170,11 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
 def held_by_blocks(
     law: Mapping[str, LawNumber], model: LinearModel, turns: bool
 ) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law with errors no smaller than its stretches differ by.
+    """Return the numbers of a joint's law with errors no smaller than its parts differ by.
 
     A force that no effect explains, such as a push by hand, bends the numbers by more than any
-    error of a row says. What pulls with the place is free here: in a free swing it takes the
+    error of a row says: from stretch to stretch, or where a rotor shakes against its gear, from
+    quick motion to slow. What pulls with the place is free here: in a free swing it takes the
     place of the inertia.
 
     Parameters
@@ -189,10 +192,15 @@ def held_by_blocks(
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
     own = own[:, own.any(axis=0)]  # the law may lack some
-    nuisances = [readings.way, *(readings.way * pull for pull in pulls), *readings.beside.T]
-    errors = block_errors(np.column_stack([own, *nuisances]), np.asarray(rows.residual()))
+    told = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
+    beside = readings.beside[:, : readings.beside.shape[1] - len(told)]  # those told pull so too
+    nuisances = [readings.way, *(readings.way * pull for pull in pulls), *beside.T]
+    columns, force = np.column_stack([own, *nuisances]), np.asarray(rows.residual())
+    turned = np.diff(readings.way, prepend=readings.way[0]) != 0
+    stretch = np.cumsum(turned | (np.diff(readings.piece, prepend=readings.piece[0]) != 0))
+    errors = np.hypot(block_errors(columns, force), errors_by_pace(columns, force, stretch))
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
-    by_name = dict(zip([*names, "offset"], errors, strict=False))
+    by_name = dict(zip([*names, "offset", *told], errors, strict=False))
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
@@ -232,6 +240,34 @@ def block_errors(columns: Array, force: Array) -> Array:
     ]
     deviation = np.sqrt((BLOCKS - 1) * np.var(np.stack(fits), axis=0))
     return np.asarray(deviation / np.where(size > 0, size, 1.0))
+
+
+def errors_by_pace(columns: Array, force: Array, stretch: Whole) -> Array:
+    """Return by how much least squares of slow motion differ from those of all, (k,).
+
+    Neighbouring windows together are one wide window, in which quick motion averages out.
+
+    Parameters
+    ----------
+    columns, force : ndarray
+        As of :func:`block_errors`.
+    stretch : ndarray of int, shape (W,)
+        Number of the stretch of neighbours that run one way, ascending.
+    """
+    size = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(size > 0, size, 1.0)
+    start = np.flatnonzero(np.diff(stretch, prepend=-1))
+    within = np.arange(stretch.size) - np.repeat(start, np.diff([*start, stretch.size]))
+    together = np.cumsum(within % SLOWER == 0) - 1
+    root = np.sqrt(np.bincount(together))
+    slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
+    if root.size < ROWS_A_NUMBER * size.size:
+        return np.zeros(size.size)
+    fits = [
+        np.linalg.lstsq(design, goal, rcond=1e-9)[0]
+        for design, goal in ((scaled, force), (slow[:-1].T, slow[-1]))
+    ]
+    return np.asarray(np.abs(fits[1] - fits[0]) / np.where(size > 0, size, 1.0))
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:

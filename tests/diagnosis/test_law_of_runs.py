@@ -106,7 +106,11 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     if pushed:
         law[190:194, 0] -= 100
     readings = SimpleNamespace(
-        position=place[:, None], weights=np.ones(1), way=way, beside=np.zeros((time.size, 0))
+        position=place[:, None],
+        weights=np.ones(1),
+        way=way,
+        beside=np.zeros((time.size, 0)),
+        piece=np.zeros(time.size, dtype=np.intp),
     )
     rows = SimpleNamespace(
         readings=readings, coefficient_columns=lambda: law, residual=lambda: force
@@ -115,6 +119,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
         rigs=[SimpleNamespace(rows=rows)],
         laws={"axis": None},
         data=SimpleNamespace(
+            rigs=[SimpleNamespace(shared_numbers={})],
             law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")]
         ),
     )

@@ -47,7 +47,7 @@ from bayesfric.simulators import SimulatorCalls
 
 SIZE = "axis"  # in the place of a pulley size
 SHOWS_PLACE = 4
-"""From so many turns on what goes with the place is examined, and told from what changes in time."""
+"""From so many turns on what goes with the place is examined, for it is told from time."""
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 
 
