@@ -56,6 +56,7 @@ def _answer(log: EvenLog) -> Array | None:
         return None
     lagged = [position[TAPS - 1 - lag : size - lag] / scale for lag in range(TAPS)]
     columns = np.stack(lagged, axis=1)
-    numbers: Array = np.linalg.lstsq(columns, force, rcond=1e-9)[0]
+    numbers = np.linalg.lstsq(columns, force, rcond=1e-9)[0]
     rest = force - columns @ numbers
-    return numbers / scale if 1 - float(rest @ rest) / whole > AXIS_RULES.answers else None
+    made = 1 - float(rest @ rest) / whole
+    return np.asarray(numbers / scale) if made > AXIS_RULES.answers else None
