@@ -264,6 +264,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         ),
         *far_rows(answer.compared.baseline),
         *not_followed(question.analysis, answer.compared.model),
+        *question.remarks,
     )
 
 

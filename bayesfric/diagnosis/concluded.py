@@ -16,7 +16,13 @@ from bayesfric.diagnosis.instrumental import not_held, why_bent, why_unsettled
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
-from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
+from bayesfric.diagnosis.overruling import (
+    Overruled,
+    density_of,
+    overruled,
+    why_beyond_rivals,
+    why_overruled,
+)
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.residuals import Residuals
@@ -204,6 +210,9 @@ def conclude(
     open_because = _why_open(rig, judged.residuals, instrument) if could_be_open else bent
     if could_be_open and open_because is not None:
         verdict, probability = "undecided", max(judged.above, 1 - judged.above)
+    beyond = why_beyond_rivals(gap) if rig.along_path else None
+    if verdict == "unseparated" and beyond is not None:
+        verdict, together, open_because = "undecided", (), beyond
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
     return Conclusion(

@@ -11,6 +11,7 @@ from bayesfric.diagnosis.baseline import data_of
 from bayesfric.diagnosis.examined import examinable
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.telemetry import Telemetry, telemetry_of
+from bayesfric.observation.feasible import name_and_unit
 from bayesfric.planning import Power
 from bayesfric.planning import power as power_of_conditions
 from bayesfric.readiness.advice import advice_for
@@ -127,11 +128,18 @@ class Part:
         most = proposals if proposals.empty else proposals.nsmallest(MOST_SHOWN, "factor")
         for name, row in most.iterrows():
             setting = ", ".join(
-                f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
+                _setting(str(key), value)
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
             yield f"  {name} would be known {1 - row['factor']:.0%} better by: {setting}"
+
+
+def _setting(name: str, value: object) -> str:
+    """Write a setting of a run to record: duration 3.9 s."""
+    own, unit = name_and_unit(name)
+    number = f"{value:.3g}" if isinstance(value, float) else f"{value}"
+    return f"{own.replace('_', ' ')} {number} {unit}".rstrip()
 
 
 def _in_two_columns(cells: list[str]) -> Iterator[str]:

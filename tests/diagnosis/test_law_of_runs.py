@@ -8,7 +8,14 @@ import pytest
 from report.diagnosis_sample import diagnosis
 from scipy.stats import truncnorm
 
-from bayesfric.diagnosis.law import block_errors, held_by_blocks, scatter_of_runs, widened, wider
+from bayesfric.diagnosis.law import (
+    block_errors,
+    errors_by_pace,
+    held_by_blocks,
+    scatter_of_runs,
+    widened,
+    wider,
+)
 from bayesfric.schemas import Interval, LawNumber
 
 
@@ -108,6 +115,19 @@ def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth
     assert np.all(off[:2] < 1.64 * block_errors(columns, force)[:2])
 
 
+@pytest.mark.parametrize(("shakes", "expected"), [(False, 0.0), (True, 0.05)])
+def test_numbers_of_quick_motion_that_slow_motion_has_otherwise_are_open(shakes, expected):
+    """A rotor that shakes against its gear moves an inertia of 0.01, the joint one of 0.06."""
+    rng = np.random.default_rng(6)
+    time = np.arange(240) * 0.02
+    slow, quick = 10 * np.cos(3 * time), shakes * 60 * rng.standard_normal(time.size)
+    quick -= np.repeat(quick.reshape(-1, 4).mean(axis=1), 4)
+    columns = np.column_stack([slow + quick, np.ones(time.size)])
+    force = 0.06 * slow + 0.01 * quick + 0.2
+    apart = errors_by_pace(columns, force, np.zeros(time.size, dtype=np.intp))
+    assert apart[0] == pytest.approx(expected, abs=0.01)
+
+
 @pytest.mark.parametrize("pushed", [False, True])
 def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     """Rows count along the motion; gravity, which the law lacks, is not its error."""
@@ -135,7 +155,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
         laws={"axis": None},
         data=SimpleNamespace(
             rigs=[SimpleNamespace(shared_numbers={})],
-            law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")]
+            law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")],
         ),
     )
     numbers = {

@@ -22,7 +22,9 @@ def by_least_squares(trials):
     columns = np.column_stack([rows.coefficient_columns(), rows.nuisance_columns()])
     force = trials.readings.force
     fitted = np.linalg.lstsq(columns, force, rcond=None)[0]
-    told = {name: of_one * fitted[3 + at] for name, (at, _, of_one) in trials.shared_numbers.items()}
+    told = {
+        name: of_one * fitted[3 + at] for name, (at, _, of_one) in trials.shared_numbers.items()
+    }
     return dict(zip(("inertia", "coulomb", "viscous"), fitted[:3], strict=True)) | told
 
 
@@ -37,7 +39,10 @@ def test_a_swing_or_two_tell_inertia_beside_gravity():
 @pytest.mark.parametrize(
     ("joint", "constants"),
     [
-        (Joint(seconds=6.0, sampled_hz=100.0), {}),  # turns often: a weight is an effect, which is examined
+        (
+            Joint(seconds=6.0, sampled_hz=100.0),
+            {},
+        ),  # turns often: a weight is an effect, which is examined
         (ONE_SWING, {"gravity_m_s2": 0.0}),
     ],
 )

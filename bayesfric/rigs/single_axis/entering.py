@@ -131,8 +131,8 @@ def entering(
     is_free = turns < SHOWS_PLACE and servo is None and beside is None
     lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
     if lever_n:
-        readings, carried = with_lever(readings, lever_n), measures.carried
-        measures = replace(measures, carried=carried and carried.beside_more(LEVER))
+        readings = with_lever(readings, lever_n)
+        measures = replace(measures, carried=carried.beside_more(LEVER))
     sensed = constants.force_is in MEASURED
     moving = np.unique(readings.trial)
     still = [str(run) for run in table["trial"][~table.index.isin(moving)]]

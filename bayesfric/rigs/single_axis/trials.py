@@ -24,14 +24,14 @@ from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
-from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
+from bayesfric.rigs.single_axis.declared import MEASURED, beyond_limit, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SHOWS_PLACE, SIZE, entering
 from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
-from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.next_runs import lay_out, settings_of
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
@@ -300,6 +300,7 @@ class AxisRuns(RigTrials):
         See :mod:`.declared`, :mod:`.servo`, :mod:`.on_time` and :mod:`.dither`.
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
+        lines += beyond_limit(self.constants, self.readings.drive, self.unit)
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
         if self._carried is not None and "load-both-ways" not in self.offers:
@@ -492,7 +493,12 @@ class AxisRuns(RigTrials):
         if laid is None:
             return None
         table, readings = laid
-        return replace(self, table=table.assign(**NO_CABLE), readings=readings, loads=SETTINGS)
+        return replace(
+            self,
+            table=table.assign(**NO_CABLE),
+            readings=readings,
+            loads=settings_of(self.constants),
+        )
 
     def likelihood(
         self,
