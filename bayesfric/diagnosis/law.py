@@ -193,15 +193,15 @@ def held_by_blocks(
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
     own = own[:, own.any(axis=0)]  # the law may lack some
-    told = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
-    beside = readings.beside[:, : readings.beside.shape[1] - len(told)]  # those told pull so too
+    levers = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
+    beside = readings.beside[:, : readings.beside.shape[1] - len(levers)]  # a lever pulls so too
     nuisances = [readings.way, *(readings.way * pull for pull in pulls), *beside.T]
     columns, force = np.column_stack([own, *nuisances]), np.asarray(rows.residual())
     turned = np.diff(readings.way, prepend=readings.way[0]) != 0
     stretch = np.cumsum(turned | (np.diff(readings.piece, prepend=readings.piece[0]) != 0))
     errors = np.hypot(block_errors(columns, force), errors_by_pace(columns, force, stretch))
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
-    by_name = dict(zip([*names, "offset", *told], errors, strict=False))
+    by_name = dict(zip([*names, "offset", *levers], errors, strict=False))
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 

@@ -101,7 +101,8 @@ class Part:
                 text += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
             unit = "" if row["unit"] == "1" else f" {row['unit']}"
             text += f"{unit}, of about {row['value']:.3g}"
-            yield f"  {name!s:<24} {text if row['informed'] else 'left to its prior'}"
+            said = text if row["informed"] else "left to its prior"
+            yield f"  {self._called(str(name)):<24} {said}"
         if self.power.beside:
             names = ", ".join(self.power.beside)
             yield f"  these errors are beside {names}, which a first look shows"
@@ -116,6 +117,12 @@ class Part:
             for _, row in self.power.pairs.iterrows():
                 yield f"  {row['effect']} and {row['other']} (correlation {row['correlation']:.2f})"
         yield from self._next()
+
+    def _called(self, number: str) -> str:
+        """Return what a number of the law is called: the mass of a joint that turns is inertia."""
+        assert self.power is not None
+        unit = self.power.coefficients["unit"].get(number, "")
+        return "inertia" if number == "mass" and unit != "kg" else number
 
     def _next(self) -> Iterator[str]:
         assert self.power is not None
@@ -132,7 +139,8 @@ class Part:
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
-            yield f"  {name} would be known {1 - row['factor']:.0%} better by: {setting}"
+            better = f"{1 - row['factor']:.0%} better by: {setting}"
+            yield f"  {self._called(str(name))} would be known {better}"
 
 
 def _setting(name: str, value: object) -> str:
