@@ -115,8 +115,8 @@ def law_told(
     )
     if compared.data.rigs[0].along_path:
         law = widened(law, measured.gap, practical)
-        surely_there = judged.above >= RULES.sure
-        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and surely_there):
+        there = judged.above >= RULES.likely
+        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there):
             law = held_by_blocks(law, compared.model, judged.residuals.turns)
     return by_the_instrument(law, conclusion.instrument)
 

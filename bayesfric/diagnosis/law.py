@@ -21,7 +21,7 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 BLOCKS = 10  # stretches of a log that are left out one after another
-SLOWER = 4  # neighbouring windows that are taken together, to see what slow motion alone tells
+TOGETHER = (4, 8)  # neighbouring windows that are one, to see what slow motion alone tells
 ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
@@ -262,16 +262,15 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole) -> Array:
     scaled = columns / np.where(size > 0, size, 1.0)
     start = np.flatnonzero(np.diff(stretch, prepend=-1))
     within = np.arange(stretch.size) - np.repeat(start, np.diff([*start, stretch.size]))
-    together = np.cumsum(within % SLOWER == 0) - 1
-    root = np.sqrt(np.bincount(together))
-    slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
-    if root.size < ROWS_A_NUMBER * size.size:
-        return np.zeros(size.size)
-    fits = [
-        np.linalg.lstsq(design, goal, rcond=1e-9)[0]
-        for design, goal in ((scaled, force), (slow[:-1].T, slow[-1]))
-    ]
-    return np.asarray(np.abs(fits[1] - fits[0]) / np.where(size > 0, size, 1.0))
+    every = np.linalg.lstsq(scaled, force, rcond=1e-9)[0]
+    apart = [np.zeros(size.size)]
+    for windows in TOGETHER:
+        together = np.cumsum(within % windows == 0) - 1
+        root = np.sqrt(np.bincount(together))
+        slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
+        if root.size >= ROWS_A_NUMBER * size.size:
+            apart.append(np.linalg.lstsq(slow[:-1].T, slow[-1], rcond=1e-9)[0] - every)
+    return np.asarray(np.abs(apart).max(axis=0) / np.where(size > 0, size, 1.0))
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:
