@@ -31,6 +31,7 @@ from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
+from bayesfric.rigs.single_axis.mistakes import likely_mistakes
 from bayesfric.rigs.single_axis.next_runs import lay_out, settings_of
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
@@ -301,6 +302,8 @@ class AxisRuns(RigTrials):
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
         lines += beyond_limit(self.constants, self.readings.drive, self.unit)
+        if self.servo is None:
+            lines += likely_mistakes(self.readings, self.measures, self.interval_s)
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
         if self._carried is not None and "load-both-ways" not in self.offers:
