@@ -111,6 +111,8 @@ class AxisRuns(RigTrials):
     lever_n : float
         What amounts of 1 of a weight's sine and cosine pull with, which are a part of the law
         where turns are too few to examine such a weight; 0 where they are none [N·m].
+    stamps_sd_s : float
+        By how much stamps jitter about the even clock that was taken for them; 0 where they stand.
     """
 
     rig: Rig
@@ -131,6 +133,7 @@ class AxisRuns(RigTrials):
     spikes: float = 0.0
     servo: Servo | None = None
     lever_n: float = 0.0
+    stamps_sd_s: float = 0.0
 
     @cached_property
     def recorded(self) -> pd.DataFrame:
@@ -313,6 +316,11 @@ class AxisRuns(RigTrials):
             lines.append(
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+            )
+        if self.stamps_sd_s:
+            lines.append(
+                f"Stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, over which "
+                "positions are smoother: the even clock was taken"
             )
         if self.spikes:
             lines.append(
