@@ -5,14 +5,15 @@ from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance
 from bayesfric.inference.evidence.leave_out import (
     ELPD,
     Difference,
+    Refit,
     Without,
     difference,
     elpd,
     loo_pit,
+    refit_without,
     without_each,
 )
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
-from bayesfric.inference.evidence.refit import Refit, refit_without
 
 __all__ = [
     "ELPD",
