@@ -8,7 +8,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.rigs.rotary import is_relative, rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
 from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
@@ -64,7 +64,7 @@ def numbers_to_enter(
         damping = _damping(model, posterior) if cause.effect == "viscous" else None
         if damping is not None:
             unit = rotary_unit("N s/m") if turns else "N s/m"
-            entered.append(_of_law("viscous", interval(damping), unit, has, motion))
+            entered.append(_of_law("viscous", Interval.of_draws(damping), unit, has, motion))
         else:
             entered += _of_effect(cause, gap, turns)
     if is_relative(model.data.unit):

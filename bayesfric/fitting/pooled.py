@@ -16,7 +16,7 @@ from bayesfric.fitting.inference_data import flat_attributes
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
-from bayesfric.fitting.summary import interval_of, parameter_summary
+from bayesfric.fitting.summary import parameter_summary
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
@@ -33,6 +33,7 @@ from bayesfric.schemas import (
     BoardCoefficient,
     DataQuality,
     FitFile,
+    Interval,
     ParameterSummary,
     Pooled,
     PooledBoard,
@@ -259,12 +260,12 @@ def _pooled(
             place = names.index(name)
             before = alone[board][:, place]
             boards[board] = BoardCoefficient(
-                alone=interval_of(before),
-                pooled=interval_of(drawn.boards[board][..., place]),
+                alone=Interval.of_draws(before),
+                pooled=Interval.of_draws(drawn.boards[board][..., place]),
                 shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
             )
         return PooledCoefficient(
-            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
+            between=entries[BETWEEN + name], new_board=Interval.of_draws(new[..., k]), boards=boards
         )
 
     stems, sizes = _stems_and_sizes(population)

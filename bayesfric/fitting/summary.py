@@ -176,7 +176,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
         converged=all(figures.converged for figures in diagnose_all(theta)),
         pulleys=_by_pulley(
             {
-                name: interval_of(theta[..., place])
+                name: Interval.of_draws(theta[..., place])
                 for name, place in places.items()
                 if name.partition("[")[0] in COEFFICIENTS
             }
@@ -204,7 +204,7 @@ def parameter_summary(
     """Summarise draws of a parameter, in any shape, and the chains of them that are stored."""
     sd = parameter.sd()
     return ParameterSummary(
-        **interval_of(draws).model_dump(),
+        **Interval.of_draws(draws).model_dump(),
         unit=parameter.unit,
         prior=parameter.described(),
         mcse_mean=figures.mcse_mean,
@@ -216,18 +216,6 @@ def parameter_summary(
         contraction=1 - float(draws.std()) / sd if np.isfinite(sd) else None,
         contraction_why=None if np.isfinite(sd) else NO_SD,
         informed=informed,
-    )
-
-
-def interval_of(draws: Array) -> Interval:
-    """Return the distribution of draws, in any shape."""
-    q05, q50, q95 = np.quantile(draws, [0.05, 0.5, 0.95])
-    return Interval(
-        mean=float(draws.mean()),
-        sd=float(draws.std()),
-        q05=float(q05),
-        q50=float(q50),
-        q95=float(q95),
     )
 
 

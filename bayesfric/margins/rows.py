@@ -67,11 +67,8 @@ def metric_rows(
 def interval_of(values: Array) -> Interval:
     """Return the five numbers of a distribution, without spread where that is rounding."""
     if np.ptp(values) <= ROUNDING * np.abs(values).max():
-        values = np.full(values.shape, values[0])
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
-    sd = 0.0 if np.ptp(values) == 0 else float(values.std(ddof=1))
-    mean = float(values[0]) if sd == 0 else float(values.mean())
-    return Interval(mean=mean, sd=sd, q05=float(low), q50=float(middle), q95=float(high))
+        return Interval.of(values[0], 0.0, np.full(3, values[0]))
+    return Interval.of_draws(values, ddof=1)
 
 
 def standard_error(probability: float, draws: float) -> float:

@@ -45,9 +45,7 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
     interval = metric.interval
     if interval is not None:
         low, middle, high = (turned(value) for value in (interval.q05, interval.q50, interval.q95))
-        interval = Interval(
-            mean=middle, sd=(high - low) / NORMAL_WIDTH, q05=low, q50=middle, q95=high
-        )
+        interval = Interval.of(middle, (high - low) / NORMAL_WIDTH, np.array([low, middle, high]))
     return metric.model_copy(
         update={
             "unit": unit,
