@@ -1,6 +1,7 @@
 """The metrics of a loop as rows of ``margins.json``, each with the notes that its reader needs."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -60,8 +61,19 @@ def metric_rows(
         directions = shaft.directions if rule.name in LINEAR else (None,)
         for direction in directions:
             value = simulated.get(rule.name, values.get((rule.name, direction)))
-            rows.append(_row(rule, direction, value, shaft, linear, hunting, effective_draws))
+            about = _About(rule, direction, shaft, linear, hunting)
+            rows.append(_row(about, value, effective_draws))
     return tuple(rows)
+
+
+class _About(NamedTuple):
+    """What a row is of: a metric in a direction, and the loop."""
+
+    rule: Rule
+    direction: Direction | None
+    shaft: LoopAtShaft
+    linear: Mapping[Direction | None, Linear]
+    hunting: Hunting
 
 
 def interval_of(values: Array) -> Interval:
@@ -77,15 +89,8 @@ def standard_error(probability: float, draws: float) -> float:
     return float(np.sqrt(p * (1 - p) / draws))
 
 
-def _row(
-    rule: Rule,
-    direction: Direction | None,
-    value: Array | None,
-    shaft: LoopAtShaft,
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-    effective_draws: float,
-) -> Metric:
+def _row(about: _About, value: Array | None, effective_draws: float) -> Metric:
+    rule, direction, shaft, linear, hunting = about
     spec = spec_of(rule, shaft)
     if rule.name == "gamma_hunting" and shaft.loop.compensation.signal != "none":
         spec = float(np.median(shaft.gamma))
@@ -105,13 +110,8 @@ def _row(
     if value is not None and slack:
         value, missing = value[taut], "a side of the pair goes slack in every draw"
     if value is None or value.size == 0:
-        return Metric(
-            **fields,
-            interval=None,
-            interval_why=missing,
-            probability_of_violation_why=missing,
-            monte_carlo_se_why=missing,
-        )
+        whys = ("interval_why", "probability_of_violation_why", "monte_carlo_se_why")
+        return Metric(**fields, interval=None, **dict.fromkeys(whys, missing))
     draws = min(effective_draws, float(value.size))
     probability = _probability_of_violation(rule, spec, value, hunting, slack)
     finite = value[np.isfinite(value)]
@@ -133,7 +133,7 @@ def _row(
         probability_of_violation_why=None if probability is not None else "nothing is asked for",
         monte_carlo_se=error,
         monte_carlo_se_why=None if error is not None else missing,
-        note=_note(rule, direction, interval, value, finite, shaft, linear, hunting),
+        note=_note(about, interval, value, finite),
     )
 
 
@@ -183,16 +183,8 @@ def _missing(name: str, value: Array | None, shaft: LoopAtShaft, hunting: Huntin
     return f"{share:.1%} of the draws have no such crossing"
 
 
-def _note(
-    rule: Rule,
-    direction: Direction | None,
-    interval: Interval | None,
-    value: Array,
-    finite: Array,
-    shaft: LoopAtShaft,
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-) -> str:
+def _note(about: _About, interval: Interval | None, value: Array, finite: Array) -> str:
+    rule, direction, shaft, linear, hunting = about
     notes = [rule.note] if rule.note else []
     if rule.name in TAUT and not shaft.taut.all():
         notes.append(f"in the {shaft.taut.mean():.1%} of the draws in which both sides stay taut; "
