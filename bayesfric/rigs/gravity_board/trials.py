@@ -10,14 +10,14 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.analysis import Analysis
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, evenly
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault, InputError
 from bayesfric.observation.coefficients import law_of_rows
 from bayesfric.observation.exact import ExactLikelihood
-from bayesfric.observation.feasible import evenly, every_condition, levels_of
+from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration, nominal_tension
