@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from bayesfric.effects import all_effects
-from bayesfric.effects.base import REFERENCE_TENSION_N
+from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
 from bayesfric.report.content import (
