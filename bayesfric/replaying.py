@@ -25,7 +25,9 @@ from bayesfric.robots.replaying import (
     inverse_torques,
     replayed,
 )
-from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Replay, ReplayedError
 
 HELD_OUT = 1 / 3  # of each run, at its end, where no run has the role test
 SHOWN_S = 4.0  # of the traces that are kept

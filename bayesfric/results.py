@@ -24,7 +24,8 @@ from bayesfric.chains import with_chains
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import add_checksum, checksum_differs, file_bytes, has_checksum, uninterrupted
 from bayesfric.observation.coefficients import coefficient_name
-from bayesfric.schemas import FitFile, Provenance, RecordingId
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Provenance, RecordingId
 from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
 

@@ -204,7 +204,7 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
     Returns
     -------
     dict
-        A :class:`~bayesfric.schemas.ScoredCase` as plain JSON types.
+        A :class:`~bayesfric.schemas.scorecard.ScoredCase` as plain JSON types.
     """
     engine = engine_of(case.engine)
     withheld = engine.Withheld(case.kind, case.effects, case.form)

@@ -11,7 +11,9 @@ from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.rigs.rotary import is_relative, rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
-from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
 
 OF_PULLEYS = "of pulleys it is the coefficients of the friction law that are entered, under `law`"
 NO_JOINT = "no number of this law has a field in a simulator of joints"

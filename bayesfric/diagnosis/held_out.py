@@ -18,7 +18,8 @@ from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.observation.linear import Run
-from bayesfric.schemas import GapRow, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import GapRow
 
 FOLDS = 5
 DRAWS = 400

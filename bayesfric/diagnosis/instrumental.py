@@ -17,7 +17,9 @@ import numpy as np
 from bayesfric.diagnosis.law import wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
-from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
 CALLED = dict.fromkeys(ACCELERATES, "inertia")

@@ -15,8 +15,9 @@ from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
-from bayesfric.schemas import Gap, Interval, LawNumber
-from bayesfric.schemas.base import NORMAL_REACH
+from bayesfric.schemas.base import NORMAL_REACH, Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.diagnosis import Gap
 
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of

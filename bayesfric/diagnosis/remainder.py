@@ -11,7 +11,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas import Interval, Remainder
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Remainder
 
 LN10 = float(np.log(10))
 DRAWS = 1000

@@ -7,7 +7,9 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.priors import describe
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.own_law import OwnLaw
-from bayesfric.schemas import EffectNumber, Interval, SimulatorUsed
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import EffectNumber
+from bayesfric.schemas.diagnosis import SimulatorUsed
 
 
 def own_law_of(data: Data) -> OwnLaw | None:

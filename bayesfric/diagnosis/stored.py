@@ -12,7 +12,8 @@ from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, left_of, shrink_of
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas import Gap, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"

@@ -22,7 +22,9 @@ from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
-from bayesfric.schemas import ConditionAsked, FrictionAsked, Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.diagnosis import ConditionAsked, FrictionAsked
 
 RECORDED = {
     "n_pulleys": "n_pulleys",

@@ -19,7 +19,9 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.observation.layout import COEFFICIENTS
-from bayesfric.schemas import Axis, Interval, Shape
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Shape
+from bayesfric.schemas.diagnosis import Axis
 
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction

@@ -11,7 +11,9 @@ from bayesfric.chains import by_walker
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_tree
-from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 from bayesfric.stored_names import by_parameter
 
 MOST_DRAWS = 200

@@ -9,7 +9,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.attention import of_pooled, unsettled
+from bayesfric.attention.fit import of_pooled, unsettled
 from bayesfric.chains import by_walker
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes
@@ -29,19 +29,11 @@ from bayesfric.results import (
     provenance,
 )
 from bayesfric.rigs.opening import chosen_rigs
-from bayesfric.schemas import (
-    BoardCoefficient,
-    DataQuality,
-    FitFile,
-    Interval,
-    ParameterSummary,
-    Pooled,
-    PooledBoard,
-    PooledCoefficient,
-    Provenance,
-    RecordingId,
-    SamplerSummary,
-)
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.fit import DataQuality, SamplerSummary
+from bayesfric.schemas.parameter import ParameterSummary
+from bayesfric.schemas.pooled import BoardCoefficient, Pooled, PooledBoard, PooledCoefficient
 
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "

@@ -31,7 +31,9 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, provenance
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
-from bayesfric.schemas import ParameterSummary, RecordingId, WithoutExclusions
+from bayesfric.schemas.base import RecordingId
+from bayesfric.schemas.fit import WithoutExclusions
+from bayesfric.schemas.parameter import ParameterSummary
 
 AXES = ("n_pulleys", "wrap_angle_deg")
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.attention import Coverage, of_fit
+from bayesfric.attention.fit import Coverage, of_fit
 from bayesfric.inference.diagnostics import (
     Convergence,
     diagnose_all,
@@ -23,15 +23,10 @@ from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.observation.scatter import kept_normal
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.data import Data
-from bayesfric.schemas import (
-    DataQuality,
-    FitFile,
-    Interval,
-    ParameterSummary,
-    SamplerSummary,
-    StoredDraws,
-    WithoutExclusions,
-)
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.fit import DataQuality, SamplerSummary, WithoutExclusions
+from bayesfric.schemas.parameter import ParameterSummary, StoredDraws
 
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"

@@ -6,7 +6,7 @@ from bayesfric.arrays import Array, evenly
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.schemas import Bode
+from bayesfric.schemas.margins import Bode
 
 DRAWS = 100
 LOWEST, HIGHEST = 0.05, 50.0

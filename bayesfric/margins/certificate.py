@@ -39,7 +39,7 @@ from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.rows import ROUNDING, interval_of
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.margins.verification import jeffreys
-from bayesfric.schemas import Certificate
+from bayesfric.schemas.margins import Certificate
 
 MOST_DRAWS = 200
 """Draws that are looked at."""

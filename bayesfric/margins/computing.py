@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayesfric.analysis import Analysis
-from bayesfric.attention import of_margins
+from bayesfric.attention.margins import of_margins
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.cable_run import Direction

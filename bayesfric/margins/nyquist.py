@@ -7,7 +7,7 @@ from bayesfric.arrays import evenly
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.schemas import NyquistFan
+from bayesfric.schemas.margins import NyquistFan
 
 DRAWS = 12
 POINTS = 100

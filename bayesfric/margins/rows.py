@@ -13,7 +13,8 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import Key, Linear, spec_of
 from bayesfric.margins.rules import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.schemas import Interval, Metric
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import Metric
 
 LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
 """Probabilities at which a metric's quantiles are stored."""

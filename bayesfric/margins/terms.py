@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.margins.spec import HUNTS
 from bayesfric.probabilities import stated_of_draws
-from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import LoopMargins, Metric, Tuning
 
 HALF_A_DRAW = float(np.sqrt(0.5))
 """The Monte Carlo error of what none or all of n draws have is this over n."""

@@ -18,7 +18,7 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.thresholds import Hunting, find_hunting
-from bayesfric.schemas import Tuning
+from bayesfric.schemas.margins import Tuning
 
 STEPS = 11
 GRID_DRAWS, FINAL_DRAWS = 60, 2000

@@ -20,7 +20,7 @@ from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.simulating import LoopMotion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.schemas import Held, Verification, VerifiedDraw
+from bayesfric.schemas.margins import Held, Verification, VerifiedDraw
 
 TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
 STEPS_FOR_ONE = 4

@@ -12,7 +12,8 @@ from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.fitting.result import Fit
 from bayesfric.margins.computing import Margins
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import FitFile, Interval, ScorecardFile
+from bayesfric.schemas import FitFile, ScorecardFile
+from bayesfric.schemas.base import Interval
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,9 +15,9 @@ from bayesfric.schemas import (
     DiagnosisFile,
     FitFile,
     MarginsFile,
-    Provenance,
     ScorecardFile,
 )
+from bayesfric.schemas.base import Provenance
 
 
 @dataclass(frozen=True)

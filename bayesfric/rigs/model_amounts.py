@@ -7,7 +7,8 @@ from functools import reduce
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.schemas import Interval, ModelError
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import ModelError
 
 OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
 FELT = 0.1  # of a number's prior error, below which a change is not listed

@@ -19,14 +19,10 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells, format_unit
-from bayesfric.schemas import (
-    Cause,
-    DiagnosisFile,
-    FitFile,
-    Interval,
-    LawNumber,
-    ParameterSummary,
-)
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.parameter import ParameterSummary
 
 HALF = "Median ± half of the 90 % interval."
 

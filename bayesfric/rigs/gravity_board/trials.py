@@ -38,7 +38,7 @@ from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, Sensor
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
-from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
+from bayesfric.schemas.fit import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
 PAIRS_OF_MASSES = 10  # of each size
 MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
