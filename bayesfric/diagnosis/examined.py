@@ -12,7 +12,7 @@ from bayesfric.effects.in_the_model import IN_THE_MODEL
 from bayesfric.errors import Fault, InputError
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.rigs.data import Data
-from bayesfric.schemas import ExaminedEffect
+from bayesfric.schemas.diagnosis import ExaminedEffect
 
 APART = "a model of the machine, or other joints that are still"
 LN10 = float(np.log(10))

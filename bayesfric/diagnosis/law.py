@@ -12,16 +12,17 @@ from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.overruling import leaves_too_much
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
-from bayesfric.schemas import Gap, Interval, LawNumber
+from bayesfric.schemas.base import NORMAL_REACH, Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.diagnosis import Gap
 
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 BLOCKS = 10  # stretches of a log that are left out one after another
-LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 FRICTION = frozenset({"coulomb", "viscous"})
 
@@ -125,8 +126,12 @@ def law_of_diagnosis(
             least = float(alone.least(size, drawn=True)[column])
             numbers[called.get(name, name)] = LawNumber(
                 unit=unit,
-                before=_normal(mean, sd) if mean - sd * HIGH > least else _above(mean, sd, least),
-                after=interval(draws[:, place, column] * (1 + deviation * (name in FRICTION))),
+                before=Interval.of_normal(mean, sd)
+                if mean - sd * NORMAL_REACH > least
+                else _above(mean, sd, least),
+                after=Interval.of_draws(
+                    draws[:, place, column] * (1 + deviation * (name in FRICTION))
+                ),
             )
     return numbers | _beside_the_law(alone, at, posterior)
 
@@ -256,18 +261,13 @@ def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[st
             sd = float(np.sqrt(at.covariance[number, number]))
             by_name[name] = LawNumber(
                 unit=unit,
-                before=_normal(float(at.mean[number]) * scale, sd * scale),
-                after=interval(posterior.law.nuisances[:, column]),
+                before=Interval.of_normal(float(at.mean[number]) * scale, sd * scale),
+                after=Interval.of_draws(posterior.law.nuisances[:, column]),
             )
         start += own
     return by_name
 
 
-def _normal(mean: float, sd: float) -> Interval:
-    return Interval(mean=mean, sd=sd, q05=mean + LOW * sd, q50=mean, q95=mean + HIGH * sd)
-
-
 def _above(mean: float, sd: float, least: float) -> Interval:
     """Return a number that a bound holds up, of which data alone may have some below it."""
-    mean, sd, (low, middle, high) = normal_above(mean, sd, least)
-    return Interval(mean=mean, sd=sd, q05=float(low), q50=float(middle), q95=float(high))
+    return Interval.of(*normal_above(mean, sd, least))

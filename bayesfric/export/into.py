@@ -11,7 +11,7 @@ from bayesfric.export.joints import INERTIAS, ExportedJoint
 from bayesfric.files import file_bytes
 from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
-from bayesfric.schemas import Enter
+from bayesfric.schemas.diagnosis import Enter
 
 LARGEST_FILE = 16_777_216  # bytes of a model
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}

@@ -9,12 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pandas as pd
 
-from bayesfric.arrays import Whole
-
-
-def evenly(count: int, most: int) -> Whole:
-    """Return at most `most` of `count` places, evenly, the ends among them."""
-    return np.unique(np.linspace(0, count - 1, most).astype(np.intp))
+from bayesfric.arrays import evenly
 
 
 def levels_of(column: "pd.Series[float]", most: int | None = None) -> pd.DataFrame:

@@ -8,7 +8,8 @@ import pytest
 from report.diagnosis_sample import diagnosis
 
 from bayesfric.diagnosis.law import block_errors, held_by_blocks, scatter_of_runs, widened
-from bayesfric.schemas import Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 
 
 def a_model(runs, *, pulleys=False):
