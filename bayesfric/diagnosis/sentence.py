@@ -144,9 +144,10 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     if density is not None:
         better = f" The log density of these data rises by {_rise(density)} with {them}."
     if causes and gap.shrink is not None:
+        past = "; more than all of it is chance" if gap.shrink.q95 > 1 else ""
         return (
             f"On data that the fit has not seen, adding {them} removes {_share(gap.shrink)} of the "
-            f"gap (mean square).{better}"
+            f"gap (mean square{past}).{better}"
         )
     if causes:
         return (
@@ -303,10 +304,9 @@ def _of_variance(share: Interval) -> str:
 
 
 def _share(shrink: Interval) -> str:
-    """Return a share with its interval, which is never printed as all of it."""
-    if shrink.q05 >= ALL_BUT:
+    """Return a share with its interval, as stored: chance can take it past all."""
+    if ALL_BUT <= shrink.q05 and shrink.q95 <= 1:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
-    ends = (shrink.q05, shrink.q50, min(shrink.q95, 1.0))
-    low, middle, high = (f"{end:.{digits}%}" for end in ends)
-    return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"
+    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    return f"{middle} [{low}, {high}]"
