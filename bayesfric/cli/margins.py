@@ -166,7 +166,9 @@ def _say_loop(loop: "LoopMargins") -> None:
 
     up_to = safe_up_to(loop)
     most = f"{loop.limit_cycle_probability_max:.0%}"
-    up_to_words = "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
+    up_to_words = (
+        "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
+    )
     _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {loop.answer}")
     if loop.with_effects is not None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"

@@ -305,7 +305,7 @@ def _of_variance(share: Interval) -> str:
 
 def _share(shrink: Interval) -> str:
     """Return a share with its interval, as stored: chance can take it past all."""
-    if ALL_BUT <= shrink.q05 and shrink.q95 <= 1:
+    if shrink.q05 >= ALL_BUT and shrink.q95 <= 1:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
     low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))

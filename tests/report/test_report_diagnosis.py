@@ -174,6 +174,13 @@ def test_an_undecided_board_says_what_may_act():
     said = words(verdict_line(stored.record).text)
     assert "What may act: viscous (0.62). Measure next: size medium" in said
     assert "which separates viscous" in said
+    told = glance(stored)
+    assert told["Which effect causes it?"] == "open: none is certain enough to be named"
+    assert told["What may act?"] == "viscous (0.62)"
+    assert told["What acts, and makes no gap that matters?"] == "slip (0.970)"
+    assert verdict_line(stored.record).kind == "attention"
+    assert "the longest is slip at 0.970" in figures(stored)["which"].alt
+    assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")
 
 
 def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
@@ -188,13 +195,6 @@ def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
     about = said(0.5 * share * friction, 2 * share * friction)
     assert "Measure next: more assemblies at the same conditions." in about
     assert "Measure next" not in said(2 * share * friction, 3 * share * friction)
-    told = glance(stored)
-    assert told["Which effect causes it?"] == "open: none is certain enough to be named"
-    assert told["What may act?"] == "viscous (0.62)"
-    assert told["What acts, and makes no gap that matters?"] == "slip (0.970)"
-    assert verdict_line(stored.record).kind == "attention"
-    assert "the longest is slip at 0.970" in figures(stored)["which"].alt
-    assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")
 
 
 def test_an_unknown_board_says_that_no_effect_makes_it():

@@ -365,7 +365,7 @@ def _percent(number: Interval) -> str:
     middle, low, high = (
         format_fixed(100 * quantile, decimals) for quantile in (number.q50, number.q05, number.q95)
     )
-    if ALL_BUT <= number.q05 and number.q95 <= 1:
+    if number.q05 >= ALL_BUT and number.q95 <= 1:
         return f"more than {100 * ALL_BUT:.1f}\u202f%"
     return f"{middle} [{low}, {high}]\u202f%"
 

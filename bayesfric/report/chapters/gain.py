@@ -134,7 +134,7 @@ def _missed(loop: LoopMargins) -> Iterator[str]:
     said = []
     for metric in _missing(loop):
         interval = metric.interval
-        if interval is None or metric.name == "gamma_hunting":
+        if interval is None or metric.spec is None or metric.name == "gamma_hunting":
             continue
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
         words = _called(metric)

@@ -1,7 +1,7 @@
 """Page one: the verdict on the gap, which numbers to use, and what to worry about."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
