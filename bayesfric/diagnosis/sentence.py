@@ -240,26 +240,29 @@ def _undecided(statement: Statement) -> str:
 
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
-    small = "" if matters else f", less than the {statement.share:.1%} that counts"
-    if statement.considered:
-        names = " and ".join(effect.effect for effect in statement.considered)
-        fit = "fits" if len(statement.considered) == 1 else "fit"
-        if statement.elsewhere is not None:
-            pull, remedy = PULLS[statement.elsewhere == "logged"]
-            return (
-                f"There is a gap of {statement.size}{small}; {names} {fit} what was recorded, and "
-                f"so would the pull of {pull} {statement.chance}: {remedy}.{statement.place}"
-            )
-        miss = "misses" if len(statement.considered) == 1 else "miss"
-        beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
+    there = f"There is a gap of {statement.size}"
+    counts = f"{statement.share:.1%} begins to count"
+    small = "" if matters else f" What it makes is small: {statement.size}, where {counts}."
+    if not statement.considered and not matters:
+        return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
+    if not statement.considered:
         return (
-            f"There is a gap of {statement.size}{small}; {names} {fit} what was recorded and "
-            f"{miss} what was held out{beside}. Something else acts {statement.chance}."
+            f"{there}, and none of the effects examined explains it {statement.chance}."
             f"{statement.place}"
         )
+    names = " and ".join(effect.effect for effect in statement.considered)
+    fit, miss = ("fits", "misses") if len(statement.considered) == 1 else ("fit", "miss")
+    begun = f"{there}; {names}" if matters else names
+    if statement.elsewhere is not None:
+        pull, remedy = PULLS[statement.elsewhere == "logged"]
+        return (
+            f"{begun} {fit} what was recorded, and so would the pull of {pull} "
+            f"{statement.chance}: {remedy}.{small}{statement.place}"
+        )
+    beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
     return (
-        f"There is a gap of {statement.size}{small}, and none of the effects examined explains "
-        f"it {statement.chance}.{statement.place}"
+        f"{begun} {fit} what was recorded and {miss} what was held out{beside}. Something else "
+        f"acts {statement.chance}.{small}{statement.place}"
     )
 
 
