@@ -163,15 +163,18 @@ def _odds_of_the_first(model: LinearModel) -> float:
 def _spread_of_law(look: _Look, question: Question) -> dict[str, float]:
     """Return the error of each number of the law where the law may be off, by name.
 
-    It is that of a diagnosis: over all hypotheses that stay open, and over runs to come.
+    It is that of a diagnosis, by the same draws: over all hypotheses that stay open, and over runs
+    to come.
     """
-    model, search, rng = look.compared.model, look.compared.search, np.random.default_rng(0)
-    judged = judge(model, search, question.law_shipped, question.practical, rng)
+    model, search, sources = look.compared.model, look.compared.search, question.sources
+    judged = judge(model, search, question.law_shipped, question.practical, sources.draws)
     drawn, best = judged.posterior.law.coefficients, search.best()
     at = model.evaluate(best.at.psi, best.acting)
     local = spread_numbers(model, at.mean, model.mixing(best.acting))
     scatter = scatter_of_runs(model, judged.residuals, judged.residuals.left(local))
-    deviation = np.zeros(len(drawn)) if scatter is None else scatter.deviations(len(drawn), rng)
+    deviation = np.zeros(len(drawn))
+    if scatter is not None:
+        deviation = scatter.deviations(len(drawn), sources.scatter)
     return {
         name: float((drawn[:, place, column] * (1 + deviation * (name in FRICTION))).std())
         for place, size in enumerate(model.layout.sizes)
