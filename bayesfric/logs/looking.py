@@ -189,7 +189,7 @@ def _words(column: str) -> list[str]:
 
 
 def name_of_joint(column: str) -> str:
-    """Return what may be the joint in a name: in brackets, a number, or a word of no other use."""
+    """Return what may be the joint in a name: in brackets, a number, or words of no other use."""
     bracket = re.search(r"\[([^\]]+)\]", column)
     if bracket and not set(_words(bracket.group(1))) <= {*OF_UNITS}:
         return bracket.group(1)
@@ -197,9 +197,11 @@ def name_of_joint(column: str) -> str:
     if number:
         return number.group(1)
     used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
-    words = re.split(r"[\W_]+", column)
-    left = [word for word in words if word and not re.fullmatch(used, word.lower())]
-    return left[0] if len(left) == 1 else ""
+    words = list(re.finditer(r"[^\W_]+", column))
+    left = [at for at, word in enumerate(words) if not re.fullmatch(used, word.group().lower())]
+    if not left or left[-1] - left[0] >= len(left):  # none, or other words between them
+        return ""
+    return column[words[left[0]].start() : words[left[-1]].end()]
 
 
 def _kind(words: list[str], is_clock: bool) -> str | None:

@@ -163,6 +163,15 @@ def test_a_unit_in_brackets_is_no_joint(tmp_path):
     assert '# joints = {1 = "its name there", 2 = "its name there"}' in proposal.toml
 
 
+def test_a_joint_may_have_a_name_of_several_words(tmp_path):
+    log = tmp_path / "log.csv"
+    names = "t,left_hip_deg,left_knee_deg,left_hip_Nm,left_knee_Nm,spare\n"
+    log.write_text(names + table(",", TIME, ANGLE, TIME, CURRENT, TIME, TIME), "utf-8")
+    proposal = propose_mapping(log)
+    assert proposal.joints == ("left_hip", "left_knee")
+    assert tomllib.loads(proposal.toml)["force"]["column"] == "{joint}_Nm"
+
+
 def test_names_of_columns_cannot_leave_their_line(tmp_path):
     names = ['q"\u2028\x0c[csv]', "tau\\"]
     head = ",".join('"' + name.replace('"', '""') + '"' for name in names) + "\n"
