@@ -177,7 +177,8 @@ def held_by_blocks(
 
     A force that no effect explains, such as a push by hand, bends the numbers by more than any
     error of a row says. What pulls with the place is free here: in a free swing it takes the
-    place of the inertia.
+    place of the inertia. Forces of unknown amounts, such as the errors of a robot's model, are as
+    large as their priors let them be.
 
     Parameters
     ----------
@@ -195,7 +196,8 @@ def held_by_blocks(
     own = np.asarray(rows.coefficient_columns())
     own = own[:, own.any(axis=0)]  # the law may lack some
     nuisances = [readings.way, *(readings.way * pull for pull in pulls), *readings.beside.T]
-    errors = block_errors(np.column_stack([own, *nuisances]), np.asarray(rows.residual()))
+    columns = np.column_stack([own, *nuisances])
+    errors = block_errors(columns, np.asarray(rows.residual()), readings.beside.shape[1])
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
     by_name = dict(zip([*names, "offset"], errors, strict=False))
     if MASS in by_name:
@@ -213,7 +215,7 @@ def held_by_blocks(
     }
 
 
-def block_errors(columns: Array, force: Array) -> Array:
+def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:
     """Return standard errors of least squares by a jackknife over stretches of rows, (k,).
 
     Parameters
@@ -222,6 +224,8 @@ def block_errors(columns: Array, force: Array) -> Array:
         What each number adds to the rows, in their order in time.
     force : ndarray, shape (W,)
         Of the rows.
+    amounts : int
+        How many of the last numbers are amounts whose priors are N(0, 1).
 
     References
     ----------
@@ -229,14 +233,19 @@ def block_errors(columns: Array, force: Array) -> Array:
     of Statistics 17 (1989).
     """
     size = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(size > 0, size, 1.0)
+    size = np.where(size > 0, size, 1.0)
+    scaled = columns / size
+    left = force - scaled @ np.linalg.lstsq(scaled, force, rcond=None)[0]
+    free = size.size - amounts
+    prior = (np.sqrt(np.mean(left**2)) * np.diag(1 / size))[free:]  # rows of N(0, 1)
     stretches = np.array_split(np.arange(len(force)), BLOCKS)
-    fits = [
-        np.linalg.lstsq(np.delete(scaled, rows, 0), np.delete(force, rows), rcond=None)[0]
-        for rows in stretches
-    ]
+    fits = []
+    for rows in stretches:
+        design = np.vstack([np.delete(scaled, rows, 0), prior])
+        goal = np.append(np.delete(force, rows), np.zeros(amounts))
+        fits.append(np.linalg.lstsq(design, goal, rcond=None)[0])
     deviation = np.sqrt((BLOCKS - 1) * np.var(np.stack(fits), axis=0))
-    return np.asarray(deviation / np.where(size > 0, size, 1.0))
+    return np.asarray(deviation / size)
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:
