@@ -130,8 +130,8 @@ def test_strength_is_a_share_of_friction(monkeypatch):
 
 
 @pytest.mark.nightly
-def test_friction_that_scatters_from_run_to_run_is_no_gap_of_what_is_withheld(monkeypatch):
-    """Runs differ by 2.5 % of friction with nothing withheld; a weak effect is not called that."""
+def test_what_a_controller_and_scatter_leave_is_no_gap_of_what_is_withheld(monkeypatch):
+    """A wait, ripple and scatter leave 2.5 % of friction with nothing withheld: no weak effect's."""
     drawn = engine.drawn_world
 
     def short(*given):
