@@ -131,7 +131,7 @@ def test_strength_is_a_share_of_friction(monkeypatch):
 
 @pytest.mark.nightly
 def test_what_a_controller_and_scatter_leave_is_no_gap_of_what_is_withheld(monkeypatch):
-    """A wait, ripple and scatter leave 2.5 % of friction with nothing withheld: no weak effect's."""
+    """A wait, ripple and scatter leave 2.5 % of friction with nothing withheld."""
     drawn = engine.drawn_world
 
     def short(*given):
