@@ -14,7 +14,7 @@ from bayesfric.diagnosis.overruling import leaves_too_much
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.inference.truncated import normal_above
+from bayesfric.inference.truncated import normal_above, normal_cut_to
 from bayesfric.schemas.base import NORMAL_REACH, Interval
 from bayesfric.schemas.causes import LawNumber
 from bayesfric.schemas.diagnosis import Gap
@@ -23,6 +23,7 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
 BLOCKS = 10  # stretches of a log that are left out one after another
+SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 FRICTION = frozenset({"coulomb", "viscous"})
 
@@ -204,7 +205,10 @@ def held_by_blocks(
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
     def wide(number: Interval, name: str) -> Interval:
-        factor = by_name.get(name, 0.0) / number.sd if number.sd > 0 else 1.0
+        sd = number.sd
+        if _is_squeezed(number, name):
+            sd = normal_cut_to(number.mean, sd, 0.0)[1]
+        factor = by_name.get(name, 0.0) / sd if sd > 0 else 1.0
         return wider(number, max(1.0, float(factor)), name)
 
     return {
@@ -249,13 +253,24 @@ def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:
-    """Return an interval that is a factor as wide, within what the number of a name can be."""
+    """Return an interval that is a factor as wide, within what the number of a name can be.
+
+    A number that is squeezed at its bound is as wide as the normal that the bound cuts off: data
+    may have it far below.
+    """
+    if factor > 1 and _is_squeezed(interval, name):
+        mean, sd = normal_cut_to(interval.mean, interval.sd, 0.0)
+        return _above(mean, factor * sd, 0.0)
     low, high = (
         interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95)
     )
     if name in POSITIVE:
         low = max(low, 0.0)
     return interval.model_copy(update={"sd": factor * interval.sd, "q05": low, "q95": high})
+
+
+def _is_squeezed(interval: Interval, name: str) -> bool:
+    return name in POSITIVE and interval.mean < SQUEEZED * interval.sd
 
 
 def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[str, LawNumber]:

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from report.diagnosis_sample import diagnosis
+from scipy.stats import truncnorm
 
-from bayesfric.diagnosis.law import block_errors, held_by_blocks, scatter_of_runs, widened
+from bayesfric.diagnosis.law import block_errors, held_by_blocks, scatter_of_runs, widened, wider
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
 
@@ -73,6 +74,20 @@ def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
     assert viscous.q95 == pytest.approx(0.54 + 1.6 * 0.01 * factor)
     assert coulomb.q05 >= 0
     assert numbers["viscous"].before == viscous
+
+
+@pytest.mark.parametrize("mean", [-0.4, 0.0, 0.3])
+def test_a_number_squeezed_at_its_bound_widens_as_the_normal_that_the_bound_cuts(mean):
+    """Data that have Coulomb friction 2 sd below 0 may be off by as much again above it."""
+
+    def above(sd):
+        cut = truncnorm(-mean / sd, np.inf, loc=mean, scale=sd)
+        low, middle, high = cut.ppf([0.05, 0.5, 0.95])
+        return Interval(mean=cut.mean(), sd=cut.std(), q05=low, q50=middle, q95=high)
+
+    number = wider(above(0.2), 3.0, "coulomb")
+    assert number.q95 == pytest.approx(above(0.6).q95, rel=0.02)
+    assert number.q05 == pytest.approx(above(0.6).q05, abs=0.02)
 
 
 def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth():
