@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
@@ -22,7 +22,10 @@ from bayesfric.schemas.diagnosis import Gap
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
 the machine what is left beside these, the rotor as the gear reflects it."""
+DEPENDENT = 1e-9  # of the largest singular value: below, columns of unit norm are one
 BLOCKS = 10  # stretches of a log that are left out one after another
+SLOWER = 4  # neighbouring windows that are taken together, to see what slow motion alone tells
+ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
 SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 FRICTION = frozenset({"coulomb", "viscous"})
@@ -174,10 +177,11 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
 def held_by_blocks(
     law: Mapping[str, LawNumber], model: LinearModel, turns: bool
 ) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law with errors no smaller than its stretches differ by.
+    """Return the numbers of a joint's law with errors no smaller than its parts differ by.
 
     A force that no effect explains, such as a push by hand, bends the numbers by more than any
-    error of a row says. What pulls with the place is free here: in a free swing it takes the
+    error of a row says: from stretch to stretch, or where a rotor shakes against its gear, from
+    quick motion to slow. What pulls with the place is free here: in a free swing it takes the
     place of the inertia. Forces of unknown amounts, such as the errors of a robot's model, are as
     large as their priors let them be.
 
@@ -196,11 +200,18 @@ def held_by_blocks(
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
     own = own[:, own.any(axis=0)]  # the law may lack some
-    nuisances = [readings.way, *(readings.way * pull for pull in pulls), *readings.beside.T]
-    columns = np.column_stack([own, *nuisances])
-    errors = block_errors(columns, np.asarray(rows.residual()), readings.beside.shape[1])
+    levers = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
+    beside = readings.beside[:, : readings.beside.shape[1] - len(levers)]  # a lever pulls so too
+    nuisances = [readings.way, *(readings.way * pull for pull in pulls), *beside.T]
+    columns, force = np.column_stack([own, *nuisances]), np.asarray(rows.residual())
+    turned = np.diff(readings.way, prepend=readings.way[0]) != 0
+    stretch = np.cumsum(turned | (np.diff(readings.piece, prepend=readings.piece[0]) != 0))
+    amounts = beside.shape[1]
+    errors = np.hypot(
+        block_errors(columns, force, amounts), errors_by_pace(columns, force, stretch, amounts)
+    )
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
-    by_name = dict(zip([*names, "offset"], errors, strict=False))
+    by_name = dict(zip([*names, "offset", *levers], errors, strict=False))
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
@@ -236,20 +247,54 @@ def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:
     H. R. Künsch, "The jackknife and the bootstrap for general stationary observations", Annals
     of Statistics 17 (1989).
     """
+    scaled, size, prior = _with_amounts(columns, force, amounts)
+    stretches = np.array_split(np.arange(len(force)), BLOCKS)
+    fits = [
+        _least_squares(np.delete(scaled, rows, 0), np.delete(force, rows), prior)
+        for rows in stretches
+    ]
+    deviation = np.sqrt((BLOCKS - 1) * np.var(np.stack(fits), axis=0))
+    return np.asarray(deviation / size)
+
+
+def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 0) -> Array:
+    """Return by how much least squares of slow motion differ from those of all, (k,).
+
+    Neighbouring windows together are one wide window, in which quick motion averages out.
+
+    Parameters
+    ----------
+    columns, force, amounts : ndarray, ndarray and int
+        As of :func:`block_errors`.
+    stretch : ndarray of int, shape (W,)
+        Number of the stretch of neighbours that run one way, ascending.
+    """
+    scaled, size, prior = _with_amounts(columns, force, amounts)
+    start = np.flatnonzero(np.diff(stretch, prepend=-1))
+    within = np.arange(stretch.size) - np.repeat(start, np.diff([*start, stretch.size]))
+    together = np.cumsum(within % SLOWER == 0) - 1
+    root = np.sqrt(np.bincount(together))
+    if root.size < ROWS_A_NUMBER * size.size:
+        return np.zeros(size.size)
+    slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
+    of_all = _least_squares(scaled, force, prior)
+    return np.asarray(np.abs(_least_squares(slow[:-1].T, slow[-1], prior) - of_all) / size)
+
+
+def _with_amounts(columns: Array, force: Array, amounts: int) -> tuple[Array, Array, Array]:
+    """Return columns of unit norm, their norms, and the rows of the priors of the last amounts."""
     size = np.linalg.norm(columns, axis=0)
     size = np.where(size > 0, size, 1.0)
     scaled = columns / size
     left = force - scaled @ np.linalg.lstsq(scaled, force, rcond=None)[0]
-    free = size.size - amounts
-    prior = (np.sqrt(np.mean(left**2)) * np.diag(1 / size))[free:]  # rows of N(0, 1)
-    stretches = np.array_split(np.arange(len(force)), BLOCKS)
-    fits = []
-    for rows in stretches:
-        design = np.vstack([np.delete(scaled, rows, 0), prior])
-        goal = np.append(np.delete(force, rows), np.zeros(amounts))
-        fits.append(np.linalg.lstsq(design, goal, rcond=None)[0])
-    deviation = np.sqrt((BLOCKS - 1) * np.var(np.stack(fits), axis=0))
-    return np.asarray(deviation / size)
+    prior = np.sqrt(np.mean(left**2)) * np.diag(1 / size)
+    return scaled, size, prior[size.size - amounts :]
+
+
+def _least_squares(design: Array, goal: Array, prior: Array) -> Array:
+    """Return least squares beside rows of a prior around zero."""
+    rows, zeros = np.vstack([design, prior]), np.zeros(len(prior))
+    return np.asarray(np.linalg.lstsq(rows, np.append(goal, zeros), rcond=DEPENDENT)[0])
 
 
 def wider(interval: Interval, factor: float, name: str) -> Interval:
@@ -278,15 +323,15 @@ def _beside_the_law(alone: LinearModel, at: At, posterior: Posterior) -> dict[st
     by_name, start = {}, 0
     count = sum(alone.layout.nuisances)
     for rig, own in zip(alone.data.rigs, alone.layout.nuisances, strict=True):
-        for name, (place, unit) in rig.shared_numbers.items():
+        for name, (place, unit, of_one) in rig.shared_numbers.items():
             column = start + place
             number = at.mean.size - count + column
-            scale = float(alone.scales[alone.layout.local - count + column])
+            scale = of_one * float(alone.scales[alone.layout.local - count + column])
             sd = float(np.sqrt(at.covariance[number, number]))
             by_name[name] = LawNumber(
                 unit=unit,
                 before=Interval.of_normal(float(at.mean[number]) * scale, sd * scale),
-                after=Interval.of_draws(posterior.law.nuisances[:, column]),
+                after=Interval.of_draws(of_one * posterior.law.nuisances[:, column]),
             )
         start += own
     return by_name
