@@ -33,16 +33,10 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN, Hypothesis, printed
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.model_amounts import model_errors
-from bayesfric.schemas import (
-    Axis,
-    Cause,
-    DiagnosisFile,
-    FrictionAsked,
-    Interval,
-    LawNumber,
-    Provenance,
-    Unseparated,
-)
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval, Provenance
+from bayesfric.schemas.causes import Cause, LawNumber, Unseparated
+from bayesfric.schemas.diagnosis import Axis, FrictionAsked
 
 NOTHING_TOLD = "these data tell no number of the model"
 PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis

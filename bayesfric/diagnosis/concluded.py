@@ -34,7 +34,9 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import Candidate
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.schemas import Gap, Instrument, Remainder
+from bayesfric.schemas.causes import Remainder
+from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.instrument import Instrument
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from bayesfric.hypothesis import Hypothesis
 from bayesfric.inference.priors import from_normal
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.schemas import ExaminedEffect
+from bayesfric.schemas.diagnosis import ExaminedEffect
 
 NARROW = 1e-3  # of the usual width, below which a prior and not the data says a number
 APART = "a model of the machine, or other joints that are still"

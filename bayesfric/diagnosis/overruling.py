@@ -11,7 +11,8 @@ from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
-from bayesfric.schemas import Gap, HeldOutDensity, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
 LIKE_CLOCKS = "clocks that differ do what the causes do, whatever is held out"

@@ -2,7 +2,9 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from bayesfric.analysis import Analysis
@@ -20,6 +22,19 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import with_own_priors
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.simulators import SimulatorCalls
+
+
+class Sources(NamedTuple):
+    """Sources of randomness of a diagnosis, one for each step that draws."""
+
+    folds: np.random.Generator
+    bootstrap: np.random.Generator
+    axes: np.random.Generator
+    draws: np.random.Generator
+    checks: np.random.Generator
+    blocks: np.random.Generator
+    order: np.random.Generator
+    scatter: np.random.Generator
 
 
 @dataclass(frozen=True)
@@ -74,6 +89,12 @@ class Question:
     def practical(self) -> float:
         """Share of friction below which nothing is of concern."""
         return self.analysis.diagnosis.practical_share
+
+    @property
+    def sources(self) -> Sources:
+        """Sources of randomness by the seed of the analysis, each at its beginning."""
+        children = np.random.SeedSequence(self.analysis.seed).spawn(len(Sources._fields))
+        return Sources(*map(np.random.default_rng, children))
 
     @property
     def candidates(self) -> list[Candidate]:

@@ -7,15 +7,14 @@ from itertools import zip_longest
 import numpy as np
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.baseline import data_of
-from bayesfric.diagnosis.examined import examinable
+from bayesfric.diagnosis.question import question_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.telemetry import Telemetry, telemetry_of
 from bayesfric.observation.feasible import name_and_unit
 from bayesfric.planning import Power
 from bayesfric.planning import power as power_of_conditions
 from bayesfric.readiness.advice import advice_for
-from bayesfric.readiness.measured import power_of_measured
+from bayesfric.readiness.measured import numbers_told, power_of_measured
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.opening import left_out, remarks_of
@@ -243,10 +242,12 @@ def _part(
     if numbers_alone and recording.axis is None:
         return Part(name, None)  # boards that enter tell their coefficients
     try:
-        data, law = data_of(recording, baseline, None)
-        if data.rigs[0].has_pulleys:
+        question = question_of(
+            recording, analysis or Analysis(), (), (), None, baseline, None, None
+        )
+        if question.data.rigs[0].has_pulleys:
             return Part(name, power_of_conditions(recording, analysis))
-        power = power_of_measured(data, law, analysis, numbers_alone=numbers_alone)
+        power = numbers_told(question) if numbers_alone else power_of_measured(question)
     except InputError:
         reasons = left_out(recording)
         if not reasons:  # it is not the data that cannot be used
@@ -255,17 +256,16 @@ def _part(
     numbers = power.coefficients
     if len(numbers) and not numbers["informed"].any():
         return Part(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
-    examined, lacking = examinable(data, {})
-    in_law = {*map(str, power.coefficients.index)}
+    lacking, in_law = question.lacking, {*map(str, power.coefficients.index)}
     return Part(
         name,
         power,
         (),
-        {name: needs for name, needs in lacking.items() if not OF_OTHERS.intersection(needs)},
+        {effect: needs for effect, needs in lacking.items() if not OF_OTHERS.intersection(needs)},
         {
-            name: effect.amplitude.plausible[1]
-            for name, effect in examined.items()
-            if name not in in_law
+            effect: examined.amplitude.plausible[1]
+            for effect, examined in question.examined.items()
+            if effect not in in_law
         },
     )
 

@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     from bayesfric.arrays import Array
     from bayesfric.effects.candidates import Candidate
     from bayesfric.rigs.model_amounts import ModelAmounts
-    from bayesfric.schemas import Instrument, LawNumber
+    from bayesfric.schemas.causes import LawNumber
+    from bayesfric.schemas.instrument import Instrument
 
 
 class MachineTrials:

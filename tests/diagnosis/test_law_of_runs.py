@@ -16,7 +16,8 @@ from bayesfric.diagnosis.law import (
     widened,
     wider,
 )
-from bayesfric.schemas import Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 
 
 def a_model(runs, *, pulleys=False):
@@ -113,6 +114,19 @@ def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth
 
     assert off[0] > 1.64 * by_rows[0]
     assert np.all(off[:2] < 1.64 * block_errors(columns, force)[:2])
+
+
+def test_errors_of_a_robots_model_take_no_more_of_the_inertia_than_their_priors_let_them():
+    """A link of 0.02 kg·m² that is known to a tenth, beside a rotor: its error is the rotor's."""
+    rng = np.random.default_rng(6)
+    time = np.arange(300) * 0.08
+    acceleration = -30 * np.sin(3.5 * time) - 9 * np.sin(1.3 * time)
+    link = 0.002 * acceleration * (1 + 1e-4 * np.sin(0.7 * time))
+    columns = np.column_stack([acceleration, np.sign(np.cos(3.5 * time)), link])
+    force = columns[:, :2] @ np.array([0.06, 0.2]) + rng.normal(0, 0.05, time.size)
+    free, held = block_errors(columns, force)[0], block_errors(columns, force, 1)[0]
+    assert free > 0.1
+    assert held < 0.002
 
 
 @pytest.mark.parametrize(("shakes", "expected"), [(False, 0.0), (True, 0.05)])

@@ -26,7 +26,8 @@ from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
-from bayesfric.schemas import HeldOutDensity, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import HeldOutDensity
 
 PRACTICAL = 0.02
 

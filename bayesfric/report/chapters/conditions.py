@@ -13,7 +13,8 @@ from bayesfric.report.quantities import (
     format_unit,
 )
 from bayesfric.report.rig_words import rig_words
-from bayesfric.schemas import DiagnosisFile, FrictionAsked
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.diagnosis import FrictionAsked
 
 
 def asked(friction: FrictionAsked | None) -> Iterator[Block]:

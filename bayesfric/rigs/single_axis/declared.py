@@ -7,7 +7,8 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
-from bayesfric.schemas import Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 
 MEASURED = frozenset({"motor", "link", "measured"})
 """Kinds of force that act as they were logged, whatever was commanded."""

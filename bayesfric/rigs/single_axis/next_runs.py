@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from bayesfric.arrays import Array
-from bayesfric.observation.feasible import evenly, numbered
+from bayesfric.arrays import Array, evenly
+from bayesfric.observation.feasible import numbered
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog

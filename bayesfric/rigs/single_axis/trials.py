@@ -40,7 +40,8 @@ from bayesfric.rigs.single_axis.readings import LEVER, Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import state_of, varied_columns
 from bayesfric.rigs.single_axis.servo import NEVER, Servo
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
-from bayesfric.schemas import Instrument, LawNumber
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.instrument import Instrument
 from bayesfric.simulators import SimulatorCalls
 
 NOTHING = 1e-12
