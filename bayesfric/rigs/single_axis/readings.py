@@ -10,7 +10,7 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
-from bayesfric.rigs.single_axis.rough import RoughLaw, pull_columns, rough_law
+from bayesfric.rigs.single_axis.rough import SINGULAR, RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
@@ -116,6 +116,25 @@ class Readings:
     def weights(self) -> Array:
         """Of the places inside a window, shape (P,)."""
         return node_weights()[1]
+
+    @property
+    def acceleration_sd(self) -> float:
+        """Rms error of the acceleration by those of the positions."""
+        return float(self.position_sd * np.sqrt(np.mean(self.position_lag[:, 0])))
+
+    @property
+    def acceleration_of_its_own(self) -> float:
+        """Part of the square of what only the acceleration has that is no error of positions.
+
+        What goes with the place, the speed or the way has the rest; in part of a swing, nearly all.
+        """
+        place, speed = self.position @ self.weights, self.speed @ self.weights
+        pulls = self.way[:, None] * np.column_stack([np.ones(self.count), np.sin(place), place])
+        others = np.column_stack([np.ones(self.count), speed, pulls])
+        fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
+        left = self.acceleration - others @ fitted
+        square = float(left @ left) / max(self.count - others.shape[1], 1)
+        return 1 - self.acceleration_sd**2 / square if square > 0 else 0.0
 
     def of(self, trials: Whole) -> "Readings":
         """Return the rows of some trials, which are numbered anew in that order."""
@@ -263,9 +282,11 @@ def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> Roug
     """
     speed = viscous * (rows.speed @ rows.weights)
     pull = pull_columns(rows.position @ rows.weights, rows.way)
-    columns = np.column_stack([rows.acceleration, np.ones(rows.count), speed])
+    # What the errors of positions make alone tells no mass.
+    acceleration = rows.acceleration * (rows.acceleration_sd < np.std(rows.acceleration))
+    columns = np.column_stack([acceleration, np.ones(rows.count), speed])
     force = rows.force - rough_amounts(columns, rows.beside, rows.force, inside)
-    return rough_law(force[inside], rows.acceleration[inside], speed[inside], pull[inside])
+    return rough_law(force[inside], acceleration[inside], speed[inside], pull[inside])
 
 
 def _pieces(place: Array, trial: Array) -> Array:

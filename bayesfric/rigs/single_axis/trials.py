@@ -70,6 +70,10 @@ ONE_WAY = (
     "Coulomb friction and an error of the force's gain cannot be told apart. Lift and lower at one "
     "pose, or take two loads (payload_kg in axis_runs.csv)"
 )
+LIKE_A_PULL = (
+    "On this motion the acceleration is nearly a curve over the place, and errors of the positions "
+    "hide the rest: inertia is not told, and what pulls to the place is told with a part of it"
+)
 PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
 
@@ -281,6 +285,17 @@ class AxisRuns(RigTrials):
         return self.measures.force if is_told else 0.0
 
     @property
+    def one_number(self) -> str | None:
+        """That Coulomb and viscous friction are one, where it runs at one speed."""
+        speed, unit = self.readings.speed @ self.readings.weights, self.measures.unit("m")
+        if np.ptp(speed) > AXIS_RULES.one_speed * float(speed.max()):
+            return None
+        return (
+            f"it runs at one speed, {speed.mean():.3g} {unit}/s, at which Coulomb "
+            "and viscous friction are one number: take --baseline coulomb, or run at others too"
+        )
+
+    @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
         """The offset, behind the difference of the clocks, and what a weight pulls with, last."""
         offset = {"offset": (1, self.unit, 1.0)} if self._offset_sd else {}
@@ -290,9 +305,17 @@ class AxisRuns(RigTrials):
 
     @property
     def untold(self) -> Mapping[str, str]:
-        """Inertia of a servo whose log has too few samples in a period of its motion."""
+        """Inertia of a servo with few samples in a period, or of a joint that hardly swings."""
         too_slow = self.servo is not None and not self.servo.tells_inertia
-        return {"mass": self.servo.no_inertia} if self.servo is not None and too_slow else {}
+        if self.servo is not None:
+            return {"mass": self.servo.no_inertia} if too_slow else {}
+        return {"mass": LIKE_A_PULL} if self._pulled_alike else {}
+
+    @cached_property
+    def _pulled_alike(self) -> bool:
+        """Whether what pulls to a place stands for the inertia too, as far as positions show."""
+        own = self.readings.acceleration_of_its_own
+        return self.measures.pull > 0 and own < AXIS_RULES.acceleration_shows
 
     @property
     def scale_share(self) -> float:
@@ -306,6 +329,8 @@ class AxisRuns(RigTrials):
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
         lines += beyond_limit(self.constants, self.readings.drive, self.unit)
+        if self._pulled_alike and self.servo is None:
+            lines.append(LIKE_A_PULL)
         if self.servo is None:
             lines += likely_mistakes(self.readings, self.measures, self.interval_s)
         if self.servo is not None:
