@@ -7,7 +7,7 @@ from rigs.joints import Joint, recording_of
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.trials import opened
 
-STEP = 1e-4  # of the encoder [rad]
+STEP = 4e-4  # of the encoder [rad]
 
 
 def opened_of(position, force, rate_hz):
@@ -52,3 +52,14 @@ def test_at_one_speed_the_rough_mass_is_none_and_friction_is_one_number():
     trials = opened_of(position, np.sin(position) + 0.2 * way, 100)
     assert trials.measures.mass < 0.1
     assert "0.4 rad/s" in trials.one_number
+
+
+def test_what_pulls_in_swings_that_are_alike_is_counted_in_what_a_weight_may_pull():
+    """Of one sine inertia takes the place of gravity, and friction is no measure of it."""
+    recording = Joint(
+        rates_hz=(0.5,), strokes_rad=(0.8,), seconds=4.0, sampled_hz=100.0
+    ).recording()
+    trials = opened(all_rigs()["single-axis"], recording.axis, recording.rig)
+    assert trials.readings.swings_alike
+    assert trials.measures.pull > 0.4
+    assert not trials.untold

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
@@ -126,15 +127,35 @@ class Readings:
     def acceleration_of_its_own(self) -> float:
         """Part of the square of what only the acceleration has that is no error of positions.
 
-        What goes with the place, the speed or the way has the rest; in part of a swing, nearly all.
+        A weight on a lever, the speed and the way have the rest; in part of a swing, nearly all.
         """
+        square = self._square_of_its_own
+        return 1 - self.acceleration_sd**2 / square if square > 0 else 0.0
+
+    @property
+    def swings_alike(self) -> bool:
+        """Whether the acceleration is nearly a curve over the place, as in one sine's swings."""
+        whole = float(np.mean(self.acceleration**2))
+        return bool(self._square_of_its_own < AXIS_RULES.like_a_curve * whole)
+
+    @property
+    def _square_of_its_own(self) -> float:
         place, speed = self.position @ self.weights, self.speed @ self.weights
-        pulls = self.way[:, None] * np.column_stack([np.ones(self.count), np.sin(place), place])
-        others = np.column_stack([np.ones(self.count), speed, pulls])
+        ones = np.ones(self.count)
+        pulls = self.way[:, None] * np.column_stack([ones, np.sin(place), np.cos(place)])
+        others = np.column_stack([ones, speed, pulls])
         fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
         left = self.acceleration - others @ fitted
-        square = float(left @ left) / max(self.count - others.shape[1], 1)
-        return 1 - self.acceleration_sd**2 / square if square > 0 else 0.0
+        return float(left @ left / max(self.count - others.shape[1], 1))
+
+    @property
+    def weight_pulls(self) -> float:
+        """Rms of what a weight on a lever pulls with by least squares, beside the law [N·m]."""
+        place, speed = self.position @ self.weights, self.speed @ self.weights
+        pulls = self.way[:, None] * np.column_stack([np.sin(place), np.cos(place)])
+        law = np.column_stack([self.acceleration, np.ones(self.count), speed, self.way])
+        fitted = np.linalg.lstsq(np.hstack([law, pulls]), self.force, rcond=SINGULAR)[0]
+        return float(np.sqrt(np.mean((pulls @ fitted[-2:]) ** 2)))
 
     def of(self, trials: Whole) -> "Readings":
         """Return the rows of some trials, which are numbered anew in that order."""

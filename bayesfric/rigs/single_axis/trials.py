@@ -315,7 +315,8 @@ class AxisRuns(RigTrials):
     def _pulled_alike(self) -> bool:
         """Whether what pulls to a place stands for the inertia too, as far as positions show."""
         own = self.readings.acceleration_of_its_own
-        return self.measures.pull > 0 and own < AXIS_RULES.acceleration_shows
+        pulled = self.measures.rotary and self.measures.pull > 0
+        return pulled and own < AXIS_RULES.acceleration_shows
 
     @property
     def scale_share(self) -> float:
