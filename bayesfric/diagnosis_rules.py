@@ -68,6 +68,12 @@ class DiagnosisThresholds:
     most_shrink: float = rule(
         1.2, "1", "a shrink on held-out data whose median is above it contradicts itself", "floor"
     )
+    misses_far_more: float = rule(
+        1.5,
+        "1",
+        "rivals stay open where held-out data are missed by this times what they explain",
+        "held-out",
+    )
     shrink_missed: float = rule(
         0.1,
         "gap²",

@@ -173,10 +173,10 @@ def leaves_too_much(gap: Gap, practical: float) -> bool:
 def why_beyond_rivals(gap: Gap) -> str | None:
     """Return why none of some rivals may make a gap; None where one of them may.
 
-    Data held out are then missed by more than all that any of them would explain.
+    Data held out are then missed by far more than all that any of them would explain.
     """
     explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
-    if gap.before.q05 <= explained:
+    if gap.before.q05 <= RULES.misses_far_more * explained:
         return None
     return (
         f"data held out are missed by {gap.before.q05:.3g} {gap.unit} rms or more, and effects "
