@@ -109,7 +109,8 @@ def law_told(
     )
     if compared.data.rigs[0].along_path:
         law = widened(law, measured.gap, practical)
-        if conclusion.verdict == "unknown":
+        surely_there = judged.above >= RULES.sure
+        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and surely_there):
             law = held_by_blocks(law, compared.model, judged.residuals.turns)
     return by_the_instrument(law, conclusion.instrument)
 
@@ -257,6 +258,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         ),
         *far_rows(answer.compared.baseline),
         *not_followed(question.analysis, answer.compared.model),
+        *question.remarks,
     )
 
 

@@ -5,7 +5,6 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 from threadpoolctl import threadpool_limits
@@ -142,9 +141,7 @@ def _diagnose(
     inputs = (baseline, fixed, question.shipped, recording.rig, recording.metadata, joint)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     compared = compare_hypotheses(question, keeping)
-    folds, bootstrap, axes, draws, checks, blocks, order, scatter = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(8)
-    )
+    folds, bootstrap, axes, draws, checks, blocks, order, scatter = question.sources
     judged = judge(compared.model, compared.search, question.law_shipped, question.practical, draws)
     measured = measure(question, compared, judged, keeping, folds, bootstrap, blocks)
     conclusion = conclude(question, compared, judged, measured, order)

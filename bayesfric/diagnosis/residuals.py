@@ -259,7 +259,7 @@ def shared_columns(model: LinearModel) -> tuple[int, ...]:
     start = model.layout.local - sum(model.layout.nuisances)
     columns: list[int] = []
     for rig, count in zip(model.data.rigs, model.layout.nuisances, strict=True):
-        columns += [start + place for place, _ in rig.shared_numbers.values()]
+        columns += [start + place for place, *_ in rig.shared_numbers.values()]
         start += count
     return tuple(columns)
 
@@ -273,7 +273,7 @@ def columns_beside(model: LinearModel) -> tuple[int, ...]:
     for place, (rig, linear) in enumerate(zip(model.data.rigs, model.rigs, strict=True)):
         if not rig.along_path:
             continue
-        own = {*linear.rows.clock_nuisances, *(at for at, _ in rig.shared_numbers.values())}
+        own = {*linear.rows.clock_nuisances, *(at for at, *_ in rig.shared_numbers.values())}
         mine = model.layout.nuisance(place)
         columns += [at for at in range(mine.start, mine.stop) if at - mine.start not in own]
     return tuple(columns)

@@ -136,33 +136,6 @@ def posterior_of(
     )
 
 
-def drawn_laws(
-    model: LinearModel,
-    weighed: Weighed,
-    residuals: Residuals,
-    count: int,
-    rng: np.random.Generator,
-) -> Array:
-    """Draw the coefficients of the recalibrated law under one hypothesis, (S, sizes, 3).
-
-    Parameters
-    ----------
-    model : LinearModel
-        In which it was weighed.
-    weighed : Weighed
-        The hypothesis.
-    residuals : Residuals
-        Windows of the model, in which the law is recalibrated.
-    count : int
-        S of draws.
-    rng : Generator
-        Source of randomness.
-    """
-    drawn = _numbers(model, weighed, None, count, rng)
-    _, moves = _force_and_law(model, residuals, model, weighed.acting, drawn)
-    return model.coefficients_of(moves, drawn=True)
-
-
 def _hypothesis_of(
     model: LinearModel, search: Search, hypothesis: Hypothesis
 ) -> tuple[LinearModel, Weighed, Wide | None]:

@@ -14,6 +14,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.chains import in_chains
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.effects import all_effects, with_priors
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit
 from bayesfric.fitting.joints import fitted_together
@@ -78,6 +79,7 @@ def fit(
         A rig is unknown or has no data in the recording, or no trial could enter.
     """
     analysis = Analysis() if analysis is None else analysis
+    with_priors(all_effects(None), analysis.priors.effects)  # refuses what no effect has
     if parted := parted_by_joint(recording):
 
         def of_joint(own: Recording, kept: Path | None) -> Fit:

@@ -22,8 +22,8 @@ class MachineTrials:
         return None
 
     @property
-    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
-        """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
+    def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
+        """Nuisances beside the law's numbers, by name: place among all, unit, and what 1 is."""
         return {}
 
     @property

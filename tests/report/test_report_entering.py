@@ -26,10 +26,11 @@ REPLAY = Replay(
 
 
 def stored(replay=REPLAY, curves=None):
-    gap = Gap.model_construct(unit="N·m")
+    gap = Gap.model_construct(unit="N·m", as_shipped=None, held_out_excess=0.0, friction_rms=1.0)
     block = DiagnosisFile.model_construct(
         **PROVENANCE,
         verdict="no-gap",
+        practical_share=0.02,
         joint="elbow",
         joints=(),
         causes=(),

@@ -83,8 +83,11 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     if loop.plant is not None:
         yield Paragraph(loop.plant.sentence)
     if loop.warnings:
-        yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
-        yield BulletList([_sentence(warning) for warning in loop.warnings])
+        yield Notice(
+            "attention",
+            f"{len(loop.warnings)} remarks on these numbers:",
+            points=[_sentence(warning) for warning in loop.warnings],
+        )
     yield Table(
         ["What the draws leave of ", Code(loop.name), "."],
         [
