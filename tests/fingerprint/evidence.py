@@ -53,9 +53,9 @@ def _of_a_curved_density() -> Iterator[tuple[str, Number]]:
     yield "curved: importance", integrated(weighed[0].log_evidence)
     yield "curved: importance, error", drawn(weighed[0].error, 0.02 * weighed[0].error)
     sample = draws(1200).reshape(4, 30, 10, 3)
-    bridged = bridge.bridge_evidence(curved, sample, 473)
-    yield "curved: bridge", integrated(bridged.log_evidence)
-    yield "curved: bridge, error", drawn(bridged.error, 0.02 * bridged.error)
+    by_bridge = bridge.bridge_evidence(curved, sample, 473)
+    yield "curved: bridge", integrated(by_bridge.log_evidence)
+    yield "curved: bridge, error", drawn(by_bridge.error, 0.02 * by_bridge.error)
     first, second = sample.reshape(-1, 3), draws(1200) * 1.1 + 0.05
 
     def ratio(points: np.ndarray) -> np.ndarray:
