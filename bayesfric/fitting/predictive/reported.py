@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping
 
 from bayesfric.fitting.predictive.assemblies import FAR_SD, Assemblies
-from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
-from bayesfric.fitting.predictive.left_out import Uniformity as Tested
+from bayesfric.fitting.predictive.left_out import FromUniform, LeftOut, uniformity
 from bayesfric.inference.evidence.leave_out import ELPD
 from bayesfric.schemas.fit import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
 
@@ -100,7 +99,7 @@ def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
     return tuple(entries)
 
 
-def _spread_of(checked: Tested) -> dict[str, float]:
+def _spread_of(checked: FromUniform) -> dict[str, float]:
     """Return how far probabilities are from uniform ones, as it is stored."""
     low, _, high = map(float, checked.spread_expected)
     return {
