@@ -7,6 +7,7 @@ JSON file, in the terminal, on page one of the report, and is what ``--fail-on a
 from bayesfric.attention.claims import of_claims as of_claims
 from bayesfric.attention.diagnosis import biased_numbers as biased_numbers
 from bayesfric.attention.diagnosis import of_diagnosis as of_diagnosis
+from bayesfric.attention.diagnosis import why_untrusted as why_untrusted
 from bayesfric.attention.fit import Coverage as Coverage
 from bayesfric.attention.fit import contradicted as contradicted
 from bayesfric.attention.fit import of_fit as of_fit

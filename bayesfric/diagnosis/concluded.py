@@ -16,7 +16,13 @@ from bayesfric.diagnosis.instrumental import not_held, why_bent, why_unsettled
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
-from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
+from bayesfric.diagnosis.overruling import (
+    Overruled,
+    density_of,
+    overruled,
+    tells_what_is_left,
+    why_overruled,
+)
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.residuals import Residuals
@@ -232,7 +238,7 @@ def _why_overruled(
     if model.data.rigs[0].along_path:
         beyond = implausible(judged.named, model, judged.search, judged.posterior)
     return why_overruled(
-        gap, practical, told_as_remainder=remainder.significant, implausible=beyond
+        gap, practical, told_as_remainder=tells_what_is_left(remainder, gap), implausible=beyond
     )
 
 

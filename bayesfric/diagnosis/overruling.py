@@ -3,13 +3,15 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
-from bayesfric.schemas import Gap, HeldOutDensity, Interval
+from bayesfric.schemas import Gap, HeldOutDensity, Interval, Remainder
 
 NO_CAUSE = "no cause is named, so nothing is compared"
 LIKE_CLOCKS = "clocks that differ do what the causes do, whatever is held out"
@@ -165,6 +167,25 @@ def leaves_too_much(gap: Gap, practical: float) -> bool:
     """Return whether more is left on held-out data than scatter explains, and that matters."""
     excess = gap.held_out_excess
     return excess > 0 and excess >= practical * gap.friction_rms
+
+
+def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
+    """Return whether a remainder tells what the causes leave of held-out data.
+
+    One that is a small part of what they leave does not: the rest is a force of another kind, or
+    numbers that hold for these data alone.
+
+    Parameters
+    ----------
+    remainder : Remainder
+        Beside the causes.
+    gap : Gap
+        Of data held out.
+    """
+    if not remainder.significant or remainder.share_of_gap is None:
+        return remainder.significant
+    told = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
+    return gap.held_out_excess <= RULES.remainder_tells * told
 
 
 def _share(shrink: Interval) -> str:

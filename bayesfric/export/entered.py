@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from bayesfric.attention import why_untrusted
 from bayesfric.export.digits import by_error
 from bayesfric.rigs.rotary import is_relative
 from bayesfric.schemas import DiagnosisFile, Enter
@@ -108,6 +109,8 @@ def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:
     if not diagnosis.enter:
         return
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
+    if why_untrusted(diagnosis) is not None:
+        of += ", but not before you have read the remarks"
     yield f"To enter in a simulator{of} (diagnosis.json has the fields of all simulators):"
     table = [COLUMNS[:-1], *(row[:-1] for row in entered_rows(diagnosis.enter))]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]

@@ -14,13 +14,19 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.overruling import contradicts, density_of, overruled, why_overruled
+from bayesfric.diagnosis.overruling import (
+    contradicts,
+    density_of,
+    overruled,
+    tells_what_is_left,
+    why_overruled,
+)
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
-from bayesfric.schemas import HeldOutDensity, Interval
+from bayesfric.schemas import HeldOutDensity, Interval, Remainder
 
 PRACTICAL = 0.02
 
@@ -197,3 +203,19 @@ def test_the_sentence_says_how_much_better_held_out_data_are_predicted(shrink):
     assert one.endswith(" rises by 157 ± 19 (natural logarithm) with it.")
     two = held_out_words(gap, [cause("viscous"), cause("slip")])
     assert two.endswith(" rises by 157 ± 19 (natural logarithm) with them.")
+
+
+@pytest.mark.parametrize(("left", "is_told"), [(0.01, True), (0.5, False)])
+def test_a_small_remainder_does_not_tell_what_is_many_times_larger(left, is_told):
+    """Of a gap of 0.1 N it is a quarter of the squares: 0.05 N."""
+
+    def sure(value):
+        return Interval(mean=value, sd=0.0, q05=value, q50=value, q95=value)
+
+    gap = diagnosis().gap.model_copy(update={"held_out_excess": left, "systematic": sure(0.1)})
+    remainder = Remainder(
+        significant=True, log10_bayes_factor=3.0, share_of_gap=sure(0.25), axis="velocity"
+    )
+    assert tells_what_is_left(remainder, gap) is is_told
+    nothing = remainder.model_copy(update={"significant": False})
+    assert not tells_what_is_left(nothing, gap)

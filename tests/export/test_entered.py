@@ -1,5 +1,7 @@
 """Numbers to enter as words: digits by the error, what is lost, and what cannot be entered."""
 
+from report.diagnosis_sample import diagnosis
+
 from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.content import BulletList, Table
@@ -48,7 +50,12 @@ def test_a_number_below_zero_is_not_passed_over():
 
 def test_terminal_and_page_one_say_the_same():
     found = DiagnosisFile.model_construct(
-        joint="elbow", joints=(), verdict="named", causes=(), enter=(COULOMB,)
+        joint="elbow",
+        joints=(),
+        verdict="named",
+        causes=(),
+        enter=(COULOMB,),
+        gap=diagnosis().gap.model_copy(update={"held_out_excess": 0.0}),
     )
     lines = list(entered_lines(found))
     assert lines[0].startswith("To enter in a simulator for the joint elbow")

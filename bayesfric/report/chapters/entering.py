@@ -3,10 +3,11 @@
 import re
 from collections.abc import Iterator
 
+from bayesfric.attention import why_untrusted
 from bayesfric.export.entered import CALLED, COLUMNS, entered_remarks, entered_rows
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
-from bayesfric.report.content import Block, BulletList, Figure, Paragraph, Table
+from bayesfric.report.content import Block, BulletList, Figure, Notice, Paragraph, Table
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 
@@ -21,7 +22,10 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             continue
         of = "" if joint.joint is None else f" for the joint {joint.joint}"
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
-        if joint.verdict in ("unknown", "unseparated"):
+        untrusted = why_untrusted(joint)
+        if untrusted is not None:
+            yield Notice("attention", f"{untrusted}.")
+        elif joint.verdict in ("unknown", "unseparated"):
             after += " They may be biased, since the law misses a force that has no cause yet."
         yield Table(
             f"Enter these numbers in your simulator{of}.{_wrong(joint)}{after}",
