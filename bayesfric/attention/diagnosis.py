@@ -7,6 +7,8 @@ from bayesfric.schemas.causes import Cause, LawNumber
 
 FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
 FAR_FROM_FRICTION = 0.5  # of friction, the same
+CALLED = {"inertia": "mass"}
+"""Names of numbers that are not told, by those that a reader knows."""
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 
@@ -42,6 +44,7 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
         f"{number.ordinary:.3g}"
         for name, number in instrument.numbers.items()
+        if not {name, CALLED.get(name, name)} & set(diagnosis.untold)
     )
     yield (
         "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "

@@ -30,9 +30,11 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis.widening import (
+    INERTIA,
     beside_gravity,
     gravity_hides_inertia,
     held_by_blocks,
+    is_open,
     widened,
 )
 from bayesfric.diagnosis_rules import RULES
@@ -124,8 +126,8 @@ def law_told(
         law = widened(law, measured.gap, practical)
         factor = gravity_hides_inertia(compared.model, judged.residuals.turns)
         law = beside_gravity(law, factor, judged.named)
-        surely_there = judged.above >= RULES.sure
-        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and surely_there):
+        there = judged.above >= RULES.likely
+        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there):
             law = held_by_blocks(law, compared.model, judged.residuals.turns)
     return by_the_instrument(law, conclusion.instrument)
 
@@ -263,9 +265,10 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     question, conclusion, data = answer.question, answer.conclusion, answer.compared.data
     suspects = [*answer.judged.named, *conclusion.rivals, *conclusion.overruled.possible]
     factor = gravity_hides_inertia(answer.compared.model, answer.judged.residuals.turns)
+    hidden = factor is not None and (INERTIA not in law or is_open(law[INERTIA].after))
     return (
         *(line for rig in data.rigs for line in rig.doubts(law)),
-        *([] if factor is None else [NOT_APART.format(factor=factor)]),
+        *([NOT_APART.format(factor=factor)] if hidden else []),
         *undeclared(
             question.recording.rig,
             conclusion.verdict,

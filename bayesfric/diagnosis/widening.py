@@ -19,7 +19,7 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 the machine what is left beside these, the rotor as the gear reflects it."""
 DEPENDENT = 1e-9  # of the largest singular value: below, columns of unit norm are one
 BLOCKS = 10  # stretches of a log that are left out one after another
-SLOWER = 4  # neighbouring windows that are taken together, to see what slow motion alone tells
+TOGETHER = (4, 8)  # neighbouring windows that are one, to see what slow motion alone tells
 ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
 SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
@@ -122,6 +122,11 @@ def beside_gravity(
     return dict(law) | {INERTIA: number.model_copy(update=wide)}
 
 
+def is_open(number: Interval) -> bool:
+    """Return whether a number above zero is hardly known: its 90 % interval against its median."""
+    return number.q95 - number.q05 > RULES.number_open * abs(number.q50)
+
+
 def held_by_blocks(
     law: Mapping[str, LawNumber], model: LinearModel, turns: bool
 ) -> dict[str, LawNumber]:
@@ -220,13 +225,14 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
     scaled, size, prior = _with_amounts(columns, force, amounts)
     start = np.flatnonzero(np.diff(stretch, prepend=-1))
     within = np.arange(stretch.size) - np.repeat(start, np.diff([*start, stretch.size]))
-    together = np.cumsum(within % SLOWER == 0) - 1
-    root = np.sqrt(np.bincount(together))
-    if root.size < ROWS_A_NUMBER * size.size:
-        return np.zeros(size.size)
-    slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
-    of_all = _least_squares(scaled, force, prior)
-    return np.asarray(np.abs(_least_squares(slow[:-1].T, slow[-1], prior) - of_all) / size)
+    of_all, apart = _least_squares(scaled, force, prior), [np.zeros(size.size)]
+    for windows in TOGETHER:
+        together = np.cumsum(within % windows == 0) - 1
+        root = np.sqrt(np.bincount(together))
+        slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
+        if root.size >= ROWS_A_NUMBER * size.size:
+            apart.append(_least_squares(slow[:-1].T, slow[-1], prior) - of_all)
+    return np.asarray(np.abs(apart).max(axis=0) / size)
 
 
 def _with_amounts(columns: Array, force: Array, amounts: int) -> tuple[Array, Array, Array]:

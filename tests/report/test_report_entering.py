@@ -91,7 +91,9 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
         block = stored().record.model_copy(update={"enter": (COULOMB,), "verdict": verdict})
         captions[verdict] = next(iter(numbers_to_enter(block))).caption
     assert "They may be biased" in captions["unknown"]
-    assert captions["no-gap"].startswith("Enter these numbers in your simulator for the joint elbow.")
+    assert captions["no-gap"].startswith(
+        "Enter these numbers in your simulator for the joint elbow."
+    )
     assert captions["no-gap"].endswith("Its own coulomb lies outside of the 90 % interval.")
     assert "biased" not in captions["no-gap"]
     own = COULOMB.model_copy(update={"in_your_simulator": COULOMB.value.q50})
