@@ -17,19 +17,21 @@ def import_log(
         list[Path],
         typer.Argument(
             metavar="LOG...",
-            help="CSV, JSON, npz, MAT, parquet, MCAP, or a ROS 2 bag's folder; several are runs.",
+            help="CSV, JSON, npz, MAT, parquet, MCAP, or a ROS 2 bag's folder. Each log is a run.",
         ),
     ],
     output: Annotated[
         Path | None, options.path("-o", "--output", "New folder; refused if it is not empty.")
     ] = None,
     joint: Annotated[
-        str | None, options.worded("--joint", "NAME", "As the log names it, or all.")
+        str | None, options.worded("--joint", "NAME", "Name of the joint in the log, or all.")
     ] = None,
     mapping: Annotated[
         Path | None,
         options.path(
-            "--map", "A TOML file: columns, units, signs, gears, runs; without it, one is proposed."
+            "--map",
+            "A TOML file with columns, units, signs, gears and runs. Without it, a mapping is "
+            "proposed.",
         ),
     ] = None,
     quiet: options.Quiet = False,
@@ -73,5 +75,5 @@ def _propose(log: Path, joint: str | None, quiet: bool) -> None:
     if not quiet:
         left = f"; to be said: {'; '.join(proposal.open)}" if proposal.open else ""
         say(f"Nothing is imported: this is a proposal{left}. {where}.", err=True)
-        edited = log.with_name(file.name)
-        say(f"Edit it, then: bayesfric import {log} -o RECORDING --map {edited}", err=True)
+        edited, every = log.with_name(file.name), " --joint all" if proposal.joints else ""
+        say(f"Edit it, then: bayesfric import {log} -o RECORDING{every} --map {edited}", err=True)

@@ -11,7 +11,9 @@ from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
-from bayesfric.schemas import Gap, HeldOutDensity, Interval, Remainder
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Remainder
+from bayesfric.schemas.diagnosis import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
 LIKE_CLOCKS = "clocks that differ do what the causes do, whatever is held out"
@@ -186,6 +188,20 @@ def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
         return remainder.significant
     told = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
     return gap.held_out_excess <= RULES.remainder_tells * told
+
+
+def why_beyond_rivals(gap: Gap) -> str | None:
+    """Return why none of some rivals may make a gap; None where one of them may.
+
+    Data held out are then missed by more than all that any of them would explain.
+    """
+    explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
+    if gap.before.q05 <= explained:
+        return None
+    return (
+        f"data held out are missed by {gap.before.q05:.3g} {gap.unit} rms or more, and effects "
+        f"with scatter explain {explained:.3g} {gap.unit} at most"
+    )
 
 
 def _share(shrink: Interval) -> str:

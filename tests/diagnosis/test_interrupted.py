@@ -4,6 +4,7 @@ from collections import Counter
 from dataclasses import replace
 
 import pytest
+from altered import by_acceleration, of_size, with_trials
 
 from bayesfric import checkpoint
 from bayesfric.analysis import Analysis
@@ -25,9 +26,10 @@ LONG = {
 
 @pytest.fixture(scope="module")
 def recording():
-    """Of a board with an effect, so that finalists are compared."""
+    """Of one size with an effect, so that finalists are compared."""
     design = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
-    return simulate_recording(design, seed=21, effects={"viscous": 1.0}, rigs=("gravity",))
+    board = simulate_recording(design, seed=21, effects={"viscous": 1.0}, rigs=("gravity",))
+    return by_acceleration(with_trials(board, of_size(board, "small")))
 
 
 class Counted:

@@ -128,8 +128,8 @@ def switched_off():
         speed += step * (push - np.sin(place) - 0.01 * speed) / 0.06
         speed = np.sign(speed) * max(abs(speed) - step * 0.03 / 0.06, 0.0)
         place += step * speed
-    logged = slice(None, None, 20)
-    force = drive[logged] + np.where(drive != 0, 0.1, 0.0)[logged] * rng.standard_normal(4000)
+    logged = slice(None, None, 40)
+    force = drive[logged] + np.where(drive != 0, 0.1, 0.0)[logged] * rng.standard_normal(2000)
     position = 1e-3 * np.round(places[logged] / 1e-3)
     return pd.DataFrame(
         {"run": "a", "time_s": time[logged], "position_m": position, "force_n": force}

@@ -21,6 +21,7 @@ def moved_parts(ended):
     return set(first) & set(stored.parts())
 
 
+@pytest.mark.nightly
 def test_names_order_and_words_move_nothing(tmp_path):
     """A private function renamed, the file in another order, all docstrings in other words."""
     folder = copied(tmp_path)
@@ -38,6 +39,7 @@ def test_names_order_and_words_move_nothing(tmp_path):
     assert "in 2 parts hold" in ended.stdout
 
 
+@pytest.mark.nightly
 def test_a_slightly_wider_prior_of_tau_moves_what_it_concerns_alone(tmp_path):
     folder = copied(tmp_path)
     old = "tau: PriorAboveZero = Field(\n        HalfNormal(scale=0.05)"

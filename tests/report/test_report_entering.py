@@ -1,18 +1,17 @@
 """What to enter and its replay, as the report shows it."""
 
 import numpy as np
-import pytest
 import xarray as xr
-from report.diagnosis_sample import PROVENANCE, diagnosis
+from report.diagnosis_sample import PROVENANCE
 
-from bayesfric.attention import of_diagnosis
-from bayesfric.export.entered import entered_lines
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
-from bayesfric.report.content import Figure, Notice, Paragraph, Table, inlines
+from bayesfric.report.content import Figure, Paragraph, inlines
 from bayesfric.report.stored import StoredDiagnosis
-from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap, Replay, ReplayedError
 
 LOWER = Interval(mean=-0.2, sd=0.01, q05=-0.22, q50=-0.2, q95=-0.18)
 ERROR = ReplayedError(as_is=0.214, proposed=0.009, difference=LOWER)
@@ -27,10 +26,11 @@ REPLAY = Replay(
 
 
 def stored(replay=REPLAY, curves=None):
-    gap = diagnosis().gap.model_copy(update={"unit": "N·m", "held_out_excess": 0.0})
+    gap = Gap.model_construct(unit="N·m", as_shipped=None, held_out_excess=0.0, friction_rms=1.0)
     block = DiagnosisFile.model_construct(
         **PROVENANCE,
         verdict="no-gap",
+        practical_share=0.02,
         joint="elbow",
         joints=(),
         causes=(),
@@ -96,30 +96,3 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
     block = stored().record.model_copy(update={"enter": (own,), "verdict": "no-gap"})
     (table, *_) = numbers_to_enter(block)
     assert table.caption == "Enter these numbers in your simulator for the joint elbow."
-
-
-@pytest.mark.parametrize(
-    ("left", "advice"), [(0.0, None), (0.05, "Enter these numbers with care"), (0.6, "Do not")]
-)
-def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, advice):
-    """Left of friction of 1 N; scatter makes 0.04."""
-    from export.test_entered import COULOMB
-
-    record = diagnosis()
-    floor = record.gap.floor.model_copy(update={"q50": 0.04})
-    gap = record.gap.model_copy(
-        update={"held_out_excess": left, "friction_rms": 1.0, "floor": floor}
-    )
-    block = record.model_copy(update={"enter": (COULOMB,), "gap": gap, "verdict": "no-gap"})
-    first = next(iter(numbers_to_enter(block)))
-    lines = list(entered_lines(block))
-    said = [line for line in of_diagnosis(block) if "with them misses data" in line]
-    if advice is None:
-        assert isinstance(first, Table)
-        assert not said
-        assert "remarks" not in lines[0]
-    else:
-        assert first == Notice("attention", f"{said[0]}.")
-        assert said[0].startswith(advice)
-        assert f"by {left:.3g}" in said[0]
-        assert "not before you have read the remarks" in lines[0]
