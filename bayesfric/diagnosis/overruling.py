@@ -186,8 +186,8 @@ def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
     """
     if not remainder.significant or remainder.share_of_gap is None:
         return remainder.significant
-    told = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
-    return gap.held_out_excess <= RULES.remainder_tells * told
+    remainder_n = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
+    return gap.held_out_excess <= RULES.remainder_tells * remainder_n
 
 
 def why_beyond_rivals(gap: Gap) -> str | None:
