@@ -13,6 +13,7 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
+from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument
 from bayesfric.diagnosis.judging import Judged
@@ -31,8 +32,6 @@ from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis.widening import (
     INERTIA,
-    beside_gravity,
-    gravity_hides_inertia,
     held_by_blocks,
     is_open,
     widened,
