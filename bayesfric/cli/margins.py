@@ -209,8 +209,8 @@ def _say_metric(metric: "Metric") -> None:
     name = f"{metric.name} {metric.direction or ''}"
     say(
         f"  {name:<23} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
-        f"{metric.interval.q95:.3g}]{'' if metric.unit == '1' else f' {metric.unit}'}, misses "
-        f"{metric.sense} {metric.spec:.3g} with probability {chance}"
+        f"{metric.interval.q95:.3g}]{'' if metric.unit == '1' else f' {metric.unit}'}, asked "
+        f"{metric.sense} {metric.spec:.3g}: missed with probability {chance}"
     )
 
 
