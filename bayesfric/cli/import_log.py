@@ -75,5 +75,5 @@ def _propose(log: Path, joint: str | None, quiet: bool) -> None:
     if not quiet:
         left = f"; to be said: {'; '.join(proposal.open)}" if proposal.open else ""
         say(f"Nothing is imported: this is a proposal{left}. {where}.", err=True)
-        edited = log.with_name(file.name)
-        say(f"Edit it, then: bayesfric import {log} -o RECORDING --map {edited}", err=True)
+        edited, every = log.with_name(file.name), " --joint all" if proposal.joints else ""
+        say(f"Edit it, then: bayesfric import {log} -o RECORDING{every} --map {edited}", err=True)

@@ -15,7 +15,7 @@ from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import LoopMargins, Metric, Verification
+    from bayesfric.schemas.margins import LoopMargins, Metric, Verification
 
 
 class LawName(StrEnum):

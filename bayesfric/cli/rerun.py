@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, Provenance
+    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
+    from bayesfric.schemas.base import Provenance
 
     Read = TypeVar("Read", bound=BaseModel)
 

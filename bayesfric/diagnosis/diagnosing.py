@@ -5,13 +5,12 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
-from bayesfric.attention import of_diagnosis
+from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
 from bayesfric.diagnosis.checking import looked_at
@@ -30,7 +29,8 @@ from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, provenance
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.schemas import DiagnosisFile, RecordingId
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 
@@ -141,9 +141,7 @@ def _diagnose(
     inputs = (baseline, fixed, question.shipped, recording.rig, recording.metadata, joint)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     compared = compare_hypotheses(question, keeping)
-    folds, bootstrap, axes, draws, checks, blocks, order, scatter = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(8)
-    )
+    folds, bootstrap, axes, draws, checks, blocks, order, scatter = question.sources
     judged = judge(compared.model, compared.search, question.law_shipped, question.practical, draws)
     measured = measure(question, compared, judged, keeping, folds, bootstrap, blocks)
     conclusion = conclude(question, compared, judged, measured, order)

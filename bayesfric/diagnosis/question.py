@@ -2,12 +2,14 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.baseline import data_of
-from bayesfric.diagnosis.examined import examinable, widened
+from bayesfric.diagnosis.examined import examinable, remarks_on_priors, widened
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of
 from bayesfric.diagnosis.target import check_target
@@ -20,6 +22,19 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import with_own_priors
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.simulators import SimulatorCalls
+
+
+class Sources(NamedTuple):
+    """Sources of randomness of a diagnosis, one for each step that draws."""
+
+    folds: np.random.Generator
+    bootstrap: np.random.Generator
+    axes: np.random.Generator
+    draws: np.random.Generator
+    checks: np.random.Generator
+    blocks: np.random.Generator
+    order: np.random.Generator
+    scatter: np.random.Generator
 
 
 @dataclass(frozen=True)
@@ -52,6 +67,8 @@ class Question:
         Names of a user's own.
     target : DataFrame or None
         Conditions at which friction is asked for.
+    remarks : tuple of str
+        Which of the user's priors do nothing here, or leave nothing to the data.
     """
 
     recording: Recording
@@ -66,11 +83,18 @@ class Question:
     lacking: Mapping[str, tuple[str, ...]]
     own_effects: tuple[str, ...]
     target: pd.DataFrame | None
+    remarks: tuple[str, ...] = ()
 
     @property
     def practical(self) -> float:
         """Share of friction below which nothing is of concern."""
         return self.analysis.diagnosis.practical_share
+
+    @property
+    def sources(self) -> Sources:
+        """Sources of randomness by the seed of the analysis, each at its beginning."""
+        children = np.random.SeedSequence(self.analysis.seed).spawn(len(Sources._fields))
+        return Sources(*map(np.random.default_rng, children))
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -95,10 +119,11 @@ def question_of(
     own_law = own_law_of(data)
     if target is not None:
         check_target(target, data.rigs[0], data.sizes)
-    analysis = with_own_priors(analysis, data.rigs)
+    stated, analysis = analysis, with_own_priors(analysis, data.rigs)
     law_shipped = shipped_of(shipped, data)
     held = held_of(fixed, data, law_shipped)
     examined, lacking = examinable(data, {effect.name: effect for effect in effects})
+    remarks = remarks_on_priors(stated, examined, data.rigs[0])
     examined = with_priors(examined, analysis.priors.effects)
     return Question(
         recording,
@@ -113,4 +138,5 @@ def question_of(
         lacking,
         tuple(effect.name for effect in effects),
         target,
+        remarks,
     )

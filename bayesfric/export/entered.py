@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from bayesfric.export.digits import by_error
 from bayesfric.rigs.rotary import is_relative
-from bayesfric.schemas import DiagnosisFile, Enter
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.diagnosis import Enter
 
 CALLED = {
     "mujoco": "MuJoCo",

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from bayesfric.export.joints import INERTIAS, ExportedJoint
 from bayesfric.files import file_bytes
 from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
-from bayesfric.schemas import Enter
+from bayesfric.schemas.diagnosis import Enter
 
 LARGEST_FILE = 16_777_216  # bytes of a model
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
@@ -75,8 +76,9 @@ def filled_model(
     values: dict[str, JointValues] = {}
     remarks: list[str] = []
     links: dict[str, float] = {}
-    for joint in joints:
-        place = places[joint.name]
+    for exported in joints:
+        place = places[exported.name]
+        joint = _identified(exported, place, remarks)
         wanted = named.get(joint.name) or joint.in_model or joint.name
         if wanted not in ("", place):
             remarks.append(f"{place}: taken for {wanted}, as the only joint of {model.name}")
@@ -118,6 +120,25 @@ def _places(
         expected = "each joint of the model once: give --joint LOG=MODEL"
         raise InputError([Fault(model.name, expected)])
     return places
+
+
+def _identified(joint: ExportedJoint, place: str, remarks: list[str]) -> ExportedJoint:
+    """Return a joint without numbers that its data do not tell and that the model may have right.
+
+    Such a number is smaller than its error, and its interval holds what the model has.
+    """
+    identified = {}
+    for name, number in joint.numbers.items():
+        value, own = number.value, number.in_your_simulator
+        if own is not None and abs(value.mean) < value.sd and value.q05 <= own <= value.q95:
+            low, high = (by_error(end, value.sd) for end in (value.q05, value.q95))
+            remarks.append(
+                f"{place}: {name} is left at {own:.4g}: the recording does not tell it "
+                f"({low} to {high} {number.unit})"
+            )
+        else:
+            identified[name] = number
+    return replace(joint, numbers=identified)
 
 
 def _links(path: Path, place: str, joint: ExportedJoint, remarks: list[str]) -> float | None:

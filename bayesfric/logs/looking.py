@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import shorten
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from bayesfric.logs.units import SECONDS
 
 ROWS = 5000  # that are looked at
 LINES = 200
+LONGEST = 60  # characters of a line that is shown
 SEPARATORS = (",", ";", "\t", "|", "space")
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 SINCE_1970 = (1e9, 4.2e9)  # seconds, from 2001 to 2103
@@ -93,7 +95,8 @@ def csv_form(text: str) -> tuple[CsvForm, list[str]]:
     preamble = names[0] if names else first
     unit_rows = first - preamble - 1 if header else 0
     if header:
-        why.append(f"line {preamble + 1} has names: {', '.join(cells[preamble])[:60]}")
+        names_shown = shorten(", ".join(cells[preamble]), LONGEST, placeholder=" …")
+        why.append(f"line {preamble + 1} has names: {names_shown}")
     else:
         why.append(f"line {first + 1} is the first, and has numbers: there is no header")
     if unit_rows:
@@ -186,17 +189,19 @@ def _words(column: str) -> list[str]:
 
 
 def name_of_joint(column: str) -> str:
-    """Return what may be the joint in a name: in brackets, a number, or a word of no other use."""
+    """Return what may be the joint in a name: in brackets, a number, or words of no other use."""
     bracket = re.search(r"\[([^\]]+)\]", column)
-    if bracket:
+    if bracket and not set(_words(bracket.group(1))) <= {*OF_UNITS}:
         return bracket.group(1)
     number = re.search(r"(\d+)(?!.*\d)", column)
     if number:
         return number.group(1)
     used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
-    words = re.split(r"[\W_]+", column)
-    left = [word for word in words if word and not re.fullmatch(used, word.lower())]
-    return left[0] if len(left) == 1 else ""
+    words = list(re.finditer(r"[^\W_]+", column))
+    left = [at for at, word in enumerate(words) if not re.fullmatch(used, word.group().lower())]
+    if not left or left[-1] - left[0] >= len(left):  # none, or other words between them
+        return ""
+    return column[words[left[0]].start() : words[left[-1]].end()]
 
 
 def _kind(words: list[str], is_clock: bool) -> str | None:

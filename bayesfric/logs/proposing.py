@@ -15,6 +15,7 @@ NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
 EFFORT = re.compile(r"/.*\.effort\[")  # of a message of ROS 2, in N·m or N
 SPEED = re.compile(r"/.*\.velocity\[")
 LEROBOT_RUN = "episode_index"
+BARE = re.compile(r"[A-Za-z0-9_-]+")  # a key of TOML without quotes
 MOST_SHOWN = 60  # columns with a line of their own
 
 
@@ -28,20 +29,33 @@ class Proposal:
         The file.
     open : tuple of str
         What has to be said before it can be used.
+    joints : tuple of str
+        Names of the joints that :data:`~bayesfric.logs.mapping.JOINT` stands for, where the log
+        has several.
     """
 
     toml: str
     open: tuple[str, ...]
+    joints: tuple[str, ...] = ()
 
 
-ROBOT = (
-    "",
-    "# Your robot's model, in this folder, if you have one: it says weight and links' inertia, and",
-    "# what your simulator has now is shown beside what is found.",
-    "# [robot]",
-    '# model = "robot.xml"  # MJCF or URDF',
-    '# joints = {j1 = "shoulder_pitch"}  # log = model, where the names differ',
-)
+def _of_robot(joints: tuple[str, ...]) -> list[str]:
+    own = ", ".join(f'{joint} = "its name there"' for joint in joints or ("joint",))
+    return [
+        "",
+        "# Your robot's model, in this folder, if you have one: it says weight and links' inertia,",
+        "# and what your simulator has now is shown beside what is found.",
+        "# [robot]",
+        '# model = "robot.xml"  # MJCF or URDF',
+        f"# joints = {{{own}}}  # log = model, where the names differ",
+    ]
+
+
+def _of_joints(joints: tuple[str, ...]) -> list[str]:
+    if not joints:
+        return []
+    names = ", ".join(map(_plain, joints))
+    return ["", f"# {JOINT} stands for one of the joints {names}; --joint all takes them all."]
 
 
 def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
@@ -69,13 +83,14 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     lines += [f"# what is right where {SAY} stands.", "#"]
     lines += [f"# {note}" for note in log.notes]
     lines += _belief_lines(beliefs)
-    chosen = _chosen(beliefs, joint)
+    chosen, joints = _chosen(beliefs, joint)
     if any(belief.column == LEROBOT_RUN for belief in beliefs):
         lines += ["", f'run = "{LEROBOT_RUN}"  # a run for each episode']
     if form is not None and form != CsvForm():
         lines += _of_csv(form, why)
+    lines += _of_joints(joints)
     lines += _sections(chosen, log_has_header=form is None or form.header)
-    lines += ROBOT
+    lines += _of_robot(tuple(name for name in joints if BARE.fullmatch(name)))
     toml = "\n".join(lines) + "\n"
     body = "\n".join(line.partition("#")[0] for line in lines)
     missing = [what for key, what in NEEDED.items() if key not in chosen and key != "force"]
@@ -83,7 +98,7 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
         missing.append(NEEDED["force"])
     count = body.count(f'"{SAY}"')
     asked = [f"{count} place{'s' * (count > 1)} with {SAY}"] if count else []
-    return Proposal(toml, (*(f"which column is {what}" for what in missing), *asked))
+    return Proposal(toml, (*(f"which column is {what}" for what in missing), *asked), joints)
 
 
 def _plain(text: str) -> str:
@@ -113,8 +128,13 @@ def _of_csv(form: CsvForm, why: list[str]) -> list[str]:
     return lines
 
 
-def _chosen(beliefs: list[Belief], joint: str | None) -> dict[str, tuple[Belief, str]]:
-    """Return the column of each kind with its pattern, preferring those of one joint."""
+def _chosen(
+    beliefs: list[Belief], joint: str | None
+) -> tuple[dict[str, tuple[Belief, str]], tuple[str, ...]]:
+    """Return the column of each kind with its pattern, preferring those of one joint, and joints.
+
+    Joints are named where there are several, and so a pattern.
+    """
     of_kind: dict[str, list[Belief]] = {}
     for belief in beliefs:
         if belief.kind is not None:
@@ -141,7 +161,7 @@ def _chosen(beliefs: list[Belief], joint: str | None) -> dict[str, tuple[Belief,
         if kind != "time" and key is not None and own and len(keys) > 1:
             pattern = _with_place(belief.column, key)
         chosen[kind] = (belief, pattern)
-    return chosen
+    return chosen, tuple(keys) if len(keys) > 1 else ()
 
 
 def _topic(belief: Belief) -> str:

@@ -7,14 +7,14 @@ from itertools import zip_longest
 import numpy as np
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.baseline import data_of
-from bayesfric.diagnosis.examined import examinable
+from bayesfric.diagnosis.question import question_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.telemetry import Telemetry, telemetry_of
+from bayesfric.observation.feasible import name_and_unit
 from bayesfric.planning import Power
 from bayesfric.planning import power as power_of_conditions
 from bayesfric.readiness.advice import advice_for
-from bayesfric.readiness.measured import power_of_measured
+from bayesfric.readiness.measured import numbers_told, power_of_measured
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.opening import left_out, remarks_of
@@ -101,7 +101,8 @@ class Part:
             if "sd_where_law_is_off" in row:
                 off = row["sd_where_law_is_off"]
                 text += f" by noise alone, ± {off:.2g}{unit} if the law is slightly wrong"
-            yield f"  {name!s:<24} {text if row['informed'] else 'decided by its prior'}"
+            said = text if row["informed"] else "decided by its prior"
+            yield f"  {self._called(str(name)):<24} {said}"
         if self.power.beside:
             names = ", ".join(self.power.beside)
             yield f"  These errors hold together with {names}, which a first look shows."
@@ -117,6 +118,12 @@ class Part:
                 yield f"  {row['effect']} and {row['other']} (correlation {row['correlation']:.2f})"
         yield from self._next()
 
+    def _called(self, number: str) -> str:
+        """Return what a number of the law is called: the mass of a joint that turns is inertia."""
+        assert self.power is not None
+        unit = self.power.coefficients["unit"].get(number, "")
+        return "inertia" if number == "mass" and unit != "kg" else number
+
     def _next(self) -> Iterator[str]:
         assert self.power is not None
         proposals = self.power.next_condition
@@ -128,11 +135,19 @@ class Part:
         most = proposals if proposals.empty else proposals.nsmallest(MOST_SHOWN, "factor")
         for name, row in most.iterrows():
             setting = ", ".join(
-                f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
+                _setting(str(key), value)
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
-            yield f"  {setting}: the error of {name} falls by {1 - row['factor']:.0%}"
+            error = f"the error of {self._called(str(name))} falls by {1 - row['factor']:.0%}"
+            yield f"  {setting}: {error}"
+
+
+def _setting(name: str, value: object) -> str:
+    """Write a setting of a run to record: duration 3.9 s."""
+    own, unit = name_and_unit(name)
+    number = f"{value:.3g}" if isinstance(value, float) else f"{value}"
+    return f"{own.replace('_', ' ')} {number} {unit}".rstrip()
 
 
 def _in_two_columns(cells: list[str]) -> Iterator[str]:
@@ -231,10 +246,12 @@ def _part(
     if numbers_alone and recording.axis is None:
         return Part(name, None)  # boards that enter tell their coefficients
     try:
-        data, law = data_of(recording, baseline, None)
-        if data.rigs[0].has_pulleys:
+        question = question_of(
+            recording, analysis or Analysis(), (), (), None, baseline, None, None
+        )
+        if question.data.rigs[0].has_pulleys:
             return Part(name, power_of_conditions(recording, analysis))
-        power = power_of_measured(data, law, analysis, numbers_alone=numbers_alone)
+        power = numbers_told(question) if numbers_alone else power_of_measured(question)
     except InputError:
         reasons = left_out(recording)
         if not reasons:  # it is not the data that cannot be used
@@ -243,17 +260,16 @@ def _part(
     numbers = power.coefficients
     if len(numbers) and not numbers["informed"].any():
         return Part(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
-    examined, lacking = examinable(data, {})
-    in_law = {*map(str, power.coefficients.index)}
+    lacking, in_law = question.lacking, {*map(str, power.coefficients.index)}
     return Part(
         name,
         power,
         (),
-        {name: needs for name, needs in lacking.items() if not OF_OTHERS.intersection(needs)},
+        {effect: needs for effect, needs in lacking.items() if not OF_OTHERS.intersection(needs)},
         {
-            name: effect.amplitude.plausible[1]
-            for name, effect in examined.items()
-            if name not in in_law
+            effect: examined.amplitude.plausible[1]
+            for effect, examined in question.examined.items()
+            if effect not in in_law
         },
     )
 

@@ -5,7 +5,6 @@ is said beforehand is what a diagnosis will find: an effect has to win against n
 every other effect that would take most of what it does.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from math import comb, log
 from typing import NamedTuple
@@ -14,18 +13,18 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, Prior
+from bayesfric.analysis import Prior
 from bayesfric.arrays import Array, Flags
+from bayesfric.checkpoint import Checkpoint
 from bayesfric.claims.comparison import FOUND_WITH
 from bayesfric.diagnosis.acting import Acting, Law
 from bayesfric.diagnosis.baseline import fitted_baseline
-from bayesfric.diagnosis.climbing import climb
+from bayesfric.diagnosis.compared import Compared, compare_hypotheses
+from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import FRICTION, scatter_of_runs
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.residuals import residuals_of, spread_numbers
-from bayesfric.diagnosis.shapes import Quadratic
-from bayesfric.diagnosis.systematic import drawn_laws
-from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.question import Question
+from bayesfric.diagnosis.residuals import spread_numbers
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.inference.power import (
@@ -33,25 +32,29 @@ from bayesfric.inference.power import (
     smallest_found,
     smallest_told_apart,
 )
-from bayesfric.physics.laws import FrictionLaw
 from bayesfric.planning import Power, model_of_middles, power_of_model
-from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import with_own_priors
 
 HIDDEN_WITH = 0.01  # the probability with which an effect is found below which none is expected
 USUAL_SHAPES = 1.0  # normal quantiles of a shape's prior, within which rivals and doubles lie
-LEAST_INFORMED = 3.0  # precision by the data over that of a prior, of an effect that may join
-DRAWS = 400
 SURE_ODDS = log(RULES.sure / (1 - RULES.sure))  # nat
 
 
-def power_of_measured(
-    data: Data,
-    law: FrictionLaw,
-    analysis: Analysis | None = None,
-    *,
-    numbers_alone: bool = False,
-) -> Power:
+def numbers_told(question: Question) -> Power:
+    """Return with which errors a recording tells the numbers of its law, and nothing else.
+
+    Parameters
+    ----------
+    question : Question
+        What a diagnosis of one joint would be asked.
+    """
+    analysis, law = question.analysis, question.law
+    with threadpool_limits(limits=1):
+        data, _, laws, psi = fitted_baseline(question.data, analysis, frozenset(), {}, law)
+        model = LinearModel(data, laws, (), analysis, frozenset(law.without), discrepancy=False)
+        return power_of_model(model, {}, analysis, psi, pd.DataFrame())
+
+
+def power_of_measured(question: Question) -> Power:
     """Return what a recording can tell, with the noise and around the law that it shows.
 
     Where the law lacks an effect, the noise that is fitted beside the law alone takes up what that
@@ -62,35 +65,15 @@ def power_of_measured(
 
     Parameters
     ----------
-    data : Data
-        Of one joint.
-    law : FrictionLaw
-        Of friction, as of a diagnosis.
-    analysis : Analysis or None
-        Priors.
-    numbers_alone : bool
-        Whether effects and next trials are left out, which takes most of the time.
+    question : Question
+        What a diagnosis of one joint would be asked.
     """
-    analysis = with_own_priors(Analysis() if analysis is None else analysis, data.rigs)
     with threadpool_limits(limits=1):
-        data, _, laws, psi = fitted_baseline(data, analysis, frozenset(), {}, law)
-        held = frozenset(law.without)
-        if numbers_alone:
-            model = LinearModel(data, laws, (), analysis, held, discrepancy=False)
-            return power_of_model(model, {}, analysis, psi, pd.DataFrame())
-        middle, missing = model_of_middles(data, laws, analysis, held)
-        look = _first_look(middle, psi)
-        acting = look.acting
-        shown = {
-            (law.effect, law.law): look.model.candidate(law, shape)
-            for law, shape in zip(acting.laws, acting.shapes, strict=True)
-        }
-        candidates = [shown.get((own.effect.name, own.law), own) for own in middle.candidates]
-        noise_alone = middle.around(look.model.laws, candidates, discrepancy=False)
-        places = [candidates.index(candidate) for candidate in shown.values()]
-        tellable = power_of_model(noise_alone, missing, analysis, look.psi, shown=places)
-        spread = _spread_of_law(look)
-        numbers = tellable.coefficients
+        look = _first_look(question)
+        tellable = power_of_model(
+            look.noise_alone, look.missing, question.analysis, look.psi, shown=look.places
+        )
+        spread, numbers = _spread_of_law(look, question), tellable.coefficients
         return replace(
             tellable,
             coefficients=numbers.assign(
@@ -98,7 +81,7 @@ def power_of_measured(
                 sd_where_law_is_off=[max(spread[n], numbers.loc[n, "sd"]) for n in numbers.index]
             ),
             effects=_effects(look),
-            beside=tuple(law.effect for law in acting.laws),
+            beside=tuple(effect for effect, _ in look.shown),
         )
 
 
@@ -107,64 +90,62 @@ class _Look(NamedTuple):
 
     Parameters
     ----------
-    model : LinearModel
-        Around the law that the measurements show.
-    acting : Acting
-        Effects of which a diagnosis would be sure, each with its best shape.
+    compared : Compared
+        Hypotheses, as a diagnosis compares them.
+    shown : dict of (str, str) to float
+        Effect and law of what acts in the most probable hypothesis, to its best shape.
     psi : ndarray
         Logarithms of the noise beside them.
-    open_for : dict of Acting to float
-        Hypotheses that stay open, these effects among them, with their log odds [nat].
+    model : LinearModel
+        Around the law that the measurements show, with each law of each effect at all its shapes.
+    noise_alone : LinearModel
+        The same with each law at one shape, and without discrepancy.
+    places : tuple of int
+        Among its candidates, what is shown.
+    missing : dict of str to str
+        Effects that nothing is said of, with the reason.
     """
 
-    model: LinearModel
-    acting: Acting
+    compared: Compared
+    shown: dict[tuple[str, str], float]
     psi: Array
-    open_for: dict[Acting, float]
+    model: LinearModel
+    noise_alone: LinearModel
+    places: tuple[int, ...]
+    missing: dict[str, str]
 
 
-def _first_look(middle: LinearModel, psi: Array) -> _Look:
-    """Return what the measurements show.
-
-    One effect after another joins; each time the law is fitted and the noise is climbed anew.
-    Effects whose amplitudes are left to their priors do not.
-    """
-    effects = {candidate.effect.name: candidate.effect for candidate in middle.candidates}
+def _first_look(question: Question) -> _Look:
+    """Compare hypotheses as a diagnosis does, before anything is held out."""
+    compared = compare_hypotheses(question, Checkpoint(None, ""))
+    around, best = compared.model, compared.search.best()
+    acting = best.acting
+    middle, missing = model_of_middles(
+        compared.data, around.laws, question.analysis, frozenset(question.law.without)
+    )
+    at_best = {
+        (law.effect, law.law): around.candidate(law, shape)
+        for law, shape in zip(acting.laws, acting.shapes, strict=True)
+    }
+    candidates: list[Candidate] = [
+        at_best.get((own.effect.name, own.law), own) for own in middle.candidates
+    ]
+    effects = {candidate.effect.name: candidate.effect for candidate in candidates}
     shapes = [candidate for effect in effects.values() for candidate in candidates_of(effect)]
-    model, acting = middle.around(middle.laws, shapes), Acting()
-    rivals: dict[Acting, float] = {}
-    while True:
-        form = Quadratic(model, model.reduced(psi, Acting()), range(len(shapes)))
-        held = _gain(form, acting.laws, acting.shapes)
-        precision = form.reduced.precision
-        worth = {
-            law: law.log_weight + _gain(form, (*acting.laws, law), (*acting.shapes, 0.0)) - held
-            for laws in model.lawbook.values()
-            for law in laws
-            if law.effect not in acting.names
-            and _known_by_data(precision, law, 0.0) > LEAST_INFORMED
-        }
-        best = max(worth, key=lambda law: worth[law], default=None)
-        odds = _odds_of_one_more(model, len(acting.laws))
-        joins = best is not None and worth[best] >= odds and len(acting.laws) < RULES.most_effects
-        level = worth[best] if joins and best is not None else odds - SURE_ODDS
-        extended = {
-            _with(form, acting, law): gain - level
-            for law, gain in worth.items()
-            if gain > level - SURE_ODDS
-        }
-        if not joins:
-            return _Look(model, acting, psi, {**rivals, **extended, acting: 0.0})
-        rivals = extended
-        acting = max(extended, key=lambda one_more: extended[one_more])
-        at = climb(model, psi, acting)
-        psi, model = at.psi, model.around(model.fitted_laws(at), shapes)
-
-
-def _with(form: Quadratic, acting: Acting, law: Law) -> Acting:
-    """Return effects that act together with one more, each at its best shape."""
-    laws = (*acting.laws, law)
-    return Acting(laws, form.choice(laws, [*acting.shapes, 0.0]).shapes)
+    return _Look(
+        compared,
+        {
+            (law.effect, law.law): shape
+            for law, shape in zip(acting.laws, acting.shapes, strict=True)
+        },
+        best.at.psi[: len(around.noise)],
+        middle.around(around.laws, shapes),
+        middle.around(around.laws, candidates, discrepancy=False),
+        tuple(
+            place for place, own in enumerate(candidates) if (own.effect.name, own.law) in at_best
+        ),
+        missing,
+    )
 
 
 def _known_by_data(precision: Array, law: Law, shape: float) -> float:
@@ -173,44 +154,27 @@ def _known_by_data(precision: Array, law: Law, shape: float) -> float:
     return float(weights @ precision[np.ix_(places, places)] @ weights)
 
 
-def _gain(form: Quadratic, laws: Sequence[Law], shapes: Sequence[float]) -> float:
-    """Return what effects add to the log evidence, the last one's shape integrated over."""
-    if not laws:
-        return 0.0
-    if laws[-1].has_shape:
-        return form.along(laws, shapes, len(laws) - 1)[1]
-    return float(form.values(laws, [np.array([shape]) for shape in shapes])[0])
+def _odds_of_the_first(model: LinearModel) -> float:
+    """Return the log Bayes factor from which on a diagnosis is sure of an effect [nat]."""
+    prior = model.analysis.diagnosis.hypotheses
+    return SURE_ODDS + log(prior.none) - log(prior.one) + log(comb(len(model.lawbook), 1))
 
 
-def _odds_of_one_more(model: LinearModel, acting: int) -> float:
-    """Return the log Bayes factor from which on a diagnosis is sure of one effect more [nat]."""
-    prior, among = model.analysis.diagnosis.hypotheses, len(model.lawbook)
-
-    def log_prior(count: int) -> float:
-        mass = (prior.none, prior.one, prior.two, prior.more)[min(count, 3)]
-        return log(mass) - log(comb(among, count))
-
-    return SURE_ODDS + log_prior(acting) - log_prior(acting + 1)
-
-
-def _spread_of_law(look: _Look) -> dict[str, float]:
+def _spread_of_law(look: _Look, question: Question) -> dict[str, float]:
     """Return the error of each number of the law where the law may be off, by name.
 
-    It is that of a diagnosis: over all hypotheses that stay open, and over runs to come.
+    It is that of a diagnosis, by the same draws: over all hypotheses that stay open, and over runs
+    to come.
     """
-    model, windows, rng = look.model, residuals_of(look.model, look.psi), np.random.default_rng(0)
-    odds = np.exp(list(look.open_for.values()))
-    counts = rng.multinomial(DRAWS, odds / odds.sum()).tolist()
-    parts = []
-    for acting, count in zip(look.open_for, counts, strict=True):
-        at = model.evaluate(look.psi, acting)
-        weighed = Weighed(acting.names, at.value, None, acting, at)
-        parts.append(drawn_laws(model, weighed, windows, count, rng))
-    drawn = np.concatenate(parts)
-    at = model.evaluate(look.psi, look.acting)
-    left = windows.left(spread_numbers(model, at.mean, model.mixing(look.acting)))
-    scatter = scatter_of_runs(model, windows, left)
-    deviation = np.zeros(DRAWS) if scatter is None else scatter.deviations(DRAWS, rng)
+    model, search, sources = look.compared.model, look.compared.search, question.sources
+    judged = judge(model, search, question.law_shipped, question.practical, sources.draws)
+    drawn, best = judged.posterior.law.coefficients, search.best()
+    at = model.evaluate(best.at.psi, best.acting)
+    local = spread_numbers(model, at.mean, model.mixing(best.acting))
+    scatter = scatter_of_runs(model, judged.residuals, judged.residuals.left(local))
+    deviation = np.zeros(len(drawn))
+    if scatter is not None:
+        deviation = scatter.deviations(len(drawn), sources.scatter)
     return {
         name: float((drawn[:, place, column] * (1 + deviation * (name in FRICTION))).std())
         for place, size in enumerate(model.layout.sizes)
@@ -222,11 +186,11 @@ def _effects(look: _Look) -> pd.DataFrame:
     """Return from which amplitude on each law of each effect is named, and below which not."""
     model = look.model
     precision = model.reduced(look.psi, Acting()).precision
-    odds = _odds_of_one_more(model, 0)
-    best = dict(zip(look.acting.laws, look.acting.shapes, strict=True))
+    odds = _odds_of_the_first(model)
     rows = {}
     for law in (law for laws in model.lawbook.values() for law in laws):
-        at, amplitude = best.get(law, 0.0), model.analysed(law.effect).amplitude
+        at = look.shown.get((law.effect, law.law), 0.0)
+        amplitude = model.analysed(law.effect).amplitude
         shapes = (at, -USUAL_SHAPES, USUAL_SHAPES) if law.has_shape else (at,)
         errors = [_errors(model, precision, law, shape) for shape in shapes]
         if not np.isfinite(errors[0][0]):

@@ -17,7 +17,8 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import parsed
-from bayesfric.schemas import Interval, Unseparated
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Unseparated
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):

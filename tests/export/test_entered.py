@@ -4,7 +4,9 @@ from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, en
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.content import BulletList, Notice, Table
 from bayesfric.robots.fields import fields_of
-from bayesfric.schemas import DiagnosisFile, Enter, Gap, Interval, SimulatorField
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
 
 
 def number(parameter, mean, sd, unit="N·m", **more):

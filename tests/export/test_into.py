@@ -19,7 +19,8 @@ from bayesfric.export.joints import ExportedJoint, joints_of
 from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
 from bayesfric.export.snippets import load_friction_text
 from bayesfric.robots.fields import fields_of
-from bayesfric.schemas import Enter, Interval, SimulatorField
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Enter, SimulatorField
 
 mujoco = pytest.importorskip("mujoco")
 OWN = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)  # what the user's simulator has
@@ -71,6 +72,20 @@ def test_the_diagnosis_says_what_the_model_has_and_what_to_enter(hinge):
         assert entered[name].in_your_simulator == getattr(OWN, field)
         truth = getattr(hinge.truth, field)
         assert entered[name].value.q05 < truth < entered[name].value.q95
+
+
+def test_a_number_that_the_recording_does_not_tell_leaves_what_the_model_has(tmp_path):
+    """An armature of 0.05 ± 4, beside 0.01 in the model, would be written as 0.0."""
+    (tmp_path / "one.xml").write_text(OWN.model())
+    untold = number("armature", 0.05, 4.0, "kg·m²", in_your_simulator=0.01)
+    wrong = number("viscous", 0.001, 0.002, "N·m s/rad", in_your_simulator=0.05)
+    given = joint(number("coulomb", 0.6, 0.01), untold, wrong, in_model="hinge")
+    filled = filled_model(tmp_path / "one.xml", "mjcf", [given], {})
+    model = mujoco.MjModel.from_xml_string(filled.content.decode())
+    assert model.dof_armature[0] == OWN.armature
+    assert model.dof_frictionloss[0] == 0.6
+    assert model.dof_damping[0] == 0.001  # as uncertain, and surely not what the model has
+    assert any("armature is left at 0.01" in remark for remark in filled.remarks)
 
 
 def test_mujoco_loads_the_users_model_with_the_numbers(hinge):

@@ -136,6 +136,7 @@ def test_nothing_is_imported_and_a_proposal_is_never_written_over(tmp_path):
     assert not (tmp_path / "made").exists()
     assert "Nothing is imported" in done.stderr
     assert file.read_text(encoding="utf-8") == done.stdout
+    assert "--joint all" in done.stderr
     file.write_text(edited(done.stdout), encoding="utf-8")
     again = CliRunner().invoke(app, ["import", str(log)])
     assert again.stdout == done.stdout
@@ -148,6 +149,27 @@ def test_nothing_is_imported_and_a_proposal_is_never_written_over(tmp_path):
     assert samples.loc[samples["joint"] == "1", "position_m"].to_numpy() == pytest.approx(
         ANGLE, abs=1e-9
     )
+
+
+def test_a_unit_in_brackets_is_no_joint(tmp_path):
+    log = tmp_path / "log.csv"
+    names = "stamp;ang_1 [deg];ang_2 [deg];tq_1 [N·m];tq_2 [N·m];vbus [V]\n"
+    log.write_text(names + table(";", TIME, ANGLE, TIME, CURRENT, TIME, TIME), "utf-8")
+    proposal = propose_mapping(log)
+    assert proposal.joints == ("1", "2")
+    said = tomllib.loads(proposal.toml)
+    assert said["position"]["column"] == "ang_{joint} [deg]"
+    assert said["force"]["column"] == "tq_{joint} [N·m]"
+    assert '# joints = {1 = "its name there", 2 = "its name there"}' in proposal.toml
+
+
+def test_a_joint_may_have_a_name_of_several_words(tmp_path):
+    log = tmp_path / "log.csv"
+    names = "t,left_hip_deg,left_knee_deg,left_hip_Nm,left_knee_Nm,spare\n"
+    log.write_text(names + table(",", TIME, ANGLE, TIME, CURRENT, TIME, TIME), "utf-8")
+    proposal = propose_mapping(log)
+    assert proposal.joints == ("left_hip", "left_knee")
+    assert tomllib.loads(proposal.toml)["force"]["column"] == "{joint}_Nm"
 
 
 def test_names_of_columns_cannot_leave_their_line(tmp_path):

@@ -41,12 +41,29 @@ def test_errors_lie_about_those_that_are_made(told):
         assert row["sd"] <= row["sd_where_law_is_off"] * 1.01
 
 
+@pytest.mark.nightly
 def test_errors_are_those_of_the_law_in_a_diagnosis(hinge, told):
     law = bf.diagnose(hinge).summary.law
     for name, row in told.power.coefficients.iterrows():
         in_diagnosis = {"mass": "armature"}.get(name, name)
         number = law.get(in_diagnosis) or law["inertia"]
         assert row["sd"] == pytest.approx(number.before.sd, rel=0.2), name
+        assert row["sd_where_law_is_off"] == pytest.approx(number.after.sd, rel=0.2), name
+
+
+@pytest.mark.nightly
+def test_errors_hold_what_a_weak_effect_that_stays_open_does_to_the_law(tmp_path):
+    """Air drag of some percent passes for viscous friction, and a diagnosis leaves it open."""
+    machine = Machine(viscous=0.6, air_drag=0.4)
+    table, samples = simulate(machine, runs=6, seconds=8.0, seed=30013)
+    axis = read_recording(write(tmp_path / "axis", machine, table, samples))
+    (part,) = readiness_of(axis).parts
+    row = part.power.coefficients.loc["viscous"]
+    assert part.power.beside == ()
+    assert row["sd_where_law_is_off"] > 3 * row["sd"]
+    assert row["sd_where_law_is_off"] == pytest.approx(
+        bf.diagnose(axis).summary.law["viscous"].after.sd, rel=0.2
+    )
 
 
 @pytest.mark.nightly
@@ -135,8 +152,8 @@ def test_boards_are_checked_by_their_conditions(tmp_path):
     assert "Expected errors" in "\n".join(part.lines())
 
 
-def test_a_simulator_that_leaves_the_law_no_number_is_no_reason_to_refuse(tmp_path):
-    """A rigid body without friction: its forces are known, and nothing of it is fitted."""
+def beside_a_rigid_body(folder):
+    """Write a log whose forces a simulator without friction knows, so that nothing is fitted."""
     machine = Machine(control_hz=250.0, bandwidth_hz=5.0, loop_delay_s=0.0, viscous=0.8)
     table, samples = simulate(machine, runs=2, seconds=4.0, seed=6)
     acceleration = np.concatenate(
@@ -146,9 +163,17 @@ def test_a_simulator_that_leaves_the_law_no_number_is_no_reason_to_refuse(tmp_pa
         ]
     )
     samples = samples.assign(sim_force_n=machine.mass * acceleration)
-    axis = read_recording(write(tmp_path / "axis", machine, table, samples))
+    return write(folder / "axis", machine, table, samples)
+
+
+def test_a_simulator_that_leaves_the_law_no_number_is_no_reason_to_refuse(tmp_path):
+    axis = read_recording(beside_a_rigid_body(tmp_path))
     (part,) = readiness_of(axis, numbers_alone=True).parts
     assert part.why_not == ()
     assert list(part.power.coefficients.index) == []
-    told = run("check", tmp_path / "axis")
+
+
+@pytest.mark.nightly
+def test_a_simulator_that_leaves_the_law_no_number_has_effects_that_can_be_told(tmp_path):
+    told = run("check", beside_a_rigid_body(tmp_path))
     assert (told.exit_code, told.exception) == (0, None)

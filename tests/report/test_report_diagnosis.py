@@ -43,7 +43,7 @@ from bayesfric.report.stored import StoredDiagnosis, StoredFit, StoredResults, r
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes, write_netcdf
-from bayesfric.schemas import LawNumber
+from bayesfric.schemas.causes import LawNumber
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,9 @@ from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
 from bayesfric.report.content import Figure, Paragraph, inlines
 from bayesfric.report.stored import StoredDiagnosis
-from bayesfric.schemas import DiagnosisFile, Gap, Interval, Replay, ReplayedError
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap, Replay, ReplayedError
 
 LOWER = Interval(mean=-0.2, sd=0.01, q05=-0.22, q50=-0.2, q95=-0.18)
 ERROR = ReplayedError(as_is=0.214, proposed=0.009, difference=LOWER)

@@ -24,7 +24,8 @@ from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
-from bayesfric.schemas import Certificate, FollowedWith, Following, Interval, Trajectory
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import Certificate, FollowedWith, Following, Trajectory
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,8 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.quantities import MISSING, format_interval, format_number, format_share
 from bayesfric.report.words import sentences
-from bayesfric.schemas import LoopMargins, MarginsFile, Metric
+from bayesfric.schemas import MarginsFile
+from bayesfric.schemas.margins import LoopMargins, Metric
 
 SHOWN_UNITS = {
     "m": ("mm", 1e3),

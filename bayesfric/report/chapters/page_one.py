@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from bayesfric.attention import attention_of_all
+from bayesfric.attention.together import attention_of_all
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import (
@@ -50,7 +50,8 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
 from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit, StoredResults
-from bayesfric.schemas import FitFile, RecordingId
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 NO_BREAK = "\u00a0"

@@ -10,7 +10,8 @@ from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_c
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import FitFile, ParameterSummary
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.parameter import ParameterSummary
 
 
 def summary(stored: StoredFit, warnings: Iterable[Block] = ()) -> Iterator[Block]:

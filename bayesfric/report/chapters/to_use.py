@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from bayesfric.effects import all_effects
-from bayesfric.effects.base import REFERENCE_TENSION_N
+from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
 from bayesfric.report.content import (
@@ -19,14 +19,10 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells, format_unit
-from bayesfric.schemas import (
-    Cause,
-    DiagnosisFile,
-    FitFile,
-    Interval,
-    LawNumber,
-    ParameterSummary,
-)
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.parameter import ParameterSummary
 
 HALF = "Median ± half of the 90 % interval."
 
