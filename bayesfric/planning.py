@@ -83,7 +83,7 @@ class Power:
             ("Coefficients", self.coefficients),
             (f"Effects: the smallest found with probability {FOUND_WITH:g}", self.effects),
             (f"Pairs hardly told apart, correlation above {INSEPARABLE_CORRELATION:g}", self.pairs),
-            ("One more trial", self.next_condition),
+            ("One more trial that helps most, with the factor on the error", self.next_condition),
         ]
         tables = [
             f"{title}\n{'none' if table.empty else table.to_string(**AS_TEXT)}"
@@ -94,7 +94,7 @@ class Power:
             together.setdefault(reason, []).append(name)
         nothing = [f"  {', '.join(names)}: {reason}" for reason, names in together.items()]
         if nothing:
-            tables.append("\n".join(["Nothing is said of", *nothing]))
+            tables.append("\n".join(["Effects that are not computed", *nothing]))
         return "\n\n".join(tables)
 
 
