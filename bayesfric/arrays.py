@@ -25,3 +25,8 @@ def taken(record: Record, rows: Whole) -> Record:
 
     of_record: Record = some(record)
     return of_record
+
+
+def evenly(count: int, most: int) -> Whole:
+    """Return at most `most` of `count` places, evenly, the ends among them."""
+    return np.unique(np.linspace(0, count - 1, most).astype(np.intp))

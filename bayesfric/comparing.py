@@ -9,18 +9,9 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, refuse_mixed, replace_outputs
-from bayesfric.schemas import (
-    ClaimsFile,
-    ComparisonFile,
-    DiagnosisFile,
-    FitFile,
-    Flip,
-    Interval,
-    MarginsFile,
-    Provenance,
-    Setting,
-    Shift,
-)
+from bayesfric.schemas import ClaimsFile, ComparisonFile, DiagnosisFile, FitFile, MarginsFile
+from bayesfric.schemas.base import Interval, Provenance
+from bayesfric.schemas.comparison import Flip, Setting, Shift
 
 MODELS: dict[str, type[Provenance]] = {
     "fit.json": FitFile,

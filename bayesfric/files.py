@@ -1,13 +1,24 @@
-"""Bytes and TOML of a file that a user names, read within bounds."""
+"""Files: a user's read within bounds; ours written whole, with a checksum behind them.
 
+HDF5 ignores what stands behind its end, so that a netCDF file with a checksum there opens
+everywhere. A library that changes the file cuts it off; the file is then read like one without.
+"""
+
+import hashlib
 import re
+import signal
+import threading
 import tomllib
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
 from bayesfric.errors import Fault, InputError, near, one_of
 
+MARK = b"bayesfric sha256 "
+LENGTH = len(MARK) + hashlib.sha256().digest_size
+CHUNK = 1024**2
 CAPITALS = "; true and false are written in small letters"
 MEANT = re.compile(rb"=\s*(?!true|false)(?i:true|false)\b")
 PLACES_SHOWN = 3  # places of a key that can be told
@@ -163,3 +174,57 @@ def write_whole(path: Path, content: bytes) -> None:
     partial = path.with_name(f"{path.name}.partial")
     partial.write_bytes(content)
     partial.replace(path)
+
+
+def add_checksum(path: Path) -> None:
+    """Append the SHA-256 of a file to it."""
+    digest = _digest(path, path.stat().st_size)
+    with path.open("ab") as file:
+        file.write(MARK + digest)
+
+
+def has_checksum(path: Path) -> bool:
+    """Return whether a file ends with a checksum, right or wrong."""
+    return _end(path).startswith(MARK)
+
+
+def checksum_differs(path: Path) -> bool:
+    """Return whether a file's checksum differs from that of the bytes before it."""
+    return _end(path) != MARK + _digest(path, path.stat().st_size - LENGTH)
+
+
+def _end(path: Path) -> bytes:
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - LENGTH))
+        return file.read()
+
+
+def _digest(path: Path, size: int) -> bytes:
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while size > 0:
+            chunk = file.read(min(CHUNK, size))
+            digest.update(chunk)
+            size -= len(chunk)
+    return digest.digest()
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Defer SIGINT and SIGTERM to the end of the block."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread is interrupted
+        return
+    came: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {
+        signal_number: signal.signal(signal_number, lambda number, _: came.append(number))
+        for signal_number in numbers
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+    for first in came[:1]:
+        signal.raise_signal(first)

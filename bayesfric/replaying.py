@@ -25,7 +25,9 @@ from bayesfric.robots.replaying import (
     inverse_torques,
     replayed,
 )
-from bayesfric.schemas import DiagnosisFile, Interval, Replay, ReplayedError
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Replay, ReplayedError
 
 HELD_OUT = 1 / 3  # of each run, at its end, where no run has the role test
 SHOWN_S = 4.0  # of the traces that are kept
@@ -359,17 +361,10 @@ def _error(errors: _Errors, place: int, rng: np.random.Generator) -> ReplayedErr
     whole = np.where(whole > 0, whole, 1.0)
     shares = np.sqrt(before / whole), np.sqrt(after / whole)
     difference = (shares[1] - shares[0])[:-1]
-    q05, q50, q95 = np.quantile(difference, [0.05, 0.5, 0.95])
     return ReplayedError(
         as_is=float(shares[0][-1]),
         proposed=float(shares[1][-1]),
-        difference=Interval(
-            mean=float(difference.mean()),
-            sd=float(difference.std(ddof=1)),
-            q05=float(q05),
-            q50=float(q50),
-            q95=float(q95),
-        ),
+        difference=Interval.of_draws(difference, ddof=1),
     )
 
 

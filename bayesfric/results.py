@@ -21,12 +21,11 @@ from pydantic import BaseModel, ValidationError
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.chains import with_chains
-from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError, writable
-from bayesfric.files import file_bytes
-from bayesfric.interrupts import uninterrupted
+from bayesfric.files import add_checksum, checksum_differs, file_bytes, has_checksum, uninterrupted
 from bayesfric.observation.coefficients import coefficient_name
-from bayesfric.schemas import FitFile, Provenance, RecordingId
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Provenance, RecordingId
 from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
 

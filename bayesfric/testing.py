@@ -15,7 +15,7 @@ from bayesfric.files import file_bytes
 from bayesfric.inference.priors import from_normal, log_density
 from bayesfric.invariants import check_record
 from bayesfric.physics.friction import Coefficients
-from bayesfric.schemas import Check
+from bayesfric.schemas.base import Check
 
 UNITS = {
     "1",

@@ -24,7 +24,7 @@ from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
 # All draws are stored, and no walker stays where it is for all of them.
-QUICK_SAMPLER = Sampler(burn=60, steps=75, thin=3, extensions=0, independence_share=0.7)
+QUICK_SAMPLER = Sampler(burn=20, steps=75, thin=3, extensions=0, independence_share=0.7)
 
 
 @pytest.fixture(autouse=True)
@@ -121,7 +121,7 @@ def wrap_fit(tmp_path_factory):
     cells = {(n, angle): 1 for n in (9, 15) for angle in (50.0, 85.0, 135.0)}
     design = Protocol(cells, (8.0, 16.0, 28.0), (8.0, 16.0, 28.0), 2)
     recording = simulate_recording(design, seed=4, name="wrap-recording")
-    sampler = QUICK_SAMPLER.model_copy(update={"steps": 160, "thin": 2})  # quantiles are read
+    sampler = QUICK_SAMPLER.model_copy(update={"steps": 100, "thin": 2})  # quantiles are read
     analysis = Analysis(seed=5, sampler=sampler)
     rigs = ("gravity", "motor")
     return shared(tmp_path_factory, "wrap-fit", lambda: fit(recording, analysis, rigs=rigs))

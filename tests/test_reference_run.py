@@ -12,7 +12,7 @@ from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.campaign import processes
 from bayesfric.claims.entered import Entered
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
-from bayesfric.inference.evidence import importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.resources import bundled_recording, reference_folder
 from bayesfric.results import read_json

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from reasons import REASON, unexplained
 
 from bayesfric import schemas
+from bayesfric.schemas.parameter import ParameterSummary
 
 ROOT = Path(__file__).parents[1]
 MODELS = [
@@ -54,4 +55,4 @@ def test_walkers_that_never_leave_their_places_can_be_written() -> None:
     """Their R-hat is infinite, which JSON has no number for."""
     found = schemas.FitFile.model_validate_json((RESULTS[0].parent / "fit.json").read_text())
     entry = found.scatter["tau"].model_dump() | {"r_hat_walkers": float("inf")}
-    assert schemas.ParameterSummary.model_validate(entry).r_hat_walkers == 1000.0
+    assert ParameterSummary.model_validate(entry).r_hat_walkers == 1000.0

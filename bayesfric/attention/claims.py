@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from bayesfric.schemas import ClaimResult
+from bayesfric.schemas.claims import ClaimResult
 
 LOOSE = 0.5  # of a log10 Bayes factor: its odds are known to a factor of three no better
 CONTRARY_NAT = 4.0  # of log predictive density, below which a difference says nothing

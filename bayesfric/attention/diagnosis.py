@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from bayesfric.schemas import Cause, DiagnosisFile, LawNumber
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.causes import Cause, LawNumber
 
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 

@@ -11,14 +11,9 @@ from bayesfric.inference.diagnostics import Convergence
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.rigs import all_rigs
-from bayesfric.schemas import (
-    Agreement,
-    AssemblyCheck,
-    DataQuality,
-    FitFile,
-    ParameterSummary,
-    Uniformity,
-)
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.fit import Agreement, AssemblyCheck, DataQuality, Uniformity
+from bayesfric.schemas.parameter import ParameterSummary
 
 CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
 SURELY_OFF = 4.0  # sd of a posterior, from which on a number is surely not the declared one

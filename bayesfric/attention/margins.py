@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
-from bayesfric.schemas import FitFile, LawUsed, LoopMargins
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.margins import LawUsed, LoopMargins
 
 LEAST_AGREEMENT = 0.9  # of the draws, in which a figure has to hold against an elastic cable
 

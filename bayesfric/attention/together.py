@@ -2,14 +2,8 @@
 
 from collections.abc import Mapping
 
-from bayesfric.schemas import (
-    CalibrationFile,
-    ClaimsFile,
-    DiagnosisFile,
-    FitFile,
-    MarginsFile,
-    Provenance,
-)
+from bayesfric.schemas import CalibrationFile, ClaimsFile, DiagnosisFile, FitFile, MarginsFile
+from bayesfric.schemas.base import Provenance
 
 WITH_ATTENTION = (FitFile, ClaimsFile, DiagnosisFile, MarginsFile, CalibrationFile)
 

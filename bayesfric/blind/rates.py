@@ -7,7 +7,7 @@ import scipy
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
-from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
+from bayesfric.schemas.scorecard import Detected, Estimate, Rate, ReliabilityBin
 
 LEVEL = 0.95
 TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)

@@ -19,7 +19,9 @@ from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.recording.tables import Recording
 from bayesfric.results import package_versions, replace_outputs
-from bayesfric.schemas import RecordingId, ScorecardFile, ScoredCase
+from bayesfric.schemas import ScorecardFile
+from bayesfric.schemas.base import RecordingId
+from bayesfric.schemas.scorecard import ScoredCase
 
 CASES = "blind"
 """Folder of the cases beside ``scorecard.json``."""

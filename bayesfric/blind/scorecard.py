@@ -11,14 +11,14 @@ from bayesfric.blind.design import KINDS, SCORING_FROM
 from bayesfric.blind.rates import EDGES, estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scoring import NO_CLAIM, OTHERS
 from bayesfric.results import created_date, package_versions
-from bayesfric.schemas import (
+from bayesfric.schemas import ScorecardFile
+from bayesfric.schemas.base import RecordingId
+from bayesfric.schemas.scorecard import (
     Confusion,
     Detected,
     Oracle,
     Rate,
-    RecordingId,
     ReliabilityBin,
-    ScorecardFile,
     ScoredCase,
     Target,
 )

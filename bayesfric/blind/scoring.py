@@ -6,7 +6,8 @@ from typing import Any
 
 from bayesfric.hypothesis import NONE, UNKNOWN, Hypothesis, parsed
 from bayesfric.probabilities import total
-from bayesfric.schemas import DiagnosisFile, ScoredCase
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.scorecard import ScoredCase
 
 NO_CLAIM = ("no-gap", "undecided")
 """Verdicts that claim no gap."""

@@ -14,7 +14,8 @@ from bayesfric.campaign import case_folder, run_cases
 from bayesfric.inference.priors import describe
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import created_date, package_versions, replace_outputs
-from bayesfric.schemas import CalibratedQuantity, CalibrationCase, CalibrationFile
+from bayesfric.schemas import CalibrationFile
+from bayesfric.schemas.calibration import CalibratedQuantity, CalibrationCase
 
 CASES = "calibration"
 """Folder of the cases beside ``calibration.json``."""

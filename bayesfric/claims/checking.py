@@ -15,7 +15,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.attention import of_claims
+from bayesfric.attention.claims import of_claims
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import log_evidence
@@ -27,13 +27,9 @@ from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
 from bayesfric.results import Output, identified, provenance, replace_outputs, write_netcdf
-from bayesfric.schemas import (
-    ClaimResult,
-    ClaimsFile,
-    PulleyEvidence,
-    RecordingId,
-    SelfContradiction,
-)
+from bayesfric.schemas import ClaimsFile
+from bayesfric.schemas.base import RecordingId
+from bayesfric.schemas.claims import ClaimResult, PulleyEvidence, SelfContradiction
 
 
 @cache

@@ -11,7 +11,7 @@ from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import LawWithEffects
-from bayesfric.inference.evidence import Difference, difference
+from bayesfric.inference.evidence.leave_out import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
 LN10 = float(np.log(10))

@@ -18,15 +18,10 @@ from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
-from bayesfric.inference.evidence import (
-    ELPD,
-    LEAST_FOR_A_MEAN,
-    Evidence,
-    SeparatedModes,
-    bridge_evidence,
-    importance_draws,
-    in_one_place,
-)
+from bayesfric.inference.evidence.bridge import bridge_evidence, in_one_place
+from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
+from bayesfric.inference.evidence.leave_out import ELPD
+from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density

@@ -15,28 +15,31 @@ if TYPE_CHECKING:
 
 
 Engine = Annotated[
-    str, options.worded("--engine", "<reference|mujoco>", "Who makes the recordings.")
+    str, options.worded("--engine", "<reference|mujoco>", "Engine that simulates the recordings.")
 ]
 FromPrior = Annotated[
-    bool, options.switch("--from-prior", "Draw what is withheld from the reported prior.")
+    bool,
+    options.switch(
+        "--from-prior", "Draw the hidden effects from the prior that a diagnosis reports."
+    ),
 ]
-SoFar = Annotated[bool, options.switch("--so-far", "Score the cases that are done, and run none.")]
+SoFar = Annotated[bool, options.switch("--so-far", "Score the finished cases and run none.")]
 Recording = Annotated[
-    Path | None, options.path("--from", "Folder of a recording of your own, instead of a campaign.")
+    Path | None, options.path("--from", "Folder of your own recording, instead of simulated cases.")
 ]
 Answer = Annotated[
     Path | None,
     options.path(
         "--answer",
-        'What is there, as JSON: {"withheld": [{"name": "viscous"}]}, or {"withheld": '
+        'The truth as JSON: {"withheld": [{"name": "viscous"}]}, or {"withheld": '
         '[]}. An effect that bayesfric does not have needs "axes" as well, as in ["tension"]. '
-        "Its SHA-256 is written down before the recording is diagnosed.",
+        "Its SHA-256 is stored before the recording is diagnosed.",
     ),
 ]
 Seed = Annotated[
     int | None,
     options.whole(
-        "--seed", 0, "Seed of the first case, 10000 without it; with --from, of the diagnosis."
+        "--seed", 0, "Seed of the first case (default 10000), or of the diagnosis with --from."
     ),
 ]
 
@@ -57,10 +60,10 @@ def blind(
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("blind")] = "",
 ) -> set[str]:
-    """Diagnose recordings whose effect is withheld; write scorecard.json.
+    """Diagnose simulated recordings whose effect is hidden, and score it; write scorecard.json.
 
-    The seed is that of the first case: below 10,000 for tuning, from there on for
-    scoring (the default). Cases that are done are kept under blind/.
+    --seed is the seed of the first case. Seeds below 10,000 are for tuning, all others for
+    scoring. Finished cases are kept under blind/.
 
     Example: bayesfric blind -o my-scorecard --n 60 --workers 2
     """

@@ -20,10 +20,10 @@ def calibrate(
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("calibrate")] = "",
 ) -> set[str]:
-    """Fit recordings of known truth, rank the truths; write calibration.json.
+    """Simulate recordings, fit them, and rank the truths; write calibration.json.
 
-    Truths are drawn from the prior of [calibration], with which they are fitted too. Cases
-    that are done are kept under calibration/.
+    True values are drawn from the prior of [calibration], and the fits use the same prior.
+    Finished cases are kept under calibration/.
 
     Example: bayesfric calibrate -o my-calibration --n 500 --workers 2
     """

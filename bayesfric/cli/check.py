@@ -18,11 +18,11 @@ def check(
     config: options.Config = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Say what a recording shows of its telemetry, what it can tell, and what to record next.
+    """Check the telemetry of a recording, and say what it can tell and what to record next.
 
-    It takes seconds, draws nothing and writes nothing. Errors are standard deviations that a
-    posterior would have, with the noise that the data show. A recording of which nothing can
-    come ends with exit status 2, here and in diagnose.
+    It takes seconds, draws nothing and writes nothing. Errors are the standard deviations that a
+    posterior would have with the noise of these data. If a recording can tell nothing, check and
+    diagnose end with status 2.
 
     Example: bayesfric check my-joint
     """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @exit_status
 def claims(
     recording: Annotated[
-        Path | None, typer.Argument(help="Folder of the recording; not asked for with --list.")
+        Path | None, typer.Argument(help="Folder of the recording. Not needed with --list.")
     ] = None,
     output: options.Folder = Path("bayesfric-run"),
     junit: options.Junit = None,
@@ -33,7 +33,7 @@ def claims(
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("claims")] = "",
     listing: Annotated[
-        bool, options.switch("--list", "List the claims with what the paper states, and where.")
+        bool, options.switch("--list", "List the claims, what the paper states, and where.")
     ] = False,
 ) -> set[str]:
     """Compare each claim of the paper with its rivals; write claims.json and claims.nc.

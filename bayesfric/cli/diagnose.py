@@ -24,12 +24,17 @@ CHECKPOINT = ".checkpoint-diagnosis"
 
 
 Shipped = Annotated[
-    Path | None, options.path("--shipped", "Folder of a fit whose means are the shipped values.")
+    Path | None,
+    options.path(
+        "--shipped", "Folder of a fit. Its means are the values that your simulator has now."
+    ),
 ]
 Fixed = Annotated[
     str,
     options.worded(
-        "--fixed", "NAME,…", "Held at their shipped values, as in c3,c1[small], or mass."
+        "--fixed",
+        "NAME,…",
+        "Parameters to hold at the simulator's present values, as in c3,c1[small], or mass.",
     ),
 ]
 EffectModule = Annotated[
@@ -40,23 +45,23 @@ Simulator = Annotated[
     options.worded(
         "--simulator",
         "MODULE:OBJECT",
-        "A simulator of your own in the place of the law: module:object, with "
-        "parameters and predict(run, theta, extra_force=None).",
+        "Your own simulator in place of the law: module:object, with parameters and "
+        "predict(run, theta, extra_force=None).",
     ),
 ]
 Target = Annotated[
     Path | None,
     options.path(
         "--target",
-        "A CSV file of conditions at which friction is asked for, with the columns by "
-        "which the recording says its own.",
+        "A CSV file of conditions. Friction is predicted at each. Its columns are those that "
+        "describe conditions in the recording.",
     ),
 ]
 Replay = Annotated[
     bool,
     options.switch(
         "--replay",
-        "Replay held-out runs in MuJoCo, with your model's values and the proposed ones.",
+        "Replay held-out runs in MuJoCo, with your model's values and with the proposed ones.",
     ),
 ]
 
@@ -78,7 +83,7 @@ def diagnose(
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("diagnose")] = "",
 ) -> set[str]:
-    """Attribute the sim-to-real gap to an effect; write diagnosis.json and diagnosis.nc.
+    """Find which effect causes the sim-to-real gap; write diagnosis.json and diagnosis.nc.
 
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
     """

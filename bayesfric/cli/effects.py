@@ -17,11 +17,13 @@ NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 @exit_status
 def effects(
     what: Annotated[
-        str | None, typer.Argument(help="Absent: list all effects. new: write a file.")
+        str | None, typer.Argument(help="new: write a template. Default: list all effects.")
     ] = None,
-    name: Annotated[str | None, typer.Argument(help="Of the new effect, as oil-warmth.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="Name of the new effect, as oil-warmth.")
+    ] = None,
 ) -> None:
-    """List the effects with what they act on, need and expect; or write a template of one.
+    """List all effects, or write a template of a new one.
 
     Example: bayesfric effects new oil-warmth
     """

@@ -24,14 +24,15 @@ DRAWS = "joint-draws.csv"
 
 @exit_status
 def export(
-    folder: Annotated[Path, typer.Argument(help="Folder with the results of the verbs.")],
+    folder: Annotated[Path, typer.Argument(help="Folder with the results of diagnose or run.")],
     to: Annotated[
         str, typer.Option("--to", metavar=f"<{'|'.join(KINDS)}>", help="For which simulator.")
     ] = "json",
     into: Annotated[
         Path | None,
         options.path(
-            "--into", "Your own MJCF, URDF or SDF: a copy of it is written, its joints' fields set."
+            "--into",
+            "Your own MJCF, URDF or SDF. A copy is written in which the joints' fields are set.",
         ),
     ] = None,
     joint: Annotated[
@@ -39,7 +40,7 @@ def export(
         options.worded(
             "--joint",
             "NAME",
-            "LOG=MODEL: a joint's name in the model, where it is another than in the log.",
+            "LOG=MODEL: the joint's name in the model, if it differs from that in the log.",
         ),
     ] = None,
     draws: Annotated[
@@ -47,14 +48,14 @@ def export(
         options.whole(
             "--draws",
             1,
-            f"Write so many joint parameter sets too, for domain randomisation: {DRAWS}.",
+            f"Also write so many sets of joint parameters, for domain randomisation: {DRAWS}.",
         ),
     ] = None,
 ) -> None:
-    """Write what the diagnosis found, for your simulator: numbers, or your own model with them.
+    """Write the numbers of a diagnosis for your simulator, or set them in a copy of your model.
 
-    Numbers are of the law refitted with the causes where the diagnosis names any, with as many
-    digits as their errors leave. Without --into, a joint alone is written as a model of its own.
+    If the diagnosis names causes, the numbers are those of the law refitted with them. The number
+    of digits follows from the error. Without --into, the command writes a model of one joint.
 
     Example: bayesfric export my-results --to mjcf --into robot.xml --draws 200
     """

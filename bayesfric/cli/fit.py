@@ -40,7 +40,7 @@ def fit(
         list[Path],
         typer.Argument(
             metavar="RECORDING…",
-            help="Folder of the recording; of several, each is a board of one population.",
+            help="Folder of the recording. Several recordings are boards of one population.",
         ),
     ],
     output: options.Folder = Path("bayesfric-run"),

@@ -17,19 +17,21 @@ def import_log(
         list[Path],
         typer.Argument(
             metavar="LOG...",
-            help="CSV, JSON, npz, MAT, parquet, MCAP, or a ROS 2 bag's folder; several are runs.",
+            help="CSV, JSON, npz, MAT, parquet, MCAP, or a ROS 2 bag's folder. Each log is a run.",
         ),
     ],
     output: Annotated[
         Path | None, options.path("-o", "--output", "New folder; refused if it is not empty.")
     ] = None,
     joint: Annotated[
-        str | None, options.worded("--joint", "NAME", "As the log names it, or all.")
+        str | None, options.worded("--joint", "NAME", "Name of the joint in the log, or all.")
     ] = None,
     mapping: Annotated[
         Path | None,
         options.path(
-            "--map", "A TOML file: columns, units, signs, gears, runs; without it, one is proposed."
+            "--map",
+            "A TOML file with columns, units, signs, gears and runs. Without it, a mapping is "
+            "proposed.",
         ),
     ] = None,
     quiet: options.Quiet = False,

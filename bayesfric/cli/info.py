@@ -8,7 +8,7 @@ from bayesfric.cli.printing import say
 
 @exit_status
 def info() -> None:
-    """Print the versions, BLAS and threads that a result rests on.
+    """Print the versions, BLAS and threads that a result depends on.
 
     Example: bayesfric info
     """

@@ -15,7 +15,7 @@ from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import LoopMargins, Metric, Verification
+    from bayesfric.schemas.margins import LoopMargins, Metric, Verification
 
 
 class LawName(StrEnum):
@@ -28,27 +28,32 @@ class LawName(StrEnum):
 Loops = Annotated[
     list[Path] | None, typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops.")
 ]
-Draws = Annotated[Path | None, options.path("--draws", "The draws.nc of a fit; loops need it.")]
+Draws = Annotated[
+    Path | None, options.path("--draws", "The draws.nc of a fit. Required to compute margins.")
+]
 Diagnosis = Annotated[
     Path | None,
     options.path(
         "--diagnosis",
-        "A diagnosis.json, its diagnosis.nc beside it. Without it, the one beside the "
-        "draws, if any.",
+        "A diagnosis.json with its diagnosis.nc beside it. Default: the one beside the draws, "
+        "if there is one.",
     ),
 ]
 Law = Annotated[
     LawName | None,
     options.switch(
         "--law",
-        "refitted with the causes that the diagnosis names, or fitted: the law alone. "
-        "Without it, refitted where a cause is named.",
+        "refitted: the law with the causes that the diagnosis names; fitted: the law alone. "
+        "Default: refitted if a cause is named.",
     ),
 ]
 Verify = Annotated[
-    int, options.whole("--verify", 0, "Draws of each loop to hold against an elastic cable.")
+    int,
+    options.whole(
+        "--verify", 0, "Compare so many draws of each loop with a simulation of an elastic cable."
+    ),
 ]
-Tune = Annotated[bool, options.switch("--tune", "Look for gains that meet all specs at once.")]
+Tune = Annotated[bool, options.switch("--tune", "Search for gains that meet all specs at once.")]
 Ensembles = Annotated[
     bool,
     options.switch("--ensembles", "Simulate ramp, reversal, sine and step with each compensator."),
@@ -57,9 +62,9 @@ Mat = Annotated[
     Path | None, options.path("--mat", "Also write loops, draws and uncertainty as this .mat file.")
 ]
 Template = Annotated[
-    Path | None, options.path("--template", "Write a loop file to begin with here, and end.")
+    Path | None, options.path("--template", "Write a template of a loop file here, and exit.")
 ]
-ListLoops = Annotated[bool, options.switch("--list-loops", "List the bundled loops, and end.")]
+ListLoops = Annotated[bool, options.switch("--list-loops", "List the bundled loops, and exit.")]
 
 
 @exit_status
@@ -82,8 +87,8 @@ def margins(
 ) -> set[str]:
     """Compute controller margins over the draws of a fit; write margins.json.
 
-    A loop that misses its spec, in the diagnosed law where there is one, is told, and is what
-    --fail-on spec means.
+    The output names every loop that misses its spec. If a diagnosis names causes, the law with
+    these causes counts. --fail-on spec then exits with status 1.
 
     Example: bayesfric margins raven-elbow --draws my-results/draws.nc -o my-results
     """
@@ -165,7 +170,10 @@ def _say_loop(loop: "LoopMargins") -> None:
     )
 
     up_to = safe_up_to(loop)
-    up_to_words = "" if up_to is None else f" Safe up to γ = {up_to}."
+    most = f"{loop.limit_cycle_probability_max:.0%}"
+    up_to_words = (
+        "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
+    )
     _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {loop.answer}")
     if loop.with_effects is not None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"

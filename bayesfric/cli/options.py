@@ -44,7 +44,7 @@ Seed = Annotated[
     whole(
         "--seed",
         0,
-        "Seed of everything random. Without it, `seed` of --config; 2015 if that has none.",
+        "Seed of all random numbers. Default: `seed` in --config, else 2015.",
     ),
 ]
 Config = Annotated[Path | None, path("--config", "Settings of the analysis: an analysis.toml.")]
@@ -53,8 +53,8 @@ Rigs = Annotated[
     worded(
         "--rigs",
         "NAME,…",
-        "Rigs whose data enter (bayesfric info lists them). Without it a fit takes the first "
-        "that the recording has, and claims take all.",
+        "Rigs whose data are used (bayesfric info lists them). Default: the first rig of the "
+        "recording for a fit, all of its rigs for claims.",
     ),
 ]
 Baseline = Annotated[
@@ -62,28 +62,32 @@ Baseline = Annotated[
     worded(
         "--baseline",
         "LAW",
-        "Friction law. Of pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
-        "proportional (no constant), constant (nothing else). Of an axis: coulomb-viscous "
+        "Friction law. For pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
+        "proportional (no constant), constant (nothing else). For an axis: coulomb-viscous "
         "(inertia, Coulomb, viscous, offset; the default), coulomb (inertia, Coulomb, offset), "
         "none (inertia, offset).",
     ),
 ]
-Workers = Annotated[int, whole("--workers", 1, "Processes; any number gives the same result.")]
-Cases = Annotated[int, whole("--n", 1, "Cases; with more, a campaign is continued.")]
+Workers = Annotated[
+    int, whole("--workers", 1, "Number of processes. It does not change the result.")
+]
+Cases = Annotated[int, whole("--n", 1, "Number of cases. A larger number continues a campaign.")]
 Scheduler = Annotated[
     str | None,
-    worded("--scheduler", "ADDRESS", "Of a Dask cluster that runs the cases: tcp://host:8786."),
+    worded(
+        "--scheduler", "ADDRESS", "Address of a Dask cluster that runs the cases: tcp://host:8786."
+    ),
 ]
-Quiet = Annotated[bool, switch("--quiet", "No progress and no chatter.")]
+Quiet = Annotated[bool, switch("--quiet", "Print results only, without progress and remarks.")]
 
 
 def fails(verb: str) -> Any:
     """Return ``--fail-on`` of a verb, with the names of what can happen in it."""
     named = ", ".join(CAN_HAPPEN[verb])
     said = (
-        f"Exit with 1 if this happened: {named}."
+        f"Exit with status 1 if one of these happened: {named}."
         if named
-        else "Taken like everywhere; nothing that it can name happens here."
+        else "Accepted as in every command, but nothing that it names can happen here."
     )
     return worded("--fail-on", "NAME,…", said)
 

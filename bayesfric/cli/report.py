@@ -15,14 +15,17 @@ from bayesfric.progress import stage
 
 @exit_status
 def report(
-    folder: Annotated[Path, typer.Argument(help="Folder with the results of fit.")],
+    folder: Annotated[Path, typer.Argument(help="Folder with results.")],
     before: Annotated[
         Path | None,
-        options.path("--compare", "Folder with results of an earlier run: what changed."),
+        options.path(
+            "--compare",
+            "Folder with results of an earlier run. The report says what changed since then.",
+        ),
     ] = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Write report.pdf, report.html and summary.md from the files in a folder alone.
+    """Write report.pdf, report.html and summary.md from the result files in a folder.
 
     Example: bayesfric report my-results --compare last-night
     """

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, Provenance
+    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
+    from bayesfric.schemas.base import Provenance
 
     Read = TypeVar("Read", bound=BaseModel)
 
@@ -34,19 +35,17 @@ def rerun(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of a run.")],
     output: Annotated[
         Path | None,
-        options.path(
-            "-o", "--output", "Folder that keeps the new results. Without it, they are not kept."
-        ),
+        options.path("-o", "--output", "Folder for the new results. Default: they are not kept."),
     ] = None,
     recording: Annotated[
         Path | None,
-        options.path("--recording", "Folder of the recording. Without it, where the run had it."),
+        options.path("--recording", "Folder of the recording. Default: where the run had it."),
     ] = None,
     workers: options.Workers = 2,
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("rerun")] = "",
 ) -> set[str]:
-    """Repeat what was run into a folder, with its settings and seed, and say what differs.
+    """Repeat the run of a folder with its settings and seed, and say what differs.
 
     Example: bayesfric rerun my-results --fail-on changed
     """

@@ -29,14 +29,14 @@ TIMINGS = "timings.json"
 @exit_status
 def run(
     recording: Annotated[
-        Path | None, typer.Argument(help="Folder of the recording. Without it, the bundled one.")
+        Path | None, typer.Argument(help="Folder of the recording. Default: the bundled one.")
     ] = None,
     output: options.Folder = Path("bayesfric-run"),
     loop: Annotated[
         list[Path] | None,
         options.path(
             "--loop",
-            "A loop file, or the name of a bundled loop; its margins are computed.",
+            "Compute the margins of this loop: a loop file, or the name of a bundled loop.",
         ),
     ] = None,
     junit: options.Junit = None,

@@ -37,7 +37,7 @@ def simulate(
         options.worded(
             "--effect",
             "NAME[=STRENGTH]",
-            "What acts beside the law; 1 changes friction by 10 % rms. May be repeated.",
+            "Add an effect to the law. Strength 1 changes friction by 10 % rms. May be repeated.",
         ),
     ] = None,
     seed: options.Seed = None,

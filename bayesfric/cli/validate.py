@@ -14,7 +14,10 @@ from bayesfric.cli.printing import say
 def validate(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
     power: Annotated[
-        bool, options.switch("--power", "What its conditions can tell, whatever was measured.")
+        bool,
+        options.switch(
+            "--power", "Say what the conditions can tell. The measured values are not used."
+        ),
     ] = False,
     config: options.Config = None,
 ) -> None:

@@ -33,16 +33,10 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN, Hypothesis, printed
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.model_amounts import model_errors
-from bayesfric.schemas import (
-    Axis,
-    Cause,
-    DiagnosisFile,
-    FrictionAsked,
-    Interval,
-    LawNumber,
-    Provenance,
-    Unseparated,
-)
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval, Provenance
+from bayesfric.schemas.causes import Cause, LawNumber, Unseparated
+from bayesfric.schemas.diagnosis import Axis, FrictionAsked
 
 NOTHING_TOLD = "these data tell no number of the model"
 PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis
@@ -115,7 +109,8 @@ def law_told(
     )
     if compared.data.rigs[0].along_path:
         law = widened(law, measured.gap, practical)
-        if conclusion.verdict == "unknown":
+        surely_there = judged.above >= RULES.sure
+        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and surely_there):
             law = held_by_blocks(law, compared.model, judged.residuals.turns)
     return by_the_instrument(law, conclusion.instrument)
 
@@ -263,6 +258,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
         ),
         *far_rows(answer.compared.baseline),
         *not_followed(question.analysis, answer.compared.model),
+        *question.remarks,
     )
 
 

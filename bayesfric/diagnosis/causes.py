@@ -11,13 +11,14 @@ from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.checked import Checked, factor_error
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
+from bayesfric.diagnosis.systematic import Posterior, inclusion
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, measures
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.inference.priors import describe
-from bayesfric.schemas import Cause, EffectNumber, Inclusion
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, EffectNumber, Inclusion
 
 LN10 = float(np.log(10))
 FORCES = re.compile("^(N|kg)")
@@ -76,7 +77,7 @@ def inclusion_of(
             Inclusion(
                 effect=effect.effect,
                 probability=effect.probability,
-                strength=interval(acts) if drawn and acts is not None else None,
+                strength=Interval.of_draws(acts) if drawn and acts is not None else None,
                 strength_why=None if drawn else "it is too improbable to be drawn",
                 probability_above_practical=effect.probability * effect.above_practical,
                 makes_a_gap=posterior.left.get(effect.effect, 0.0) >= practical,
@@ -205,7 +206,7 @@ def _standard(count: int) -> Array:
 
 
 def _number(parameter: EffectParameter, draws: Array) -> EffectNumber:
-    five = interval(draws)
+    five = Interval.of_draws(draws)
     return EffectNumber(
         **five.model_dump(),
         unit=parameter.unit,

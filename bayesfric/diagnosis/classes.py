@@ -14,7 +14,7 @@ from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.rigs.base import Unsupported
-from bayesfric.schemas import Absorbed
+from bayesfric.schemas.causes import Absorbed
 
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"

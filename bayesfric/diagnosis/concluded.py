@@ -16,7 +16,13 @@ from bayesfric.diagnosis.instrumental import not_held, why_bent, why_unsettled
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
-from bayesfric.diagnosis.overruling import Overruled, density_of, overruled, why_overruled
+from bayesfric.diagnosis.overruling import (
+    Overruled,
+    density_of,
+    overruled,
+    why_beyond_rivals,
+    why_overruled,
+)
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.residuals import Residuals
@@ -28,7 +34,9 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import Candidate
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.schemas import Gap, Instrument, Remainder
+from bayesfric.schemas.causes import Remainder
+from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.instrument import Instrument
 
 
 @dataclass(frozen=True)
@@ -200,10 +208,11 @@ def conclude(
         none_before=question.analysis.diagnosis.hypotheses.none,
         shown=not_shown is None and left_in_order is None,
     )
-    could_be_open = bent is None and not contradicted and verdict == "unknown"
-    open_because = _why_open(rig, judged.residuals, instrument) if could_be_open else bent
-    if could_be_open and open_because is not None:
-        verdict, probability = "undecided", max(judged.above, 1 - judged.above)
+    open_because = bent
+    if bent is None and not (contradicted and verdict == "unknown"):
+        open_because = _why_open(verdict, rig, judged.residuals, instrument, gap)
+    if bent is None and open_because is not None:
+        verdict, probability, together = "undecided", max(judged.above, 1 - judged.above), ()
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
     return Conclusion(
@@ -264,9 +273,13 @@ def _why_bent(
     return not_held(instrument, {name: whose.get(name, name) for name in named})
 
 
-def _why_open(rig: RigTrials, residuals: Residuals, instrument: Instrument | str) -> str | None:
-    """Return why an unknown force along a path is not sure; None where it is."""
-    if not rig.along_path:
+def _why_open(
+    verdict: Verdict, rig: RigTrials, residuals: Residuals, instrument: Instrument | str, gap: Gap
+) -> str | None:
+    """Return why an unknown force along a path, or one of some rivals, is not sure; else None."""
+    if rig.along_path and verdict == "unseparated":
+        return why_beyond_rivals(gap)
+    if not rig.along_path or verdict != "unknown":
         return None
     few = few_windows(residuals, along_path=True)
     return rig.open_still or few or why_unsettled(instrument)

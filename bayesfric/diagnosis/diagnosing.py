@@ -10,7 +10,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
-from bayesfric.attention import of_diagnosis
+from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
 from bayesfric.diagnosis.checking import looked_at
@@ -29,7 +29,8 @@ from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, provenance
 from bayesfric.rigs.model_amounts import ModelAmounts
-from bayesfric.schemas import DiagnosisFile, RecordingId
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 

@@ -8,10 +8,12 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.rigs.rotary import is_relative, rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
-from bayesfric.schemas import Cause, Enter, Gap, Interval, LawNumber, SimulatorField
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
 
 OF_PULLEYS = "of pulleys it is the coefficients of the friction law that are entered, under `law`"
 NO_JOINT = "no number of this law has a field in a simulator of joints"
@@ -64,7 +66,7 @@ def numbers_to_enter(
         damping = _damping(model, posterior) if cause.effect == "viscous" else None
         if damping is not None:
             unit = rotary_unit("N s/m") if turns else "N s/m"
-            entered.append(_of_law("viscous", interval(damping), unit, has, motion))
+            entered.append(_of_law("viscous", Interval.of_draws(damping), unit, has, motion))
         else:
             entered += _of_effect(cause, gap, turns)
     if is_relative(model.data.unit):

@@ -5,15 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, Prior, Priors
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.effects import Effect, all_effects
 from bayesfric.effects.in_the_model import IN_THE_MODEL
 from bayesfric.errors import Fault, InputError
 from bayesfric.hypothesis import Hypothesis
+from bayesfric.inference.priors import from_normal
+from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.schemas import ExaminedEffect
+from bayesfric.schemas.diagnosis import ExaminedEffect
 
+NARROW = 1e-3  # of the usual width, below which a prior and not the data says a number
 APART = "a model of the machine, or other joints that are still"
 LN10 = float(np.log(10))
 
@@ -59,6 +62,51 @@ def widened(effect: Effect, analysis: Analysis) -> Effect:
             [Fault("analysis.toml", "an effect whose prior has a width", column=effect.name)]
         )
     return replace(effect, amplitude=replace(effect.amplitude, prior=prior.widened(factor)))
+
+
+def remarks_on_priors(
+    analysis: Analysis, effects: Mapping[str, Effect], rig: RigTrials
+) -> tuple[str, ...]:
+    """Return, in sentences, which priors of a user do nothing here, or leave nothing to the data.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        As the user wrote it.
+    effects : mapping of str to Effect
+        Those that are examined, with priors of their own.
+    rig : RigTrials
+        The first, whose law may have priors in the machine's measures.
+    """
+    priors, lines = analysis.priors, []
+    usual: dict[str, Prior] = {
+        name: getattr(Priors(), name) for name in ("c1", "c2") if name in priors.model_fields_set
+    }
+    for own in rig.own_priors.values():
+        usual |= {name: prior for name in usual if (prior := getattr(own, name)) is not None}
+    stated = [(f"priors.{name}", getattr(priors, name), prior) for name, prior in usual.items()]
+    for name, chosen in priors.effects.items():
+        if name not in effects:
+            lines.append(f"priors.effects.{name} does nothing: the effect is not examined here")
+            continue
+        stated += [
+            (f"priors.effects.{name}.{parameter.name}", chosen[parameter.name], parameter.prior)
+            for parameter in effects[name].parameters
+            if parameter.name in chosen
+        ]
+    for name, prior, other in stated:
+        share = _width(prior) / _width(other)
+        if share < NARROW:
+            lines.append(
+                f"{name} is {share:.1g} times as wide as it is without your analysis: it says the "
+                "number, and the data do not (is it in another unit?)"
+            )
+    return tuple(lines)
+
+
+def _width(prior: Prior) -> float:
+    low, high = from_normal(prior, np.array([-1.0, 1.0]))
+    return float(high - low)
 
 
 def examined_effects(

@@ -16,10 +16,10 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.arms import Arms, Fitted
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.observation.linear import Run
-from bayesfric.schemas import GapRow, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import GapRow
 
 FOLDS = 5
 DRAWS = 400
@@ -301,17 +301,17 @@ def gap_row(
         if np.median(ratio) > RULES.most_shrink:
             why = "with the causes the law is off by less than scatter alone would make"
         else:
-            shrink = interval(np.minimum(ratio, RULES.most_shrink))
+            shrink = Interval.of_draws(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None
     if squares.as_shipped is not None:
-        shipped = interval(_root(draws(squares.as_shipped)))
+        shipped = Interval.of_draws(_root(draws(squares.as_shipped)))
     return GapRow(
         name=name,
         as_shipped=shipped,
         as_shipped_why=None if shipped is not None else shipped_why,
-        before=interval(_root(before2)),
-        after=interval(_root(after2)),
-        floor=interval(_root(floor2)),
+        before=Interval.of_draws(_root(before2)),
+        after=Interval.of_draws(_root(after2)),
+        floor=Interval.of_draws(_root(floor2)),
         below_floor=float(np.mean(gap2 <= 0)),
         shrink=shrink,
         shrink_why=why,

@@ -17,7 +17,9 @@ import numpy as np
 from bayesfric.diagnosis.law import wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
-from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
 CALLED = dict.fromkeys(ACCELERATES, "inertia")
@@ -139,8 +141,6 @@ def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNum
 
 def _number_told(name: str, number: LawNumber, value: InstrumentNumber) -> LawNumber:
     least = -np.inf if name in SIGNED else 0.0
-    mean, sd, quantiles = normal_above(value.instrumental, value.instrumental_se, least)
-    low, middle, high = map(float, quantiles)
-    after = Interval(mean=mean, sd=sd, q05=low, q50=middle, q95=high)
+    after = Interval.of(*normal_above(value.instrumental, value.instrumental_se, least))
     changed = {"after": after, "least_squares": number.after, "least_squares_why": None}
     return number.model_copy(update=changed)

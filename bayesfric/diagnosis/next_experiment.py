@@ -22,7 +22,7 @@ from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.observation.linear import LinearRig
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.schemas import NextExperiment
+from bayesfric.schemas.diagnosis import NextExperiment
 
 Places = Whole
 RIVALS = 3

@@ -3,13 +3,16 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
-from bayesfric.schemas import Gap, HeldOutDensity, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
 LIKE_CLOCKS = "clocks that differ do what the causes do, whatever is held out"
@@ -165,6 +168,20 @@ def leaves_too_much(gap: Gap, practical: float) -> bool:
     """Return whether more is left on held-out data than scatter explains, and that matters."""
     excess = gap.held_out_excess
     return excess > 0 and excess >= practical * gap.friction_rms
+
+
+def why_beyond_rivals(gap: Gap) -> str | None:
+    """Return why none of some rivals may make a gap; None where one of them may.
+
+    Data held out are then missed by more than all that any of them would explain.
+    """
+    explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
+    if gap.before.q05 <= explained:
+        return None
+    return (
+        f"data held out are missed by {gap.before.q05:.3g} {gap.unit} rms or more, and effects "
+        f"with scatter explain {explained:.3g} {gap.unit} at most"
+    )
 
 
 def _share(shrink: Interval) -> str:

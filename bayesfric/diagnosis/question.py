@@ -9,7 +9,7 @@ import pandas as pd
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.baseline import data_of
-from bayesfric.diagnosis.examined import examinable, widened
+from bayesfric.diagnosis.examined import examinable, remarks_on_priors, widened
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of
 from bayesfric.diagnosis.target import check_target
@@ -67,6 +67,8 @@ class Question:
         Names of a user's own.
     target : DataFrame or None
         Conditions at which friction is asked for.
+    remarks : tuple of str
+        Which of the user's priors do nothing here, or leave nothing to the data.
     """
 
     recording: Recording
@@ -81,6 +83,7 @@ class Question:
     lacking: Mapping[str, tuple[str, ...]]
     own_effects: tuple[str, ...]
     target: pd.DataFrame | None
+    remarks: tuple[str, ...] = ()
 
     @property
     def practical(self) -> float:
@@ -116,10 +119,11 @@ def question_of(
     own_law = own_law_of(data)
     if target is not None:
         check_target(target, data.rigs[0], data.sizes)
-    analysis = with_own_priors(analysis, data.rigs)
+    stated, analysis = analysis, with_own_priors(analysis, data.rigs)
     law_shipped = shipped_of(shipped, data)
     held = held_of(fixed, data, law_shipped)
     examined, lacking = examinable(data, {effect.name: effect for effect in effects})
+    remarks = remarks_on_priors(stated, examined, data.rigs[0])
     examined = with_priors(examined, analysis.priors.effects)
     return Question(
         recording,
@@ -134,4 +138,5 @@ def question_of(
         lacking,
         tuple(effect.name for effect in effects),
         target,
+        remarks,
     )

@@ -8,11 +8,11 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.forms import AS_IT_IS
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas import Interval, Remainder
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Remainder
 
 LN10 = float(np.log(10))
 DRAWS = 1000
@@ -72,7 +72,7 @@ def remainder_of(
         asked = (instead.log_evidence - value_of(plain)) / LN10
         # Laws that are wrong by a share leave little where the data do not ask for more.
         if asked > 0:
-            found_by.append((interval(left), instead.best.axis or _widest(instead), asked))
+            found_by.append((Interval.of_draws(left), instead.best.axis or _widest(instead), asked))
     # Both may speak of one force, of which each sees a part.
     share, axis, factor = max(
         found_by, key=lambda candidate: candidate[0].q50, default=(None, None, gain)
@@ -116,7 +116,7 @@ def _beside(further: Unknown, gap_share: float) -> tuple[Interval, str]:
     ladder = (np.arange(DRAWS) + 0.5) / DRAWS
     place = np.searchsorted(np.cumsum(np.exp(further.log_weights)[order]), ladder)
     drawn = shares[order][place.clip(max=shares.size - 1)] ** 2
-    return interval(drawn / (drawn + gap_share**2)), further.best.axis or _widest(further)
+    return Interval.of_draws(drawn / (drawn + gap_share**2)), further.best.axis or _widest(further)
 
 
 def left_matters(left: Array, gap_share: float, practical: float) -> bool:

@@ -31,6 +31,12 @@ AXES = {
     "rig": "1",
 }
 """Covariates with their units."""
+NUMBERED = ("trial", "setup", "condition")
+JOINED = (
+    *("residual_n", "columns", "size", "friction_n", "scatter", "rig", "shown", "time_s", "counts"),
+    *NUMBERED,
+)
+"""Fields that each rig has rows of; :data:`NUMBERED` count on from rig to rig."""
 AT_ONCE = 100  # draws of forces whose squares are taken
 CATEGORIES = ("drive_end", "setup", "pulley_size", "rig")
 """Covariates that are numbers of a category."""
@@ -226,44 +232,25 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
     axes = AXES | {axis: "" for axis in further if axis not in AXES}
     parts = [_of_rig(rig, noise, place, axes) for place, rig in enumerate(model.rigs)]
 
-    def joined(name: str) -> Array:
-        return np.concatenate([part[name] for part in parts])
-
-    def numbered(name: str) -> Whole:
-        numbers, start = [], 0
-        for part in parts:
-            numbers.append(part[name] + start)
-            start += int(part[name].max()) + 1
-        return np.concatenate(numbers)
-
-    setup = numbered("setup")
-    covariates = {axis: joined(axis) for axis in axes if axis != "setup"}
-    covariates["setup"] = setup.astype(np.float64)
+    for name in NUMBERED:  # over all rigs
+        starts = np.cumsum([0, *(int(part[name].max()) + 1 for part in parts)])
+        for part, start in zip(parts, starts, strict=False):
+            part[name] = part[name] + start
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in (*JOINED, *axes)}
+    rows = {name: joined[name] for name in JOINED}
     # What is held is no part of what a law can take up.
-    columns, size = joined("columns"), joined("size").astype(np.intp)
-    columns[:, :COEFFICIENTS] *= model.free[size]
+    rows["columns"][:, :COEFFICIENTS] *= model.free[rows["size"]]
     return Residuals(
-        joined("residual_n"),
-        columns,
-        size,
-        joined("friction_n"),
-        tuple(block for part in parts for block in part["covariance"]),
-        tuple(block for part in parts for block in part["wander"]),
-        joined("scatter"),
-        numbered("trial"),
-        setup,
-        numbered("condition"),
-        joined("rig").astype(np.intp),
-        {axis: covariates[axis] for axis in axes},
-        tuple(name for rig in model.rigs for name in rig.rows.table["trial"]),
-        tuple(rig.rows.name for rig in model.rigs),
-        joined("shown").astype(np.bool_),
-        tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
-        turns(model.data.unit),
-        joined("time_s"),
-        joined("counts"),
-        shared_columns(model),
-        columns_beside(model),
+        **rows,
+        covariance=tuple(block for part in parts for block in part["covariance"]),
+        wander=tuple(block for part in parts for block in part["wander"]),
+        covariates={axis: joined[axis].astype(np.float64) for axis in axes},
+        names=tuple(name for rig in model.rigs for name in rig.rows.table["trial"]),
+        rig_names=tuple(rig.rows.name for rig in model.rigs),
+        axes=tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
+        turns=turns(model.data.unit),
+        shared=shared_columns(model),
+        beside=columns_beside(model),
     )
 
 
@@ -272,7 +259,7 @@ def shared_columns(model: LinearModel) -> tuple[int, ...]:
     start = model.layout.local - sum(model.layout.nuisances)
     columns: list[int] = []
     for rig, count in zip(model.data.rigs, model.layout.nuisances, strict=True):
-        columns += [start + place for place, _ in rig.shared_numbers.values()]
+        columns += [start + place for place, *_ in rig.shared_numbers.values()]
         start += count
     return tuple(columns)
 
@@ -286,7 +273,7 @@ def columns_beside(model: LinearModel) -> tuple[int, ...]:
     for place, (rig, linear) in enumerate(zip(model.data.rigs, model.rigs, strict=True)):
         if not rig.along_path:
             continue
-        own = {*linear.rows.clock_nuisances, *(at for at, _ in rig.shared_numbers.values())}
+        own = {*linear.rows.clock_nuisances, *(at for at, *_ in rig.shared_numbers.values())}
         mine = model.layout.nuisance(place)
         columns += [at for at in range(mine.start, mine.stop) if at - mine.start not in own]
     return tuple(columns)
@@ -309,7 +296,7 @@ def _of_rig(
         "axes": own | ({"pulley_size"} if "n_pulleys" in own else set()),
         "residual_n": windows.residual_n,
         "columns": windows.columns,
-        "size": rig.size[row],
+        "size": rig.size[row].astype(np.intp),
         "friction_n": rig.rows.friction_n[row],
         "covariance": windows.covariance,
         "wander": windows.wander,
@@ -318,7 +305,7 @@ def _of_rig(
         "setup": rig.setup[row],
         "condition": condition[row],
         "pulley_size": rig.size[row].astype(np.float64),
-        "rig": np.full(row.size, float(place)),
+        "rig": np.full(row.size, place, dtype=np.intp),
         "shown": shown[row],
         "counts": np.ones(row.size) if windows.counts is None else windows.counts,
         "time_s": windows.covariates.get("time_s", nowhere),

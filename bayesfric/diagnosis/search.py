@@ -7,7 +7,7 @@ noise. The search goes forward from the best ones; what is only screened is a bo
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -34,6 +34,10 @@ class Steps(NamedTuple):
 
     weigh: Callable[..., Weighed]
     unknown_force: Callable[..., Unknown | None]
+
+    def weigh_in(self, model: LinearModel, searched: Search, *asked: Any, **how: Any) -> Weighed:
+        """Weigh a hypothesis from its starts, against the noise of those that were searched."""
+        return self.weigh(model, *asked, searched.inverse, searched.volume, **how)
 
 
 def search(
@@ -76,7 +80,6 @@ def _weigh_alone(
 ) -> dict[str, float]:
     """Weigh each effect alone, and return the best shapes of its laws."""
     none = leader = searched.none
-    inverse, volume = searched.inverse, searched.volume
     quiet = model.noise.quiet(none.at.psi)
     shapes: dict[str, float] = {}
     rough = _extended(model, none, effects, none.at.psi, shapes)
@@ -85,7 +88,7 @@ def _weigh_alone(
         if rough[alone] > none.log_evidence + RULES.effect_gains:
             starts.append(quiet)
         starts.append(leader.at.psi)
-        weighed = steps.weigh(model, alone.names, starts, inverse, volume, shapes=shapes)
+        weighed = steps.weigh_in(model, searched, alone.names, starts, shapes=shapes)
         searched.weighed[alone] = weighed
         if weighed.log_evidence > leader.log_evidence:
             leader = weighed
@@ -106,14 +109,8 @@ def _weigh_at_noise_of(model: LinearModel, searched: Search, leader: Weighed, st
         there = np.append(leader.at.psi[: len(model.noise)], weighed.at.psi[len(model.noise) :])
         if model.evaluate(there, weighed.acting).value < weighed.at.value - NEAR:
             continue
-        again = steps.weigh(
-            model,
-            weighed.names,
-            [leader.at.psi],
-            searched.inverse,
-            searched.volume,
-            shapes=_shapes_of(weighed),
-        )
+        shapes = _shapes_of(weighed)
+        again = steps.weigh_in(model, searched, weighed.names, [leader.at.psi], shapes=shapes)
         if again.log_evidence > weighed.log_evidence:
             searched.weighed[alone] = again
 
@@ -146,14 +143,8 @@ def _weigh_together(
                     continue
                 if rough[more] < base.log_evidence + RULES.effect_gains:
                     continue
-                weighed = steps.weigh(
-                    model,
-                    more.names,
-                    [base.at.psi],
-                    searched.inverse,
-                    searched.volume,
-                    shapes=shapes,
-                )
+                starts = [base.at.psi]
+                weighed = steps.weigh_in(model, searched, more.names, starts, shapes=shapes)
                 searched.weighed[more] = weighed
                 grown |= searched.worth(weighed) > top
                 top = max(top, searched.worth(weighed))
@@ -177,16 +168,10 @@ def _weigh_parts(
         missing = [part for part in parts if part and part not in searched.weighed]
         if not missing:
             return
+        how = {"shapes": _shapes_of(best), "forms": forms}
         for part in missing:
-            searched.weighed[part] = steps.weigh(
-                model,
-                part.names,
-                [best.at.psi, searched.none.at.psi],
-                searched.inverse,
-                searched.volume,
-                shapes=_shapes_of(best),
-                forms=forms,
-            )
+            starts = [best.at.psi, searched.none.at.psi]
+            searched.weighed[part] = steps.weigh_in(model, searched, part.names, starts, **how)
 
 
 def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
@@ -257,15 +242,8 @@ def _weigh_beside_best(model: LinearModel, result: Search, steps: Steps) -> None
     for more in sorted(rough, key=lambda more: -rough[more])[: RULES.tried]:
         if more in result.weighed or rough[more] < best.log_evidence + RULES.effect_gains:
             continue
-        result.weighed[more] = steps.weigh(
-            model,
-            more.names,
-            [best.at.psi],
-            result.inverse,
-            result.volume,
-            shapes=_shapes_of(best),
-            forms=FORM_SHARES,
-        )
+        how = {"shapes": _shapes_of(best), "forms": FORM_SHARES}
+        result.weighed[more] = steps.weigh_in(model, result, more.names, [best.at.psi], **how)
     _weigh_parts(model, result, steps, FORM_SHARES)
 
 

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated
-from bayesfric.schemas import Axis, Cause, Gap, HeldOutDensity, Interval, Unseparated
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, Unseparated
+from bayesfric.schemas.diagnosis import Axis, Gap, HeldOutDensity
 
 ALL_BUT = 0.999
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
@@ -144,9 +146,10 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     if density is not None:
         better = f" The log density of these data rises by {_rise(density)} with {them}."
     if causes and gap.shrink is not None:
+        past = "; more than all of it is chance" if gap.shrink.q95 > 1 else ""
         return (
             f"On data that the fit has not seen, adding {them} removes {_share(gap.shrink)} of the "
-            f"gap (mean square).{better}"
+            f"gap (mean square{past}).{better}"
         )
     if causes:
         return (
@@ -239,26 +242,29 @@ def _undecided(statement: Statement) -> str:
 
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
-    small = "" if matters else f", less than the {statement.share:.1%} that counts"
-    if statement.considered:
-        names = " and ".join(effect.effect for effect in statement.considered)
-        fit = "fits" if len(statement.considered) == 1 else "fit"
-        if statement.elsewhere is not None:
-            pull, remedy = PULLS[statement.elsewhere == "logged"]
-            return (
-                f"There is a gap of {statement.size}{small}; {names} {fit} what was recorded, and "
-                f"so would the pull of {pull} {statement.chance}: {remedy}.{statement.place}"
-            )
-        miss = "misses" if len(statement.considered) == 1 else "miss"
-        beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
+    there = f"There is a gap of {statement.size}"
+    counts = f"{statement.share:.1%} begins to count"
+    small = "" if matters else f" What it makes is small: {statement.size}, where {counts}."
+    if not statement.considered and not matters:
+        return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
+    if not statement.considered:
         return (
-            f"There is a gap of {statement.size}{small}; {names} {fit} what was recorded and "
-            f"{miss} what was held out{beside}. Something else acts {statement.chance}."
+            f"{there}, and none of the effects examined explains it {statement.chance}."
             f"{statement.place}"
         )
+    names = " and ".join(effect.effect for effect in statement.considered)
+    fit, miss = ("fits", "misses") if len(statement.considered) == 1 else ("fit", "miss")
+    begun = f"{there}; {names}" if matters else names
+    if statement.elsewhere is not None:
+        pull, remedy = PULLS[statement.elsewhere == "logged"]
+        return (
+            f"{begun} {fit} what was recorded, and so would the pull of {pull} "
+            f"{statement.chance}: {remedy}.{small}{statement.place}"
+        )
+    beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
     return (
-        f"There is a gap of {statement.size}{small}, and none of the effects examined explains "
-        f"it {statement.chance}.{statement.place}"
+        f"{begun} {fit} what was recorded and {miss} what was held out{beside}. Something else "
+        f"acts {statement.chance}.{small}{statement.place}"
     )
 
 
@@ -303,10 +309,9 @@ def _of_variance(share: Interval) -> str:
 
 
 def _share(shrink: Interval) -> str:
-    """Return a share with its interval, which is never printed as all of it."""
-    if shrink.q05 >= ALL_BUT:
+    """Return a share with its interval, as stored: chance can take it past all."""
+    if shrink.q05 >= ALL_BUT and shrink.q95 <= 1:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
-    ends = (shrink.q05, shrink.q50, min(shrink.q95, 1.0))
-    low, middle, high = (f"{end:.{digits}%}" for end in ends)
-    return f"{'all' if shrink.q50 >= 1 else middle} [{low}, {high}]"
+    low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))
+    return f"{middle} [{low}, {high}]"

@@ -15,16 +15,18 @@ Shipped = Mapping[str, Coefficients] | Mapping[str, float]
 
 
 def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
-    """Return the shipped law of each size; of Table I where nobody says.
+    """Return the shipped law of each size; where nobody says, of Table I or of the model.
 
     Parameters
     ----------
     given : mapping or None
         Laws by pulley size, or numbers of laws by their names; sizes of which a number lacks
-        have no law.
+        have no law. Where it is None, a joint has the values of its machine's model.
     data : Data
         The rigs, which know what their numbers are called.
     """
+    if given is None:
+        given = _of_model(data)
     if given is None:
         return table1_coefficients()
     laws = {size: law for size, law in given.items() if isinstance(law, Coefficients)}
@@ -37,6 +39,15 @@ def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
             values = [numbers.get(name, 0.0) for name in names]
             laws[size] = Coefficients(*values, *[0.0] * (len(Coefficients._fields) - len(values)))
     return laws
+
+
+def _of_model(data: Data) -> dict[str, float] | None:
+    """Return the numbers of a joint as its machine's model has them; None without a model."""
+    own = data.rigs[0].in_simulator
+    if len(data.rigs) > 1 or not own:
+        return None
+    # What the model has besides is taken off the force: the law's mass is the armature.
+    return {**own, "mass": own.get("armature", 0.0)}
 
 
 def shipped_numbers(laws: Mapping[str, Coefficients], data: Data) -> dict[str, float]:

@@ -7,9 +7,9 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.priors import describe
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.own_law import OwnLaw
-from bayesfric.schemas import EffectNumber, SimulatorUsed
-
-FIVE = 1.6448536269514722  # standard deviations from the median to the 95th of 100
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import EffectNumber
+from bayesfric.schemas.diagnosis import SimulatorUsed
 
 
 def own_law_of(data: Data) -> OwnLaw | None:
@@ -38,11 +38,7 @@ def simulator_used(own: OwnLaw | None, model: LinearModel, at: At) -> SimulatorU
         mean = float(np.asarray(model.laws[size][place])) + scale * float(at.mean[place])
         sd = scale * float(np.sqrt(at.covariance[place, place]))
         numbers[parameter.name] = EffectNumber(
-            mean=mean,
-            sd=sd,
-            q05=mean - FIVE * sd,
-            q50=mean,
-            q95=mean + FIVE * sd,
+            **Interval.of_normal(mean, sd).model_dump(),
             unit=parameter.unit,
             prior=describe(parameter.prior),
             prior_density=parameter.prior,

@@ -10,9 +10,10 @@ from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.held_out import HeldOut, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
-from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
+from bayesfric.diagnosis.systematic import SMALLEST, Posterior, left_of, shrink_of
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas import Gap, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
@@ -87,7 +88,7 @@ def gap_of(
         unit=unit,
         shrink_of_model=shrink,
         shrink_of_model_why=why,
-        systematic=interval(posterior.gap),
+        systematic=Interval.of_draws(posterior.gap),
         probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
         floor_agrees=disagrees is None,
         floor_disagreement=disagrees,
@@ -122,7 +123,7 @@ def _shrink_of_model(
     kept: Array = np.clip(1 - draws, 0.0, 2.0)
     felt = np.sqrt(kept) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
     is_surely_left = np.quantile(felt, 0.05) >= practical
-    return interval(np.maximum(draws, -1.0)), kept if is_surely_left else None
+    return Interval.of_draws(np.maximum(draws, -1.0)), kept if is_surely_left else None
 
 
 def floor_disagrees(

@@ -24,7 +24,6 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
 from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.probabilities import total
-from bayesfric.schemas import Interval
 
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 # Of friction: what windows and linearisation leave of boards without noise (docs/blind.md).
@@ -272,12 +271,6 @@ def best_of(residuals: Residuals, columns: Array, force: Array) -> Array:
     root = np.sqrt(residuals.weight)
     target = (force.T * root).T
     return np.asarray(columns @ np.linalg.lstsq(root[:, None] * columns, target, rcond=None)[0])
-
-
-def interval(draws: Array) -> Interval:
-    """Return the five numbers of draws."""
-    low, half, high = (float(q) for q in np.quantile(draws, [0.05, 0.5, 0.95]))
-    return Interval(mean=float(draws.mean()), sd=float(draws.std()), q05=low, q50=half, q95=high)
 
 
 def inclusion(search: Search) -> dict[str, float]:

@@ -14,7 +14,7 @@ import pandas as pd
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.drawn_effect import DrawnEffect, drawn_effect
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.base import Effect
 from bayesfric.errors import Fault, InputError
@@ -22,7 +22,9 @@ from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
-from bayesfric.schemas import ConditionAsked, FrictionAsked, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.diagnosis import ConditionAsked, FrictionAsked
 
 RECORDED = {
     "n_pulleys": "n_pulleys",
@@ -133,9 +135,9 @@ def friction_at(
                     str(name): value if isinstance(value, str) else float(value)
                     for name, value in condition.iloc[0].items()
                 },
-                friction=interval(whole),
-                gap_without_causes=interval(whole - shipped),
-                gap_with_causes=interval(whole - float((friction + causes).mean())),
+                friction=Interval.of_draws(whole),
+                gap_without_causes=Interval.of_draws(whole - shipped),
+                gap_with_causes=Interval.of_draws(whole - float((friction + causes).mean())),
                 outside=_outside(model, condition),
             )
         )

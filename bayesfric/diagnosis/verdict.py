@@ -9,7 +9,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.hypothesis import UNKNOWN, Hypothesis
 from bayesfric.probabilities import total
-from bayesfric.schemas import Unseparated
+from bayesfric.schemas.causes import Unseparated
 
 Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
 

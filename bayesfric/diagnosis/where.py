@@ -15,11 +15,13 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.shares import AxisFunctions, Shares, functions_along, shares_of
-from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.observation.layout import COEFFICIENTS
-from bayesfric.schemas import Axis, Interval, Shape
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Shape
+from bayesfric.schemas.diagnosis import Axis
 
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction
@@ -74,7 +76,7 @@ def where_it_lies(
     relative = before / residuals.friction_n
     precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)
-    intervals = {name: interval(values) for name, values in shares.share.items()}
+    intervals = {name: Interval.of_draws(values) for name, values in shares.share.items()}
     order = sorted(intervals, key=lambda name: (-intervals[name].q50, -intervals[name].mean, name))
     first_leads = _leads([intervals[name] for name in order])
     axes = [
@@ -83,7 +85,7 @@ def where_it_lies(
             unit=residuals.unit(name),
             blind=False,
             share=intervals[name],
-            alone=interval(shares.alone[name]),
+            alone=Interval.of_draws(shares.alone[name]),
             leads=first_leads and place == 0,
             confounded_with=_confounded(name, designs, precision),
             p_value=p_values.get(name),
@@ -94,7 +96,7 @@ def where_it_lies(
         for place, name in enumerate(order)
     ]
     axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in intervals]
-    return tuple(axes), interval(shares.unexplained), _why_all(shares)
+    return tuple(axes), Interval.of_draws(shares.unexplained), _why_all(shares)
 
 
 def _why_all(shares: Shares) -> str:

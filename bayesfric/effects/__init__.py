@@ -7,6 +7,7 @@ user's own file is read by :func:`effect_of_file`.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -16,7 +17,7 @@ from pkgutil import iter_modules
 
 from bayesfric.analysis import Prior
 from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading, State
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, one_of
 
 __all__ = [
     "NO_OFFSET",
@@ -99,22 +100,26 @@ def with_priors(
     Returns
     -------
     dict of str to Effect
-        All of `effects`.
+        All of `effects`. An analysis may have priors of effects that are none of them, such as
+        those of another rig.
 
     Raises
     ------
     InputError
-        There is no such effect, or it has no such parameter.
+        There is no such effect on any rig, or it has no such parameter.
     """
     faults, changed = [], dict(effects)
+    anywhere = all_effects(None) | changed
     for name, own in priors.items():
-        if name not in effects:
-            faults.append(Fault("priors.effects", f"one of {', '.join(effects)}", value=name))
+        if name not in anywhere:
+            nearest = get_close_matches(name.casefold(), list(anywhere), n=3, cutoff=0.0)
+            expected = f"an effect that `bayesfric effects` lists, such as {', '.join(nearest)}"
+            faults.append(Fault("priors.effects", expected, value=name))
             continue
-        effect = effects[name]
+        effect = anywhere[name]
         names = [parameter.name for parameter in effect.parameters]
         faults += [
-            Fault(f"priors.effects.{name}", f"one of {', '.join(names)}", value=wrong)
+            Fault(f"priors.effects.{name}", one_of(names, wrong), value=wrong)
             for wrong in own
             if wrong not in names
         ]
@@ -125,7 +130,8 @@ def with_priors(
             for parameter in (effect.amplitude, effect.shape)
         )
         assert amplitude is not None
-        changed[name] = replace(effect, amplitude=amplitude, shape=shape)
+        if name in effects:
+            changed[name] = replace(effect, amplitude=amplitude, shape=shape)
     if faults:
         raise InputError(faults)
     return changed

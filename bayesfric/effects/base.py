@@ -1,22 +1,17 @@
 """The definition of an effect: a physical mechanism that the baseline leaves out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from bayesfric.analysis import Prior
 from bayesfric.arrays import Array
-from bayesfric.physics.friction import (
-    REFERENCE_WRAP_ANGLE_DEG,
-    Coefficients,
-    coulomb_friction,
-    tension_slope,
-)
+from bayesfric.effects.state import Load as Load
+from bayesfric.effects.state import Reading as Reading
+from bayesfric.effects.state import State as State
 
 LADDER = (
     "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
@@ -25,205 +20,9 @@ LADDER = (
 """Source of what friction by the load of a gear may be."""
 BY_LOAD = "friction by the load"
 """The ladder of effects of which each is friction that grows with the load of a gear."""
-REFERENCE_TENSION_N = 15.0
 WRAP_SPAN_DEG = 50.0
 """Turn of the wrap angle from the paper's 85° that strength 1 of an effect of it refers to."""
-MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]
-STANDARD_GRAVITY_M_S2 = 9.80665
-Load = Callable[[str, float, ArrayLike], tuple[ArrayLike, ArrayLike]]
-"""How a load follows that is held by a drive in ``play``, or on a ``spring``.
-
-Of how it is held, its share of the mass over its share of the friction, and a length (the play, or
-the travel over which friction winds the spring up), it makes the load's acceleration beyond the
-drive's, and its friction beyond that of a load which never lets go, as a share of it.
-"""
-
-
-def _fixed(held: str, heavy: float, length: ArrayLike) -> tuple[ArrayLike, ArrayLike]:
-    """Return nothing: the load is the drive."""
-    del held, heavy, length
-    return 0.0, 0.0
-
-
-class State(NamedTuple):
-    """Where a board is when an effect acts; arrays that broadcast.
-
-    Parameters
-    ----------
-    n_pulleys, wrap_angle_deg : array_like
-        Number of pulleys and their average wrap angle [deg].
-    tension_n : array_like
-        Nominal tension [N].
-    speed_m_s : array_like
-        Cable speed, not negative [m/s].
-    tension_friction_n : array_like
-        The part of the baseline's friction that grows with tension [N].
-    constant_friction_n : array_like
-        The rest of the baseline's friction [N].
-    pulley_friction_n : array_like
-        The baseline's friction of one pulley of this size at 15 N and 85° [N]: a scale
-        that knows nothing of the condition.
-    load_current_a : array_like
-        Motor current beyond that of the idle motor [A]; 0 on the gravity board.
-    travel_m : array_like
-        Travel of the cable since the trial was released [m]; 0 in a steady run.
-    passes_m : sequence of array_like
-        Of a driven axis: travel of the passes before the present one, the last first [m].
-    acceleration_m_s2 : array_like
-        Of the cable [m/s²]; 0 in a steady run.
-    radius_m : array_like
-        Of the pulleys, at the cable [m].
-    order : array_like
-        Place in the order of the recording, from 0 (first) to 1 (last).
-    gravity_m_s2 : array_like
-        Local acceleration of free fall [m/s²].
-    drive_end : array_like
-        Which physical end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says.
-    trial_in_setup : array_like
-        How many trials of the same assembly went before; 0 of the first.
-    position_m, direction : array_like
-        Of a driven axis: where it is [m, or rad where it turns], and 1 or −1 for the way that
-        it runs; 0 where there is no such thing.
-    drive_force_n : array_like
-        Of a driven axis: the drive force, positive along the position [N, or N·m].
-    mass_kg : array_like
-        Of a driven axis: all the mass that moves, by the baseline [kg, or kg·m²].
-    force_rate_n_s, force_curvature_n_s2 : array_like
-        First and second derivative of the drive force along the motion [N/s], [N/s²]; the
-        first half of a delay ago.
-    lagging_rate_n_s : array_like
-        The first derivative of what an actuator gives that lags as the drive does [N/s].
-    wave_from_m : array_like
-        Where a wave that was found along the path rises through zero [m or rad].
-    tested : array_like
-        1 in a run of role ``test``, in which something may differ from calibration; else 0.
-    load : Load
-        Of a driven axis: how a load behind its drive moves.
-    mass_over_friction : float
-        Of such a load: its share of the mass over that of the friction, as it was looked for.
-    carried_n, held_n : array_like
-        Of a driven axis: what its gear carries, positive along the position, with what the
-        moving mass takes and without: what gravity and springs pull alone [N, or N·m].
-    dwell_s, since_rest_m : array_like
-        Of a driven axis: how long it rested before it moved as it does, and travel since [s], [m].
-    warmth : array_like
-        From −0.5 (coldest of the recording) to 0.5 (warmest), the mean taken off.
-    wrap_spread_deg : array_like
-        Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
-        wrote them down.
-    steady : bool
-        Whether the cable has run at this speed for long: what passes, as the first
-        stretch of travel does, is over, and what goes round averages out.
-    covariates : mapping of str to array_like
-        What else the recording has in a column of its own, by the column's name.
-    """
-
-    n_pulleys: ArrayLike
-    wrap_angle_deg: ArrayLike
-    tension_n: ArrayLike
-    speed_m_s: ArrayLike
-    tension_friction_n: ArrayLike
-    constant_friction_n: ArrayLike
-    pulley_friction_n: ArrayLike
-    load_current_a: ArrayLike = 0.0
-    travel_m: ArrayLike = 0.0
-    passes_m: Sequence[ArrayLike] = ()
-    acceleration_m_s2: ArrayLike = 0.0
-    radius_m: ArrayLike = MEDIUM_RADIUS_M
-    order: ArrayLike = 0.5
-    gravity_m_s2: ArrayLike = STANDARD_GRAVITY_M_S2
-    drive_end: ArrayLike = 0.0
-    trial_in_setup: ArrayLike = 0.0
-    position_m: ArrayLike = 0.0
-    direction: ArrayLike = 0.0
-    drive_force_n: ArrayLike = 0.0
-    mass_kg: ArrayLike = 0.0
-    force_rate_n_s: ArrayLike = 0.0
-    lagging_rate_n_s: ArrayLike = 0.0
-    force_curvature_n_s2: ArrayLike = 0.0
-    wave_from_m: ArrayLike = 0.0
-    tested: ArrayLike = 0.0
-    load: Load = _fixed
-    mass_over_friction: float = 1.0
-    carried_n: ArrayLike = 0.0
-    held_n: ArrayLike = 0.0
-    dwell_s: ArrayLike = 0.0
-    since_rest_m: ArrayLike = 0.0
-    warmth: ArrayLike = 0.0
-    wrap_spread_deg: ArrayLike = np.nan
-    steady: bool = False
-    covariates: Mapping[str, ArrayLike] = MappingProxyType({})
-
-    @classmethod
-    def of(
-        cls,
-        coefficients: Coefficients,
-        n_pulleys: ArrayLike,
-        wrap_angle_deg: ArrayLike,
-        tension_n: ArrayLike,
-        speed_m_s: ArrayLike,
-        load_current_a: ArrayLike = 0.0,
-        **rest: Any,
-    ) -> "State":
-        """Return the state, the parts of friction by eq. (15); `rest` are other fields."""
-        slope = tension_slope(coefficients, n_pulleys, wrap_angle_deg)
-        return cls(
-            n_pulleys,
-            wrap_angle_deg,
-            tension_n,
-            speed_m_s,
-            slope * np.asarray(tension_n),
-            np.asarray(n_pulleys) * np.asarray(coefficients.c2),
-            coulomb_friction(coefficients, 1.0, REFERENCE_WRAP_ANGLE_DEG, REFERENCE_TENSION_N),
-            load_current_a,
-            **rest,
-        )
-
-    @property
-    def friction_n(self) -> Array:
-        """The baseline's friction [N]."""
-        total = np.asarray(self.tension_friction_n) + np.asarray(self.constant_friction_n)
-        return np.asarray(total, dtype=np.float64)
-
-    @property
-    def settling_friction_n(self) -> Array:
-        """Friction that is built up from a start; none where the start is long past [N]."""
-        return np.asarray(self.friction_n * (not self.steady))
-
-
-class Reading(NamedTuple):
-    """Where the cable and a sensor are at an event; arrays that broadcast.
-
-    Parameters
-    ----------
-    displacement_m : array_like
-        What is written down: travel since the sensor's first event [m].
-    event : array_like
-        Number of the event at its sensor, 0 being the first.
-    is_load : array_like
-        1 at the load end's sensor, 0 at the drive end's.
-    time_s : array_like
-        Since the release [s].
-    speed_m_s, acceleration_m_s2 : array_like
-        Of the cable [m/s], [m/s²].
-    mass_drive_kg, mass_load_kg : array_like
-        On the two ends [kg].
-    magnets_per_revolution : int
-        Of the sensor pulley.
-    """
-
-    displacement_m: ArrayLike
-    event: ArrayLike
-    is_load: ArrayLike
-    time_s: ArrayLike
-    speed_m_s: ArrayLike
-    acceleration_m_s2: ArrayLike
-    mass_drive_kg: ArrayLike
-    mass_load_kg: ArrayLike
-    magnets_per_revolution: int
-
-
 Law = Callable[[Mapping[str, Any], Any], Array]
 """(parameters, :class:`State` or, of an effect on readings, :class:`Reading`) to numbers."""
 

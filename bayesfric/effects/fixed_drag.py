@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.state import REFERENCE_TENSION_N
 
 WITH_TENSION = 0.4  # of the drag at 15 N; of a pulley by Table I it is 0.8, of felt 0
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import MEDIUM_RADIUS_M, Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.state import MEDIUM_RADIUS_M
 
 
 def _same(p: Mapping[str, Array], state: State) -> Array:

@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import STANDARD_GRAVITY_M_S2, Effect, EffectParameter, Reading
+from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.state import STANDARD_GRAVITY_M_S2
 
 TYPICAL_FRICTION_N = 2.0  # of the board
 

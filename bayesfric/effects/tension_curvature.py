@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.state import REFERENCE_TENSION_N
 
 MIDDLE_TENSION_N = 16.5  # of Table II's range
 SLACK = 1e-3  # of that: a tension below it is none

@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from bayesfric.export.digits import by_error
 from bayesfric.rigs.rotary import is_relative
-from bayesfric.schemas import DiagnosisFile, Enter
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.diagnosis import Enter
 
 CALLED = {
     "mujoco": "MuJoCo",
@@ -20,10 +21,10 @@ SHOWN = ("mujoco", "isaaclab", "urdf")
 """Simulators with a column of their own; diagnosis.json has all."""
 COLUMNS = (
     "number",
-    "your simulator",
+    "unit",
+    "now",
     "enter",
     "90 % interval",
-    "unit",
     *(CALLED[simulator] for simulator in SHOWN),
 )
 NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
@@ -40,14 +41,56 @@ def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
     return [
         (
             number.parameter,
+            number.unit,
             "–" if number.in_your_simulator is None else f"{number.in_your_simulator:.4g}",
             by_error(number.value.mean, number.value.sd),
             _interval(number),
-            number.unit,
             *(_field(number, simulator) for simulator in SHOWN),
         )
         for number in enter
     ]
+
+
+def off_now(diagnosis: DiagnosisFile) -> str:
+    """Return how far a simulator is off with its own numbers and with those to enter.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        Of one joint.
+
+    Returns
+    -------
+    str
+        A sentence; empty where nobody knows the simulator's own numbers.
+    """
+    gap = diagnosis.gap
+    if gap.as_shipped is None:
+        return ""
+    now = gap.as_shipped.q50
+    share = "" if gap.no_share is not None else f" ({now / gap.friction_rms:.0%} of friction)"
+    return (
+        f"With its own numbers (now) it misses held-out data by {now:.2g} {gap.unit} rms{share}, "
+        f"with these by {gap.after.q50:.2g} {gap.unit}."
+    )
+
+
+def held_out_warning(diagnosis: DiagnosisFile) -> str:
+    """Return that the numbers miss held-out data by more than chance makes; else nothing.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        Of one joint.
+    """
+    gap = diagnosis.gap
+    if gap.held_out_excess <= diagnosis.practical_share * gap.friction_rms:
+        return ""
+    return (
+        f"On data that the fit has not seen these numbers leave {gap.after.q50:.2g} {gap.unit} "
+        f"rms, where scatter makes {gap.floor.q50:.2g} {gap.unit}. Check them on new data before "
+        "you rely on them."
+    )
 
 
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
@@ -109,6 +152,7 @@ def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:
         return
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
     yield f"To enter in a simulator{of} (diagnosis.json has the fields of all simulators):"
+    yield from (f"  {said}" for said in (held_out_warning(diagnosis), off_now(diagnosis)) if said)
     table = [COLUMNS[:-1], *(row[:-1] for row in entered_rows(diagnosis.enter))]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:

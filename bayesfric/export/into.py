@@ -12,7 +12,7 @@ from bayesfric.export.joints import INERTIAS, ExportedJoint
 from bayesfric.files import file_bytes
 from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
-from bayesfric.schemas import Enter
+from bayesfric.schemas.diagnosis import Enter
 
 LARGEST_FILE = 16_777_216  # bytes of a model
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
@@ -78,7 +78,7 @@ def filled_model(
     links: dict[str, float] = {}
     for exported in joints:
         place = places[exported.name]
-        joint = _without_untold(exported, place, remarks)
+        joint = _identified(exported, place, remarks)
         wanted = named.get(joint.name) or joint.in_model or joint.name
         if wanted not in ("", place):
             remarks.append(f"{place}: taken for {wanted}, as the only joint of {model.name}")
@@ -122,12 +122,12 @@ def _places(
     return places
 
 
-def _without_untold(joint: ExportedJoint, place: str, remarks: list[str]) -> ExportedJoint:
+def _identified(joint: ExportedJoint, place: str, remarks: list[str]) -> ExportedJoint:
     """Return a joint without numbers that its data do not tell and that the model may have right.
 
     Such a number is smaller than its error, and its interval holds what the model has.
     """
-    kept = {}
+    identified = {}
     for name, number in joint.numbers.items():
         value, own = number.value, number.in_your_simulator
         if own is not None and abs(value.mean) < value.sd and value.q05 <= own <= value.q95:
@@ -137,8 +137,8 @@ def _without_untold(joint: ExportedJoint, place: str, remarks: list[str]) -> Exp
                 f"({low} to {high} {number.unit})"
             )
         else:
-            kept[name] = number
-    return replace(joint, numbers=kept)
+            identified[name] = number
+    return replace(joint, numbers=identified)
 
 
 def _links(path: Path, place: str, joint: ExportedJoint, remarks: list[str]) -> float | None:

@@ -12,7 +12,9 @@ from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
 from bayesfric.rigs.rotary import is_relative, turns
-from bayesfric.schemas import DiagnosisFile, Enter, LawNumber
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.diagnosis import Enter
 
 INERTIAS = ("inertia", "armature", "mass")
 """Names that the law may have for what is accelerated."""

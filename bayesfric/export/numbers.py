@@ -4,15 +4,16 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, evenly
 from bayesfric.chains import by_walker
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_tree
-from bayesfric.schemas import DiagnosisFile, FitFile, Interval, LawNumber
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 from bayesfric.stored_names import by_parameter
 
 MOST_DRAWS = 200
@@ -108,7 +109,7 @@ def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[
     else:
         flat = by_parameter(by_walker(read_tree(folder / "draws.nc")["posterior"].to_dataset()))
     count = next(iter(flat.values())).size
-    chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
+    chosen = evenly(count, MOST_DRAWS)
     return {name: values[chosen].tolist() for name, values in flat.items()}
 
 

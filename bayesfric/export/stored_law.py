@@ -14,7 +14,8 @@ from bayesfric.export.numbers import Number, drawn_numbers, law_said, numbers_of
 from bayesfric.observation.coefficients import NO_PULLEY, law_of
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.results import read_beside, read_json, refuse_mixed
-from bayesfric.schemas import Cause, DiagnosisFile, FitFile
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.causes import Cause
 
 ABSENT = {
     "velocity": 0.0,

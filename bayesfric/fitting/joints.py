@@ -9,7 +9,9 @@ import xarray as xr
 from bayesfric.fitting.result import Fit
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
-from bayesfric.schemas import FitFile, JointFit, ParameterSummary
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.fit import JointFit
+from bayesfric.schemas.parameter import ParameterSummary
 
 OFFSET = "offset"
 

@@ -9,14 +9,14 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.attention import of_pooled, unsettled
+from bayesfric.attention.fit import of_pooled, unsettled
 from bayesfric.chains import by_walker
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
-from bayesfric.fitting.summary import interval_of, parameter_summary
+from bayesfric.fitting.summary import parameter_summary
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
@@ -29,18 +29,11 @@ from bayesfric.results import (
     provenance,
 )
 from bayesfric.rigs.opening import chosen_rigs
-from bayesfric.schemas import (
-    BoardCoefficient,
-    DataQuality,
-    FitFile,
-    ParameterSummary,
-    Pooled,
-    PooledBoard,
-    PooledCoefficient,
-    Provenance,
-    RecordingId,
-    SamplerSummary,
-)
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.fit import DataQuality, SamplerSummary
+from bayesfric.schemas.parameter import ParameterSummary
+from bayesfric.schemas.pooled import BoardCoefficient, Pooled, PooledBoard, PooledCoefficient
 
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "
@@ -259,12 +252,12 @@ def _pooled(
             place = names.index(name)
             before = alone[board][:, place]
             boards[board] = BoardCoefficient(
-                alone=interval_of(before),
-                pooled=interval_of(drawn.boards[board][..., place]),
+                alone=Interval.of_draws(before),
+                pooled=Interval.of_draws(drawn.boards[board][..., place]),
                 shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
             )
         return PooledCoefficient(
-            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
+            between=entries[BETWEEN + name], new_board=Interval.of_draws(new[..., k]), boards=boards
         )
 
     stems, sizes = _stems_and_sizes(population)

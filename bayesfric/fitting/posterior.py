@@ -1,7 +1,7 @@
 """A recording and an analysis become a stored fit: posteriors and diagnostics."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.chains import in_chains
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.effects import all_effects, with_priors
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit
 from bayesfric.fitting.joints import fitted_together
@@ -23,7 +24,6 @@ from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
 from bayesfric.fitting.predictive.reported import assembly_checks, predictions, uniformities
 from bayesfric.fitting.result import Fit
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
-from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
 from bayesfric.inference.sampling import Draws, Progress
 from bayesfric.physics.laws import FrictionLaw
@@ -32,7 +32,11 @@ from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, provenance
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
-from bayesfric.schemas import RecordingId, WithoutExclusions
+from bayesfric.schemas.base import RecordingId
+from bayesfric.schemas.fit import WithoutExclusions
+from bayesfric.schemas.parameter import ParameterSummary
+
+AXES = ("n_pulleys", "wrap_angle_deg")
 
 
 def fit(
@@ -75,6 +79,7 @@ def fit(
         A rig is unknown or has no data in the recording, or no trial could enter.
     """
     analysis = Analysis() if analysis is None else analysis
+    with_priors(all_effects(None), analysis.priors.effects)  # refuses what no effect has
     if parted := parted_by_joint(recording):
 
         def of_joint(own: Recording, kept: Path | None) -> Fit:
@@ -236,3 +241,44 @@ def _timed(seconds: dict[str, float], stage: str) -> Any:
     start = time.perf_counter()
     yield
     seconds[stage] = time.perf_counter() - start
+
+
+def tested_conditions(
+    data: Data, pulleys: Mapping[str, Mapping[str, ParameterSummary]]
+) -> dict[str, list[float] | str]:
+    """Return attributes of ``draws.nc`` that say where its coefficients come from.
+
+    Parameters
+    ----------
+    data : Data
+        The trials that entered.
+    pulleys : mapping
+        Size to coefficient to its summary, as in ``fit.json``.
+
+    Returns
+    -------
+    dict
+        ``tested.<size>.<axis>``: least and largest number of pulleys, wrap angle [deg] and,
+        where a rig holds the cable at rest, nominal tension [N]; ``informed.<size>``: the
+        coefficients that the recording informs, separated by spaces.
+    """
+    seen: dict[str, list[float]] = {}
+    for trials in data.rigs:
+        table = trials.table
+        if not set(AXES) <= set(table.columns):
+            continue
+        resting = trials.resting(table)
+        columns = {axis: table[axis].to_numpy(float) for axis in AXES}
+        if resting is not None:
+            columns["tension_n"] = np.asarray(resting.tension_n, dtype=np.float64)
+        for size in sorted(set(table["pulley_size"])):
+            at_size = (table["pulley_size"] == size).to_numpy()
+            for axis, values in columns.items():
+                seen.setdefault(f"tested.{size}.{axis}", []).extend(values[at_size])
+    ranges: dict[str, list[float] | str] = {
+        key: [float(min(values)), float(max(values))] for key, values in seen.items()
+    }
+    return ranges | {
+        f"informed.{size}": " ".join(name for name, entry in entries.items() if entry.informed)
+        for size, entries in pulleys.items()
+    }

@@ -7,7 +7,7 @@ import numpy as np
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.attention import Coverage, of_fit
+from bayesfric.attention.fit import Coverage, of_fit
 from bayesfric.inference.diagnostics import (
     Convergence,
     diagnose_all,
@@ -23,15 +23,10 @@ from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.observation.scatter import kept_normal
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.data import Data
-from bayesfric.schemas import (
-    DataQuality,
-    FitFile,
-    Interval,
-    ParameterSummary,
-    SamplerSummary,
-    StoredDraws,
-    WithoutExclusions,
-)
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.fit import DataQuality, SamplerSummary, WithoutExclusions
+from bayesfric.schemas.parameter import ParameterSummary, StoredDraws
 
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"
@@ -176,7 +171,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
         converged=all(figures.converged for figures in diagnose_all(theta)),
         pulleys=_by_pulley(
             {
-                name: interval_of(theta[..., place])
+                name: Interval.of_draws(theta[..., place])
                 for name, place in places.items()
                 if name.partition("[")[0] in COEFFICIENTS
             }
@@ -204,7 +199,7 @@ def parameter_summary(
     """Summarise draws of a parameter, in any shape, and the chains of them that are stored."""
     sd = parameter.sd()
     return ParameterSummary(
-        **interval_of(draws).model_dump(),
+        **Interval.of_draws(draws).model_dump(),
         unit=parameter.unit,
         prior=parameter.described(),
         mcse_mean=figures.mcse_mean,
@@ -216,18 +211,6 @@ def parameter_summary(
         contraction=1 - float(draws.std()) / sd if np.isfinite(sd) else None,
         contraction_why=None if np.isfinite(sd) else NO_SD,
         informed=informed,
-    )
-
-
-def interval_of(draws: Array) -> Interval:
-    """Return the distribution of draws, in any shape."""
-    q05, q50, q95 = np.quantile(draws, [0.05, 0.5, 0.95])
-    return Interval(
-        mean=float(draws.mean()),
-        sd=float(draws.std()),
-        q05=float(q05),
-        q50=float(q50),
-        q95=float(q95),
     )
 
 

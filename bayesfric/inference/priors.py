@@ -28,7 +28,6 @@ from bayesfric.families import (
     Uniform,
 )
 from bayesfric.inference.quadratic import LOG_2PI as LOG_2PI
-from bayesfric.inference.tails import from_tails, to_tails
 
 LOG_2 = float(np.log(2))
 QUANTILES = 1000  # of a parameter of which another is a share
@@ -222,9 +221,9 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
         case Uniform(low=lowest, high=highest):
             return np.asarray(lowest + (highest - lowest) * special.ndtr(z))
         case _:
-            tail = special.ndtr(-np.abs(z))
-            low, high = from_tails(prior, tail, tail)
-            return np.asarray(np.where(z < 0, low, high))
+            # Each tail from its own side: a probability near 1 has lost the digits that it lacks.
+            tail, density = special.ndtr(-np.abs(z)), _frozen(prior)
+            return np.asarray(np.where(z < 0, density.ppf(tail), density.isf(tail)))
 
 
 def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
@@ -253,7 +252,7 @@ def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
         case Uniform(low=lowest, high=highest):
             return np.asarray(special.ndtri(np.clip((x - lowest) / (highest - lowest), 0.0, 1.0)))
         case _:
-            below, above = to_tails(prior, x)
+            below, above = _frozen(prior).cdf(x), _frozen(prior).sf(x)
             return np.asarray(np.where(below < above, special.ndtri(below), -special.ndtri(above)))
 
 

@@ -71,6 +71,34 @@ def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Ar
     return float(cut.mean()), float(cut.std()), np.asarray(cut.ppf([0.05, 0.5, 0.95]))
 
 
+def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
+    """Return the mean and standard deviation of a normal that has others once it is cut off.
+
+    Parameters
+    ----------
+    mean, sd : float
+        Of what lies above the bound.
+    least : float
+        The bound; −∞ is none.
+
+    Returns
+    -------
+    mean, sd : float
+        Without the bound, which is no farther above the mean than :data:`FARTHEST`.
+    """
+    if not sd > 0 or mean - least > FARTHEST * sd:
+        return mean, sd
+
+    def ratio(start: float) -> float:
+        cut = scipy.stats.truncnorm(start, np.inf)
+        return float(cut.std() / (cut.mean() - start))
+
+    asked = min(sd / (mean - least), ratio(FARTHEST)) if mean > least else ratio(FARTHEST)
+    start = scipy.optimize.brentq(lambda x: ratio(x) - asked, -2 * FARTHEST, FARTHEST)
+    whole = sd / float(scipy.stats.truncnorm(start, np.inf).std())
+    return least - start * whole, whole
+
+
 def _widened(mean: float, sd: float, least: float) -> float:
     """Return a standard deviation by which a bound is no farther above than :data:`FARTHEST`."""
     return max(sd, (least - mean) / FARTHEST)

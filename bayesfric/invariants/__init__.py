@@ -11,7 +11,7 @@ from typing import Any
 from bayesfric.invariants.common import COMMON, Rule
 from bayesfric.invariants.diagnosis import DIAGNOSIS
 from bayesfric.invariants.others import CLAIMS, FIT, MARGINS, SCORECARD
-from bayesfric.schemas import Check
+from bayesfric.schemas.base import Check
 
 __all__ = ["RULES", "broken", "check_record", "statements"]
 

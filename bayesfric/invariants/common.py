@@ -26,6 +26,19 @@ class Rule(NamedTuple):
     breaks: Callable[[Mapping[str, Any]], list[str]]
 
 
+Breaks = Callable[[Mapping[str, Any]], list[str]]
+
+
+def rule(rules: dict[str, Rule], statement: str) -> Callable[[Breaks], Breaks]:
+    """Return what takes a function down among rules, by its name and with its statement."""
+
+    def take_down(breaks: Breaks) -> Breaks:
+        rules[breaks.__name__.strip("_").replace("_", "-")] = Rule(statement, breaks)
+        return breaks
+
+    return take_down
+
+
 def places(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
     """Yield each value of a result with its place, as in ``gap.held_out.0.before``."""
     yield place, value
@@ -37,6 +50,11 @@ def places(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
             yield from places(part, f"{place}.{number}")
 
 
+COMMON: dict[str, Rule] = {}
+"""Rules for every file, by name."""
+
+
+@rule(COMMON, "No number is NaN or infinite.")
 def _finite(record: Mapping[str, Any]) -> list[str]:
     return [
         f"{place} is {value}"
@@ -45,7 +63,8 @@ def _finite(record: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def out_of_order(record: Mapping[str, Any]) -> list[str]:
+@rule(COMMON, "Quantiles of an interval ascend, and its standard deviation is not below 0.")
+def intervals_ordered(record: Mapping[str, Any]) -> list[str]:
     """Return each interval whose quantiles are not in their order, in words."""
     wrong = []
     for place, value in places(record):
@@ -61,7 +80,8 @@ def out_of_order(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _probable(record: Mapping[str, Any]) -> list[str]:
+@rule(COMMON, "A probability is within 0 and 1.")
+def _probabilities_within_0_and_1(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, value in places(record):
         name = place.rsplit(".", 1)[-1]
@@ -73,7 +93,8 @@ def _probable(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _explained(record: Mapping[str, Any]) -> list[str]:
+@rule(COMMON, "What is null has its reason beside it, and what is there has none.")
+def _nulls_explained(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, value in places(record):
         if not isinstance(value, Mapping):
@@ -88,24 +109,3 @@ def _explained(record: Mapping[str, Any]) -> list[str]:
             elif not missing and value[why]:
                 wrong.append(f"{place}.{key} is there and has a reason why not".lstrip("."))
     return wrong
-
-
-COMMON = {
-    "finite": Rule(
-        "No number is NaN or infinite.",
-        _finite,
-    ),
-    "intervals-ordered": Rule(
-        "Quantiles of an interval ascend, and its standard deviation is not below 0.",
-        out_of_order,
-    ),
-    "probabilities-within-0-and-1": Rule(
-        "A probability is within 0 and 1.",
-        _probable,
-    ),
-    "nulls-explained": Rule(
-        "What is null has its reason beside it, and what is there has none.",
-        _explained,
-    ),
-}
-"""Rules for every file, by name."""

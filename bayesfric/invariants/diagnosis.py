@@ -6,14 +6,19 @@ from typing import Any
 
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN, parsed
-from bayesfric.invariants.common import Rule
+from bayesfric.invariants.common import Rule, rule
 
 SUM, SHARES = 1e-9, 1e-6
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
 
 
-def _hypotheses(record: Mapping[str, Any]) -> list[str]:
+DIAGNOSIS: dict[str, Rule] = {}
+"""Rules of ``diagnosis.json``, by name."""
+
+
+@rule(DIAGNOSIS, "Probabilities of hypotheses add up to 1.")
+def _hypotheses_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
     chances = {"probabilities": record["probabilities"]}
     for prior, by_hypothesis in record["prior_sensitivity"].items():
         if len(by_hypothesis) >= len(record["probabilities"]):
@@ -28,7 +33,10 @@ def _hypotheses(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _shares(record: Mapping[str, Any]) -> list[str]:
+@rule(
+    DIAGNOSIS, "Shares along axes are within 0 and 1, and add up to 1 with what no axis explains."
+)
+def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
     wrong, sums = [], []
     for axis in record["where"]:
         share = axis.get("share")
@@ -46,7 +54,12 @@ def _shares(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _gap_measured(record: Mapping[str, Any]) -> list[str]:
+@rule(
+    DIAGNOSIS,
+    "A systematic gap is not far above what held-out data show before causes are "
+    "added, nor above scatter.",
+)
+def _gap_is_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     systematic, before, floor = gap["systematic"], gap["before"], gap["floor"]
     if systematic["q50"] < RULES.unresolved * (gap.get("friction_rms") or 0.0):
@@ -61,7 +74,11 @@ def _gap_measured(record: Mapping[str, Any]) -> list[str]:
     return []
 
 
-def _shrinks(record: Mapping[str, Any]) -> list[str]:
+@rule(
+    DIAGNOSIS,
+    "A shrink is told only of a gap that is above its floor with 0.95, and is 1.2 at most.",
+)
+def _shrink_of_a_gap(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     rows = {f"held_out.{row['name']}": row for row in gap["held_out"]}
     rows["in_sample"] = gap["in_sample"]
@@ -82,14 +99,18 @@ def _shrinks(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _remainder(record: Mapping[str, Any]) -> list[str]:
+@rule(
+    DIAGNOSIS, "What the causes leave is significant only where its Bayes factor is in its favour."
+)
+def _remainder_by_evidence(record: Mapping[str, Any]) -> list[str]:
     left = record["remainder"]
     if left["significant"] and left["log10_bayes_factor"] <= 0:
         return [f"a remainder is significant at a log10 factor of {left['log10_bayes_factor']:.3g}"]
     return []
 
 
-def _verdict(record: Mapping[str, Any]) -> list[str]:
+@rule(DIAGNOSIS, "The verdict and its probability follow from the probabilities by the rules.")
+def _verdict_follows(record: Mapping[str, Any]) -> list[str]:
     kind, chance = record["verdict"], record["verdict_probability"]
     chances, above = parsed(record["probabilities"]), record["gap"]["probability_above_practical"]
     unknown, wrong = chances.get(UNKNOWN, 0.0), []
@@ -120,6 +141,9 @@ def _verdict(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
+@rule(
+    DIAGNOSIS, "A cause, or what is present, acts with 0.9 at least, and what is possible with 0.1."
+)
 def _causes_act(record: Mapping[str, Any]) -> list[str]:
     bounds = {
         "causes": (RULES.sure, 1.0),
@@ -135,7 +159,8 @@ def _causes_act(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _acting(record: Mapping[str, Any]) -> list[str]:
+@rule(DIAGNOSIS, "The probability that an effect acts is that of all hypotheses which have it.")
+def _inclusion_follows(record: Mapping[str, Any]) -> list[str]:
     wrong, hypotheses = [], parsed(record["probabilities"])
     for effect in record["inclusion"]:
         name, chance = effect["effect"], effect["probability"]
@@ -145,7 +170,8 @@ def _acting(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _limits(record: Mapping[str, Any]) -> list[str]:
+@rule(DIAGNOSIS, "A limit of the drive lies above the friction that the drive overcomes.")
+def _drive_limit_above_friction(record: Mapping[str, Any]) -> list[str]:
     friction = record["law"].get("coulomb")
     if friction is None:
         return []
@@ -160,7 +186,8 @@ def _limits(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _sizes(record: Mapping[str, Any]) -> list[str]:
+@rule(DIAGNOSIS, "Root mean squares, strengths and scatter are not below 0.")
+def _sizes_above_0(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     numbers = {"gap.friction_rms": gap["friction_rms"]}
     numbers |= {f"scatter.{name}": value for name, value in record["scatter"].items()}
@@ -171,7 +198,8 @@ def _sizes(record: Mapping[str, Any]) -> list[str]:
     return [f"{name} is {value:.3g}" for name, value in numbers.items() if value < 0]
 
 
-def _bands(record: Mapping[str, Any]) -> list[str]:
+@rule(DIAGNOSIS, "The curve along an axis lies within its band.")
+def _curves_within_bands(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for axis in record["where"]:
         shape = axis.get("shape")
@@ -185,53 +213,3 @@ def _bands(record: Mapping[str, Any]) -> list[str]:
 
 def _effects(record: Mapping[str, Any], kinds: Iterable[str]) -> Iterator[Mapping[str, Any]]:
     return (effect for kind in kinds for effect in record.get(kind, ()))
-
-
-DIAGNOSIS = {
-    "hypotheses-add-up-to-1": Rule(
-        "Probabilities of hypotheses add up to 1.",
-        _hypotheses,
-    ),
-    "shares-add-up-to-1": Rule(
-        "Shares along axes are within 0 and 1, and add up to 1 with what no axis explains.",
-        _shares,
-    ),
-    "gap-is-measured": Rule(
-        "A systematic gap is not far above what held-out data show before causes are added, nor "
-        "above scatter.",
-        _gap_measured,
-    ),
-    "shrink-of-a-gap": Rule(
-        "A shrink is told only of a gap that is above its floor with 0.95, and is 1.2 at most.",
-        _shrinks,
-    ),
-    "remainder-by-evidence": Rule(
-        "What the causes leave is significant only where its Bayes factor is in its favour.",
-        _remainder,
-    ),
-    "verdict-follows": Rule(
-        "The verdict and its probability follow from the probabilities by the rules.",
-        _verdict,
-    ),
-    "causes-act": Rule(
-        "A cause, or what is present, acts with 0.9 at least, and what is possible with 0.1.",
-        _causes_act,
-    ),
-    "inclusion-follows": Rule(
-        "The probability that an effect acts is that of all hypotheses which have it.",
-        _acting,
-    ),
-    "drive-limit-above-friction": Rule(
-        "A limit of the drive lies above the friction that the drive overcomes.",
-        _limits,
-    ),
-    "sizes-above-0": Rule(
-        "Root mean squares, strengths and scatter are not below 0.",
-        _sizes,
-    ),
-    "curves-within-bands": Rule(
-        "The curve along an axis lies within its band.",
-        _bands,
-    ),
-}
-"""Rules of ``diagnosis.json``, by name."""

@@ -3,14 +3,19 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from bayesfric.invariants.common import Rule, places
+from bayesfric.invariants.common import Rule, places, rule
 
 ROUNDING = 1e-9
 LEAST_R_HAT = 0.95  # chains agree no better than as if they were one
 SHARES = 1e-6
 
 
-def _parameters(record: Mapping[str, Any]) -> list[str]:
+FIT: dict[str, Rule] = {}
+"""Rules of ``fit.json``, by name."""
+
+
+@rule(FIT, "A parameter has draws, an R-hat about 1 or above, and a contraction of 1 at most.")
+def _parameters_are_drawn(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in places(record):
         if not (isinstance(entry, Mapping) and "r_hat" in entry and "mcse_mean" in entry):
@@ -26,11 +31,12 @@ def _parameters(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-BOTH_WAYS = ("normal(", "student-t(", "uniform(")
-"""Priors of numbers that may be below 0, such as the latency between two clocks."""
-
-
-def _positive(record: Mapping[str, Any]) -> list[str]:
+@rule(
+    FIT,
+    "Scatter and noise are above 0, and so is friction that c1 and c2 make; an "
+    "offset, whose prior goes both ways, need not be.",
+)
+def _positive_where_it_must_be(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     groups = {"scatter": record["scatter"], "noise": record["noise"]}
     for size, law in record["pulleys"].items():
@@ -42,13 +48,23 @@ def _positive(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _counted(record: Mapping[str, Any]) -> list[str]:
+@rule(FIT, "No more trials are used than were recorded.")
+def _trials_counted(record: Mapping[str, Any]) -> list[str]:
     quality = record["data_quality"]
     if quality["trials_used"] > quality["trials"]:
         return [f"{quality['trials_used']} trials are used of {quality['trials']}"]
     return []
 
 
+BOTH_WAYS = ("normal(", "student-t(", "uniform(")
+"""Priors of numbers that may be below 0, such as the latency between two clocks."""
+
+
+CLAIMS: dict[str, Rule] = {}
+"""Rules of ``claims.json``, by name."""
+
+
+@rule(CLAIMS, "What cannot be tested has no Bayes factor, and a standard error is not below 0.")
 def _claims_follow(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for claim in record["claims"]:
@@ -61,7 +77,14 @@ def _claims_follow(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _violations(record: Mapping[str, Any]) -> list[str]:
+MARGINS: dict[str, Rule] = {}
+"""Rules of ``margins.json``, by name."""
+
+
+@rule(
+    MARGINS, "A spec has a probability that it is missed or a reason why not; nothing else has one."
+)
+def _violations_of_specs(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, metric in places(record["loops"], "loops"):
         if not (isinstance(metric, Mapping) and "probability_of_violation" in metric):
@@ -71,7 +94,8 @@ def _violations(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _ascending(record: Mapping[str, Any]) -> list[str]:
+@rule(MARGINS, "Quantiles of a metric ascend, and so do the gains at which hunting is looked for.")
+def _quantiles_ascend(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in places(record["loops"], "loops"):
         if not isinstance(entry, Mapping):
@@ -86,7 +110,8 @@ def _ascending(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _variance(record: Mapping[str, Any]) -> list[str]:
+@rule(MARGINS, "Shares of a metric's variance are within 0 and 1.")
+def _variance_shares(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for loop in record["loops"]:
         for metric, shares in loop["variance_share"].items():
@@ -96,7 +121,12 @@ def _variance(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _rates(record: Mapping[str, Any]) -> list[str]:
+SCORECARD: dict[str, Rule] = {}
+"""Rules of ``scorecard.json``, by name."""
+
+
+@rule(SCORECARD, "A rate lies within its interval, and both within 0 and 1.")
+def _rates_within_intervals(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in _all_rates(record):
         low, high = entry["low"], entry["high"]
@@ -106,13 +136,8 @@ def _rates(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-def _all_rates(record: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    for place, entry in places(record):
-        if isinstance(entry, Mapping) and {"rate", "low", "high"} <= set(entry):
-            yield place, entry
-
-
-def _accurate(record: Mapping[str, Any]) -> list[str]:
+@rule(SCORECARD, "The accuracy is that of the cases.")
+def _accuracy_of_cases(record: Mapping[str, Any]) -> list[str]:
     cases, rate = record["cases"], record["accuracy"]["rate"]
     if not cases or rate is None:
         return []
@@ -124,52 +149,7 @@ def _accurate(record: Mapping[str, Any]) -> list[str]:
     )
 
 
-FIT = {
-    "parameters-are-drawn": Rule(
-        "A parameter has draws, an R-hat about 1 or above, and a contraction of 1 at most.",
-        _parameters,
-    ),
-    "positive-where-it-must-be": Rule(
-        "Scatter and noise are above 0, and so is friction that c1 and c2 make; an offset, whose "
-        "prior goes both ways, need not be.",
-        _positive,
-    ),
-    "trials-counted": Rule(
-        "No more trials are used than were recorded.",
-        _counted,
-    ),
-}
-"""Rules of ``fit.json``, by name."""
-CLAIMS = {
-    "claims-follow": Rule(
-        "What cannot be tested has no Bayes factor, and a standard error is not below 0.",
-        _claims_follow,
-    )
-}
-"""Rules of ``claims.json``, by name."""
-MARGINS = {
-    "violations-of-specs": Rule(
-        "A spec has a probability that it is missed or a reason why not; nothing else has one.",
-        _violations,
-    ),
-    "quantiles-ascend": Rule(
-        "Quantiles of a metric ascend, and so do the gains at which hunting is looked for.",
-        _ascending,
-    ),
-    "variance-shares": Rule(
-        "Shares of a metric's variance are within 0 and 1.",
-        _variance,
-    ),
-}
-"""Rules of ``margins.json``, by name."""
-SCORECARD = {
-    "rates-within-intervals": Rule(
-        "A rate lies within its interval, and both within 0 and 1.",
-        _rates,
-    ),
-    "accuracy-of-cases": Rule(
-        "The accuracy is that of the cases.",
-        _accurate,
-    ),
-}
-"""Rules of ``scorecard.json``, by name."""
+def _all_rates(record: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    for place, entry in places(record):
+        if isinstance(entry, Mapping) and {"rate", "low", "high"} <= set(entry):
+            yield place, entry

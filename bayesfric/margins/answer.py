@@ -16,7 +16,7 @@ from bayesfric.margins.spec import HUNTS
 from bayesfric.margins.terms import chance_of_missing
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import bound_of, stated_of_draws
-from bayesfric.schemas import GammaProbability, Metric
+from bayesfric.schemas.margins import GammaProbability, Metric
 
 STEP = 0.05
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, evenly
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.schemas import Bode
+from bayesfric.schemas.margins import Bode
 
 DRAWS = 100
 LOWEST, HIGHEST = 0.05, 50.0
@@ -21,7 +21,7 @@ def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
 
     Phase is followed from the lowest frequency on, where it lies between −315° and 45°.
     """
-    rows = np.unique(np.linspace(0, shaft.friction.size - 1, DRAWS).astype(np.intp))
+    rows = evenly(shaft.friction.size, DRAWS)
     own = float(np.median(natural_frequency(shaft)))
     top = min(HIGHEST * own, np.pi / float(np.median(shaft.sample_time)))
     omega = np.geomspace(LOWEST * own, top, DENSE)

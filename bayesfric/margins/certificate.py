@@ -31,7 +31,7 @@ Transactions on Automatic Control 42(6) (1997): several nonlinearities at once.
 
 import numpy as np
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, evenly
 from bayesfric.margins.linear import is_stable
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
@@ -39,7 +39,7 @@ from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.rows import ROUNDING, interval_of
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.margins.verification import jeffreys
-from bayesfric.schemas import Certificate
+from bayesfric.schemas.margins import Certificate
 
 MOST_DRAWS = 200
 """Draws that are looked at."""
@@ -159,7 +159,7 @@ def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, s
     why = not_applicable(shaft)
     if why is not None:
         return None, why
-    place = np.unique(np.linspace(0, hunting.rows.size - 1, MOST_DRAWS).astype(np.intp))
+    place = evenly(hunting.rows.size, MOST_DRAWS)
     some, threshold = shaft.taken(hunting.rows[place]), hunting.threshold[place]
     slope = largest_slope(some)
     count = slope.size

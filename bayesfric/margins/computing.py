@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayesfric.analysis import Analysis
-from bayesfric.attention import of_margins
+from bayesfric.attention.margins import of_margins
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.cable_run import Direction
@@ -16,7 +16,7 @@ from bayesfric.margins.following import needs_motion
 from bayesfric.margins.inputs import refused
 from bayesfric.margins.law_used import LawAsked, choose_law
 from bayesfric.margins.loop_file import Loop
-from bayesfric.margins.loop_margins import loop_margins
+from bayesfric.margins.loop_margins import Asked, loop_margins
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
@@ -160,19 +160,10 @@ def compute_margins(
     for loop in read:
         _refuse_unstable(loop, posterior, ensembles)
     margins, loops_drawn = [], []
+    asked = Asked(analysis.seed, verify, tune, ensembles, max(simulated, 2))
     for place, loop in enumerate(read):
         progress(place, len(read))
-        shaft, margins_of_loop = loop_margins(
-            loop,
-            posterior,
-            discrepancy,
-            chosen.beside,
-            analysis.seed,
-            verify,
-            tune,
-            ensembles,
-            max(simulated, 2),
-        )
+        shaft, margins_of_loop = loop_margins(loop, posterior, discrepancy, chosen.beside, asked)
         margins.append(margins_of_loop)
         nominal = at_shaft(loop, nominal_assembly(loop, posterior), float(shaft.estimate.mean()))
         loops_drawn.append(Ensemble(nominal, shaft))

@@ -7,7 +7,7 @@ from bayesfric.margins.describing import effective_damping, natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import RevoluteJoint
 from bayesfric.margins.quantities import central
-from bayesfric.schemas import Plant
+from bayesfric.schemas.margins import Plant
 
 
 def plant_of(shaft: LoopAtShaft) -> Plant:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import evenly
 from bayesfric.errors import Fault, InputError, needs_extra
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -39,7 +40,7 @@ class Ensemble:
     def some(self, draws: int) -> NDArray[np.intp]:
         """Return the numbers of so many draws, or all there are, spread evenly."""
         count = self.drawn.friction.size
-        return np.unique(np.linspace(0, count - 1, min(draws, count)).astype(np.intp))
+        return evenly(count, draws)
 
     def to_control(
         self, draws: int, direction: Direction | None = None

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, evenly
 from bayesfric.errors import Fault
 from bayesfric.margins.bode import SHOWN_QUANTILES
 from bayesfric.margins.describing import natural_frequency
@@ -23,7 +23,7 @@ from bayesfric.margins.rows import interval_of
 from bayesfric.margins.sampled_loop import CompensationSignal, SampledLoop
 from bayesfric.margins.scanning import speeds_of
 from bayesfric.margins.simulating import follow
-from bayesfric.schemas import Compensator, FollowedWith, Following, Trajectory
+from bayesfric.schemas.margins import Compensator, FollowedWith, Following, Trajectory
 
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5
@@ -137,7 +137,7 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
     Following
         Errors at the tool tip, joint behind reference.
     """
-    some = shaft.taken(np.unique(np.linspace(0, shaft.friction.size - 1, most).astype(np.intp)))
+    some = shaft.taken(evenly(shaft.friction.size, most))
     n = some.friction.size
     rest, paths = strokes(some)
     parts = zip(*(vars(path).values() for path, _ in paths.values()), strict=True)

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from bayesfric.attention import biased_numbers
+from bayesfric.attention.diagnosis import biased_numbers
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed
 from bayesfric.margins.posterior import Posterior
 from bayesfric.results import read_json
-from bayesfric.schemas import DiagnosisFile, LawNumber, LawUsed
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.margins import LawUsed
 
 LawAsked = Literal["fitted", "refitted"]
 NUMBERS_SHOWN = 3  # numbers of the law that are told as wrong

@@ -16,6 +16,11 @@ STIFF = 5.0
 """Phase of a cable's ringing in a sample above which it counts as stiff [rad]."""
 HEAVIER = 0.02
 """Of the lighter end's inertia, that a shaft between two cables is simulated with at least."""
+ALIKE = (
+    *("inertia", "viscous", "friction", "stiction_ratio", "falling", "falling_speed"),
+    *("kp", "kd", "ki", "sample_time", "delay", "boundary", "cable"),
+)
+"""What the simulator's loop has by the same name."""
 
 
 @dataclass(frozen=True)
@@ -310,27 +315,15 @@ class LoopAtShaft:
         """
         compensation = self.loop.compensation
         return SampledLoop(
-            inertia=self.inertia,
-            viscous=self.viscous,
-            friction=self.friction,
-            stiction_ratio=self.stiction_ratio,
-            falling=self.falling,
-            falling_speed=self.falling_speed,
+            **{name: getattr(self, name) for name in ALIKE},
             load_torque=self.net_load,
             velocity_cutoff=np.inf if self.cutoff is None else self.cutoff,
             position_cutoff=np.inf if self.position_cutoff is None else self.position_cutoff,
             encoder_at=self.loop.controller.encoder_at,
-            kp=self.kp,
-            kd=self.kd,
-            ki=self.ki,
-            sample_time=self.sample_time,
-            delay=self.delay,
             counts_per_revolution=self.counts,
             torque_limit=self.clip,
             compensation_signal=compensation.signal,
             compensation_gain=self.gamma if gamma is None else gamma,
             compensation_estimate=self.estimate,
-            boundary=self.boundary,
             at_rest=compensation.at_rest,
-            cable=self.cable,
         )

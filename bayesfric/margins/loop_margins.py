@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,15 +31,36 @@ from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.margins.rows import metric_rows
 from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
-from bayesfric.margins.tuning import meets_all_now
-from bayesfric.margins.tuning import tune as find_gains
+from bayesfric.margins.tuning import meets_all_now, tune
 from bayesfric.margins.variance import variance_shares
-from bayesfric.margins.verification import verify as verify_draws
+from bayesfric.margins.verification import verify
 from bayesfric.margins.warnings import loop_warnings
 from bayesfric.probabilities import stated_of_draws
-from bayesfric.schemas import HuntingMap, LoopMargins, Metric, WithEffects
+from bayesfric.schemas.margins import HuntingMap, LoopMargins, Metric, WithEffects
 
 SHARED = 1000  # draws for the shares of variance
+
+
+class Asked(NamedTuple):
+    """What is computed of each loop.
+
+    Parameters
+    ----------
+    seed : int
+        Of what is drawn for the machine.
+    verify : int
+        Draws that are held against an elastic cable.
+    tune, moves : bool
+        Whether gains are looked for, and whether references that move are simulated.
+    simulated : int
+        Draws in which hunting is simulated where no closed form holds, and motion.
+    """
+
+    seed: int
+    verify: int
+    tune: bool
+    moves: bool
+    simulated: int
 
 
 @dataclass(frozen=True)
@@ -89,11 +110,7 @@ def loop_margins(
     posterior: Posterior,
     discrepancy: RigDiscrepancy,
     diagnosed: Diagnosed | None,
-    seed: int,
-    verify: int,
-    tune: bool,
-    moves: bool,
-    simulated: int,
+    asked: Asked,
 ) -> tuple[LoopAtShaft, LoopMargins]:
     """Return a loop at the motor's shaft, and its entry in ``margins.json``.
 
@@ -107,15 +124,10 @@ def loop_margins(
         How far rigs differ.
     diagnosed : Diagnosed or None
         The law and the effects of a diagnosis.
-    seed : int
-        Of what is drawn for the machine.
-    verify : int
-        Draws that are held against an elastic cable.
-    tune, moves : bool
-        Whether gains are looked for, and whether references that move are simulated.
-    simulated : int
-        Draws in which hunting is simulated where no closed form holds, and motion.
+    asked : Asked
+        What is computed.
     """
+    seed, simulated = asked.seed, asked.simulated
     given = draw_assembly(loop, posterior, discrepancy, seed)
     shaft = reflected(loop, given)
     allowed, draws = loop.spec.limit_cycle_probability_max, posterior.effective_draws
@@ -156,7 +168,7 @@ def loop_margins(
         bode=bode_bands(shaft),
         warnings=loop_warnings(shaft, given, judged.linear, discrepancy, posterior),
         beyond=beyond,
-        **_on_request(shaft, hunting, verify, tune, moves, simulated),
+        **_on_request(shaft, hunting, asked),
     )
     return shaft, summary
 
@@ -202,16 +214,15 @@ def _answer(
     return " ".join([*sentences, *what_to_measure(shares)])
 
 
-def _on_request(
-    shaft: LoopAtShaft, hunting: Hunting, verify: int, tune: bool, moves: bool, simulated: int
-) -> dict[str, Any]:
+def _on_request(shaft: LoopAtShaft, hunting: Hunting, asked: Asked) -> dict[str, Any]:
     """Return the fields that take long and are computed only where they are asked for."""
     limit = shaft.loop.spec.violation_probability_max
+    why = _why_not_followed(shaft, asked.moves)
     return {
-        "verification": verify_draws(shaft, hunting, verify) if verify else None,
-        "tuning": find_gains(shaft, limit) if tune else None,
-        "following": follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
-        "following_why": _why_not_followed(shaft, moves),
+        "verification": verify(shaft, hunting, asked.verify) if asked.verify else None,
+        "tuning": tune(shaft, limit) if asked.tune else None,
+        "following": None if why else follow_all(shaft, asked.simulated),
+        "following_why": why,
     }
 
 

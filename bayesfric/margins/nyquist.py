@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import evenly
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.schemas import NyquistFan
+from bayesfric.schemas.margins import NyquistFan
 
 DRAWS = 12
 POINTS = 100
@@ -22,7 +23,7 @@ def nyquist_fans(shaft: LoopAtShaft) -> tuple[NyquistFan, ...]:
     The latter is motor speed per friction torque times √(kp J), a pure number: near ω_n it
     is 1/(2ζ).
     """
-    rows = np.unique(np.linspace(0, shaft.friction.size - 1, DRAWS).astype(np.intp))
+    rows = evenly(shaft.friction.size, DRAWS)
     scale = np.sqrt(shaft.kp * shaft.inertia)[rows, None]
     near = natural_frequency(shaft)[rows, None] * np.geomspace(0.1, 10.0, DENSE)[None, :]
     fans = []

@@ -16,7 +16,8 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.inference.diagnostics import mean_ess
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_json, read_tree, refuse_mixed
-from bayesfric.schemas import ClaimsFile, FitFile, RecordingId
+from bayesfric.schemas import ClaimsFile, FitFile
+from bayesfric.schemas.base import RecordingId
 from bayesfric.stored_names import name_of
 
 MOST_DRAWS = 4000

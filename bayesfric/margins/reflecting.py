@@ -1,6 +1,6 @@
 """A loop file and its numbers, reflected to the motor's shaft."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -10,36 +10,7 @@ from bayesfric.margins.cable_stage import in_series, lost_motion, stages_of
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
-from bayesfric.margins.wrist import Wrist, wrist_of
-
-
-class _JointKeys(NamedTuple):
-    """Keys of a joint that turns or slides, in the order in which its section has them."""
-
-    inertia: str
-    friction: str
-    viscous: str
-    load: str
-    transmission: str
-    peak_velocity: str
-    peak_acceleration: str
-
-    @classmethod
-    def of(cls, loop: Loop) -> "_JointKeys":
-        own = type(loop.joint).model_fields
-        return cls(*(f"joint.{key}" for key in own if key != "kind"))
-
-
-class _JointAtShaft(NamedTuple):
-    """A joint as the motor's shaft sees it, arrays of shape (draws,)."""
-
-    friction: Array  # N·m
-    inertia: Array  # kg·m²
-    viscous: Array  # N·m·s/rad
-    load: Array  # N·m
-    net_load: Array  # N·m, of which gravity compensation has taken its share
-    peak_velocity: Array  # rad/s
-    peak_acceleration: Array  # rad/s²
+from bayesfric.margins.wrist import JointAtShaft, wrist_of
 
 
 def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
@@ -60,10 +31,10 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         Of as many draws.
     """
     revolute = loop.joint.kind == "revolute"
-    ratio = given[_JointKeys.of(loop).transmission]
+    ratio = given[f"joint.transmission_rad_per_{'rad' if revolute else 'm'}"]
     rho = given["drive.capstan_radius_m"] / given["drive.gearbox_ratio"]
     wrist = wrist_of(loop, given)
-    joint = _joint_at_shaft(loop, given, wrist)
+    joint = _reflected_joint(loop, given, ratio) if wrist is None else wrist.joint
     motor_inertia = given["drive.inertia_kg_m2"]
     reduced = joint.inertia * motor_inertia / (joint.inertia + motor_inertia)
     stages = stages_of(loop, given, reduced)
@@ -114,29 +85,20 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
     )
 
 
-def _joint_at_shaft(loop: Loop, given: Assembly, wrist: Wrist | None) -> _JointAtShaft:
-    """Reflect the joint to the motor's shaft; one that shares motors with others is a wrist's."""
-    if wrist is not None:
-        return _JointAtShaft(
-            friction=wrist.friction,
-            inertia=wrist.inertia,
-            viscous=wrist.viscous,
-            load=wrist.load[wrist.axis],
-            net_load=wrist.net_load,
-            peak_velocity=wrist.peak_velocity,
-            peak_acceleration=wrist.peak_acceleration,
-        )
-    keys = _JointKeys.of(loop)
-    ratio, load = given[keys.transmission], given[keys.load]
+def _reflected_joint(loop: Loop, given: Assembly, ratio: Array) -> JointAtShaft:
+    """Reflect a joint that has its motor for itself to the motor's shaft."""
+    # Sections of joints that turn and that slide have their keys in one order.
+    own = [f"joint.{key}" for key in type(loop.joint).model_fields if key != "kind"]
+    inertia, friction, viscous, load, _, speed, pull = (given[key] for key in own)
     compensated = given["controller.gravity_compensation"] * _expected_load(loop)
-    return _JointAtShaft(
-        friction=given[keys.friction] / ratio,
-        inertia=given[keys.inertia] / ratio**2,
-        viscous=given[keys.viscous] / ratio**2,
+    return JointAtShaft(
+        friction=friction / ratio,
+        inertia=inertia / ratio**2,
+        viscous=viscous / ratio**2,
         load=load / ratio,
         net_load=(load - compensated) / ratio,
-        peak_velocity=given[keys.peak_velocity] * ratio,
-        peak_acceleration=given[keys.peak_acceleration] * ratio,
+        peak_velocity=speed * ratio,
+        peak_acceleration=pull * ratio,
     )
 
 

@@ -1,6 +1,7 @@
 """The metrics of a loop as rows of ``margins.json``, each with the notes that its reader needs."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,8 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import Key, Linear, spec_of
 from bayesfric.margins.rules import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.schemas import Interval, Metric
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import Metric
 
 LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
 """Probabilities at which a metric's quantiles are stored."""
@@ -60,18 +62,26 @@ def metric_rows(
         directions = shaft.directions if rule.name in LINEAR else (None,)
         for direction in directions:
             value = simulated.get(rule.name, values.get((rule.name, direction)))
-            rows.append(_row(rule, direction, value, shaft, linear, hunting, effective_draws))
+            about = _About(rule, direction, shaft, linear, hunting)
+            rows.append(_row(about, value, effective_draws))
     return tuple(rows)
+
+
+class _About(NamedTuple):
+    """What a row is of: a metric in a direction, and the loop."""
+
+    rule: Rule
+    direction: Direction | None
+    shaft: LoopAtShaft
+    linear: Mapping[Direction | None, Linear]
+    hunting: Hunting
 
 
 def interval_of(values: Array) -> Interval:
     """Return the five numbers of a distribution, without spread where that is rounding."""
     if np.ptp(values) <= ROUNDING * np.abs(values).max():
-        values = np.full(values.shape, values[0])
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
-    sd = 0.0 if np.ptp(values) == 0 else float(values.std(ddof=1))
-    mean = float(values[0]) if sd == 0 else float(values.mean())
-    return Interval(mean=mean, sd=sd, q05=float(low), q50=float(middle), q95=float(high))
+        return Interval.of(values[0], 0.0, np.full(3, values[0]))
+    return Interval.of_draws(values, ddof=1)
 
 
 def standard_error(probability: float, draws: float) -> float:
@@ -80,15 +90,8 @@ def standard_error(probability: float, draws: float) -> float:
     return float(np.sqrt(p * (1 - p) / draws))
 
 
-def _row(
-    rule: Rule,
-    direction: Direction | None,
-    value: Array | None,
-    shaft: LoopAtShaft,
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-    effective_draws: float,
-) -> Metric:
+def _row(about: _About, value: Array | None, effective_draws: float) -> Metric:
+    rule, direction, shaft, linear, hunting = about
     spec = spec_of(rule, shaft)
     if rule.name == "gamma_hunting" and shaft.loop.compensation.signal != "none":
         spec = float(np.median(shaft.gamma))
@@ -108,13 +111,8 @@ def _row(
     if value is not None and slack:
         value, missing = value[taut], "a side of the pair goes slack in every draw"
     if value is None or value.size == 0:
-        return Metric(
-            **fields,
-            interval=None,
-            interval_why=missing,
-            probability_of_violation_why=missing,
-            monte_carlo_se_why=missing,
-        )
+        whys = ("interval_why", "probability_of_violation_why", "monte_carlo_se_why")
+        return Metric(**fields, interval=None, **dict.fromkeys(whys, missing))
     draws = min(effective_draws, float(value.size))
     probability = _probability_of_violation(rule, spec, value, hunting, slack)
     finite = value[np.isfinite(value)]
@@ -136,7 +134,7 @@ def _row(
         probability_of_violation_why=None if probability is not None else "nothing is asked for",
         monte_carlo_se=error,
         monte_carlo_se_why=None if error is not None else missing,
-        note=_note(rule, direction, interval, value, finite, shaft, linear, hunting),
+        note=_note(about, interval, value, finite),
     )
 
 
@@ -186,16 +184,8 @@ def _missing(name: str, value: Array | None, shaft: LoopAtShaft, hunting: Huntin
     return f"{share:.1%} of the draws have no such crossing"
 
 
-def _note(
-    rule: Rule,
-    direction: Direction | None,
-    interval: Interval | None,
-    value: Array,
-    finite: Array,
-    shaft: LoopAtShaft,
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-) -> str:
+def _note(about: _About, interval: Interval | None, value: Array, finite: Array) -> str:
+    rule, direction, shaft, linear, hunting = about
     notes = [rule.note] if rule.note else []
     if rule.name in TAUT and not shaft.taut.all():
         notes.append(f"in the {shaft.taut.mean():.1%} of the draws in which both sides stay taut; "

@@ -1,7 +1,7 @@
 """A sampled position loop of a motor shaft with friction, as the simulator takes it."""
 
-from dataclasses import dataclass, fields
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -168,14 +168,8 @@ class SampledLoop:
         SampledLoop
             Of m draws.
         """
-        numbers = {name: self.array(name)[index] for name in self.numbers()}
-        return SampledLoop(
-            compensation_signal=self.compensation_signal,
-            at_rest=self.at_rest,
-            encoder_at=self.encoder_at,
-            cable=taken(self.cable, index),
-            **numbers,
-        )
+        numbers: dict[str, Any] = {name: self.array(name)[index] for name in self.numbers()}
+        return replace(self, cable=taken(self.cable, index), **numbers)
 
     def array(self, name: str) -> Array:
         """Return a field as an array of shape (draws,).

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from bayesfric.margins.loop_file import Spec
-from bayesfric.schemas import Metric
+from bayesfric.schemas.margins import Metric
 
 HUNTS = "limit_cycle_probability"
 """What a miss of ``spec.limit_cycle_probability_max`` is called."""

@@ -6,7 +6,8 @@ import numpy as np
 
 from bayesfric.margins.spec import HUNTS
 from bayesfric.probabilities import stated_of_draws
-from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import LoopMargins, Metric, Tuning
 
 HALF_A_DRAW = float(np.sqrt(0.5))
 """The Monte Carlo error of what none or all of n draws have is this over n."""
@@ -45,9 +46,7 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
     interval = metric.interval
     if interval is not None:
         low, middle, high = (turned(value) for value in (interval.q05, interval.q50, interval.q95))
-        interval = Interval(
-            mean=middle, sd=(high - low) / NORMAL_WIDTH, q05=low, q50=middle, q95=high
-        )
+        interval = Interval.of(middle, (high - low) / NORMAL_WIDTH, np.array([low, middle, high]))
     return metric.model_copy(
         update={
             "unit": unit,

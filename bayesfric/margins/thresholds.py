@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array, Flags, Whole, evenly
 from bayesfric.margins.describing import (
     formula_conditions,
     formula_threshold,
@@ -114,9 +114,9 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     inside, broken = formula_conditions(shaft)
     if speeds == (REST,) and inside.all():
         return _by_formula(shaft)
-    rows = np.unique(np.linspace(0, inside.size - 1, most).astype(np.intp))
+    rows = evenly(inside.size, most)
     some = shaft.taken(rows)
-    few = np.unique(np.linspace(0, rows.size - 1, MAPPED).astype(np.intp))
+    few = evenly(rows.size, MAPPED)
     gammas = GAMMAS if shaft.loop.compensation.signal != "none" else GAMMAS[:1]
     chart, motion = look(some, speeds, few, gammas)
     hunts = motion.hunts

@@ -11,14 +11,14 @@ from itertools import islice
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags
+from bayesfric.arrays import Array, Flags, evenly
 from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.thresholds import Hunting, find_hunting
-from bayesfric.schemas import Tuning
+from bayesfric.schemas.margins import Tuning
 
 STEPS = 11
 GRID_DRAWS, FINAL_DRAWS = 60, 2000
@@ -215,4 +215,4 @@ def _any(flags: dict[str, Flags], shaft: LoopAtShaft) -> Flags:
 
 
 def _evenly(shaft: LoopAtShaft, count: int) -> LoopAtShaft:
-    return shaft.taken(np.unique(np.linspace(0, shaft.gamma.size - 1, count).astype(np.intp)))
+    return shaft.taken(evenly(shaft.gamma.size, count))

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array, Flags, Whole, evenly
 from bayesfric.margins.describing import formula_conditions, steady_error
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -20,7 +20,7 @@ from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.simulating import LoopMotion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.schemas import Held, Verification, VerifiedDraw
+from bayesfric.schemas.margins import Held, Verification, VerifiedDraw
 
 TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
 STEPS_FOR_ONE = 4
@@ -48,7 +48,7 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
     Verification
         With each draw.
     """
-    places = np.unique(np.linspace(0, hunting.rows.size - 1, count).astype(np.intp))
+    places = evenly(hunting.rows.size, count)
     rows = hunting.rows[places]
     some = shaft.taken(rows)
     inside, _ = formula_conditions(some)

@@ -23,6 +23,19 @@ Floats = tuple[float, ...]
 
 
 @dataclass(frozen=True)
+class JointAtShaft:
+    """A joint as the motor's shaft sees it, arrays of shape (draws,)."""
+
+    friction: Array  # N·m
+    inertia: Array  # kg·m²
+    viscous: Array  # N·m·s/rad
+    load: Array  # N·m
+    net_load: Array  # N·m, of which gravity compensation has taken its share
+    peak_velocity: Array  # rad/s
+    peak_acceleration: Array  # rad/s²
+
+
+@dataclass(frozen=True)
 class Wrist:
     """The coupled joints around one motor; arrays of shape (draws,), tuples an entry a motor.
 
@@ -36,14 +49,10 @@ class Wrist:
         C_mk, how far this joint alone turns each motor [rad/rad].
     compliance : tuple of float
         (D Dᵀ)_kj, what a torque on each joint turns this one by, times a motor's stiffness.
-    inertia, viscous, friction : ndarray
-        Of the joints at this motor [kg·m², N·m·s/rad, N·m].
+    joint : JointAtShaft
+        All joints as this motor sees them, in their fastest motion together.
     load : tuple of ndarray
         Of the joints at each motor [N·m].
-    net_load : ndarray
-        What gravity compensation leaves of it at this motor [N·m].
-    peak_velocity, peak_acceleration : ndarray
-        Of this motor with all joints in their fastest motion [rad/s, rad/s²].
     swing : ndarray
         Torque that inertia and viscous friction of the joints then ask of it [N·m].
     joint_friction, joint_load, joint_net_load : tuple of ndarray
@@ -54,13 +63,8 @@ class Wrist:
     own_row: Floats
     own_column: Floats
     compliance: Floats
-    inertia: Array
-    viscous: Array
-    friction: Array
+    joint: JointAtShaft
     load: tuple[Array, ...]
-    net_load: Array
-    peak_velocity: Array
-    peak_acceleration: Array
     swing: Array
     joint_friction: tuple[Array, ...]
     joint_load: tuple[Array, ...]
@@ -128,18 +132,22 @@ def wrist_of(loop: Loop, given: Assembly) -> Wrist | None:
         for inertia_of_joint, rise, drag, fast in zip(inertia, pull, viscous, speed, strict=True)
     ]
     turned = np.abs(d[:, k])
+    load_at_motors = tuple(_weighted(d[:, motor], load) for motor in range(len(c)))
     return Wrist(
         axis=k,
         own_row=tuple(map(float, d[k])),
         own_column=tuple(map(float, c[:, k])),
         compliance=tuple(map(float, d[k] @ d.T)),
-        inertia=_weighted(turned**2, inertia),
-        viscous=_weighted(turned**2, viscous),
-        friction=_weighted(turned, friction),
-        load=tuple(_weighted(d[:, motor], load) for motor in range(len(c))),
-        net_load=_weighted(d[:, k], net),
-        peak_velocity=_weighted(np.abs(c[k]), speed),
-        peak_acceleration=_weighted(np.abs(c[k]), pull),
+        joint=JointAtShaft(
+            friction=_weighted(turned, friction),
+            inertia=_weighted(turned**2, inertia),
+            viscous=_weighted(turned**2, viscous),
+            load=load_at_motors[k],
+            net_load=_weighted(d[:, k], net),
+            peak_velocity=_weighted(np.abs(c[k]), speed),
+            peak_acceleration=_weighted(np.abs(c[k]), pull),
+        ),
+        load=load_at_motors,
         swing=_weighted(turned, asked),
         joint_friction=tuple(friction),
         joint_load=tuple(load),

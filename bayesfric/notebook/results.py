@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import pandas as pd
 
@@ -12,7 +12,8 @@ from bayesfric.diagnosis.diagnosed import Diagnosed
 from bayesfric.fitting.result import Fit
 from bayesfric.margins.computing import Margins
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import FitFile, Interval, ScorecardFile
+from bayesfric.schemas import FitFile, ScorecardFile
+from bayesfric.schemas.base import Interval
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,14 +21,29 @@ if TYPE_CHECKING:
 LINES_SHOWN = 9  # lines below the first
 
 
-@dataclass(frozen=True, repr=False)
-class FitResult(Fit):
-    """A fit, at a prompt."""
+class _AtPrompt:
+    """A result that shows itself."""
 
     @classmethod
-    def of(cls, fit: Fit) -> "FitResult":
-        """Return the same fit as one that shows itself."""
-        return cls(**_as_is(fit))
+    def of(cls, result: Any) -> Self:
+        """Return the same result as one that shows itself."""
+        return cls(**{field.name: getattr(result, field.name) for field in fields(result)})
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return its numbers as a table."""
+        raise NotImplementedError
+
+    @property
+    def _title(self) -> str:
+        return repr(self).splitlines()[0]
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(self._title)}</p>{self.to_dataframe().to_html()}"
+
+
+@dataclass(frozen=True, repr=False)
+class FitResult(_AtPrompt, Fit):
+    """A fit, at a prompt."""
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the coefficients: a row for each pulley size and coefficient."""
@@ -68,18 +84,10 @@ class FitResult(Fit):
         ]
         return _lines(f"Fit of {self.summary.recording.name}, {converged}", lines)
 
-    def _repr_html_(self) -> str:
-        return _html(repr(self).splitlines()[0], self.to_dataframe())
-
 
 @dataclass(frozen=True, repr=False)
-class ClaimsResult(Checked):
+class ClaimsResult(_AtPrompt, Checked):
     """The paper's claims, judged, at a prompt."""
-
-    @classmethod
-    def of(cls, checked: Checked) -> "ClaimsResult":
-        """Return the same verdicts as a result that shows itself."""
-        return cls(**_as_is(checked))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the claims: a row each."""
@@ -114,18 +122,10 @@ class ClaimsResult(Checked):
         lines = [f"{claim.id:<24} {claim.verdict}" for claim in self.summary.claims]
         return _lines(f"Claims on {self.summary.recording.name}", lines)
 
-    def _repr_html_(self) -> str:
-        return _html(repr(self).splitlines()[0], self.to_dataframe())
-
 
 @dataclass(frozen=True, repr=False)
-class DiagnosisResult(Diagnosed):
+class DiagnosisResult(_AtPrompt, Diagnosed):
     """A diagnosis, at a prompt."""
-
-    @classmethod
-    def of(cls, diagnosed: Diagnosed) -> "DiagnosisResult":
-        """Return the same diagnosis as one that shows itself."""
-        return cls(**_as_is(diagnosed))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the effects: a row each, the most probable first."""
@@ -187,18 +187,14 @@ class DiagnosisResult(Diagnosed):
         ]
         return _lines(f"Diagnosis of {self.summary.recording.name}: {self.summary.verdict}", lines)
 
-    def _repr_html_(self) -> str:
-        return _html(" ".join(repr(self).splitlines()[:2]), self.to_dataframe())
+    @property
+    def _title(self) -> str:
+        return " ".join(repr(self).splitlines()[:2])
 
 
 @dataclass(frozen=True, repr=False)
-class MarginsResult(Margins):
+class MarginsResult(_AtPrompt, Margins):
     """Margins of loops, at a prompt."""
-
-    @classmethod
-    def of(cls, margins: Margins) -> "MarginsResult":
-        """Return the same margins as a result that shows itself."""
-        return cls(**_as_is(margins))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the metrics: a row for each loop and metric."""
@@ -238,8 +234,9 @@ class MarginsResult(Margins):
         lines = [f"{loop.name}: {loop.answer}" for loop in self.summary.loops]
         return _lines("Margins", lines)
 
-    def _repr_html_(self) -> str:
-        return _html(repr(self), self.to_dataframe())
+    @property
+    def _title(self) -> str:
+        return repr(self)
 
 
 @dataclass(frozen=True, repr=False)
@@ -293,10 +290,6 @@ class Results:
         return "".join(result._repr_html_() for result in there if result is not None)
 
 
-def _as_is(result: Any) -> dict[str, Any]:
-    return {field.name: getattr(result, field.name) for field in fields(result)}
-
-
 def _numbers(interval: Interval) -> dict[str, float]:
     return {name: getattr(interval, name) for name in ("mean", "sd", "q05", "q50", "q95")}
 
@@ -306,7 +299,3 @@ def _lines(first: str, lines: Iterable[str]) -> str:
     if len(rest) > LINES_SHOWN:
         rest = [*rest[: LINES_SHOWN - 1], f"and {len(rest) - LINES_SHOWN + 1} more"]
     return "\n".join([first, *(f"  {line}".rstrip() for line in rest)])
-
-
-def _html(title: str, table: pd.DataFrame) -> str:
-    return f"<p>{escape(title)}</p>{table.to_html()}"

@@ -4,17 +4,22 @@ What one more trial tells is asked of these by :mod:`bayesfric.planning` and
 :mod:`bayesfric.diagnosis.next_experiment`; a rig says which columns make its conditions.
 """
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from bayesfric.arrays import Whole
+from bayesfric.arrays import evenly
+
+UNIT = re.compile("_(deg|kg|n_m|n|m_s|m|rad_s|s|rad|hz)$")
+PRINTED = {"n": "N", "n_m": "N·m", "m_s": "m/s", "rad_s": "rad/s", "hz": "Hz"}
 
 
-def evenly(count: int, most: int) -> Whole:
-    """Return at most `most` of `count` places, evenly, the ends among them."""
-    return np.unique(np.linspace(0, count - 1, most).astype(np.intp))
+def name_and_unit(name: str) -> tuple[str, str]:
+    """Return the name of a setting without its unit, and the unit: velocity, and m/s."""
+    unit = UNIT.search(name)
+    return (name[: unit.start()], PRINTED.get(unit[1], unit[1])) if unit else (name, "")
 
 
 def levels_of(column: "pd.Series[float]", most: int | None = None) -> pd.DataFrame:

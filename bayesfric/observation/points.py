@@ -14,11 +14,10 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.inference.priors import LOG_2PI
 from bayesfric.observation.layout import ModelColumns
-from bayesfric.observation.linear import Evaluated
+from bayesfric.observation.linear import Evaluated, Windows
 from bayesfric.observation.part import ColumnsPart, laid_columns, row_weights, scattering_column
 from bayesfric.observation.point_rows import PointRows
 from bayesfric.observation.shared_deviation import NestedDeviations, indicator, second_moments
-from bayesfric.observation.windows import Windows
 
 
 class _WeightedReadings(NamedTuple):

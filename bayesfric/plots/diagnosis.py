@@ -14,7 +14,9 @@ from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.live import Band, Chart, Cloud, Curve
 from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key, line_key
 from bayesfric.probabilities import stated
-from bayesfric.schemas import Axis, Inclusion, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Inclusion
+from bayesfric.schemas.diagnosis import Axis
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 BARS = 10  # axes whose share is drawn; the table has all

@@ -99,7 +99,7 @@ def coefficients_relative_to_paper(
         axes.set_yticks(rows, labels)
         axes.set_ylim(row - 1.4, -0.6)
         axes.grid(visible=False, axis="y")
-        axes.set_xlabel("posterior / value in Table I (thick: 50 %, thin: 90 %)")
+        axes.set_xlabel("posterior / the paper's value (thick: 50 %, thin: 90 %)")
         return fig
 
 
@@ -155,9 +155,9 @@ def ratio_charts(
     return [
         Chart(
             title="Median and 90 % interval",
-            x_label="posterior / value in Table I",
+            x_label="posterior / the paper's value",
             y_label="",
-            columns=["coefficient", "over Table I, 90 %", "median", "Table I"],
+            columns=["coefficient", "over the paper's, 90 %", "median", "the paper's"],
             clouds=clouds,
             curves=[Curve("", COLORS["black"], np.ones(2), line, dashed=True)],
             rows=[f"{name} {size}" for name, size in rows],
@@ -274,9 +274,9 @@ def _keys(color: str, shown: list[float | None], marks: list[float | None]) -> l
         Patch(color=color, alpha=0.4, label="holds 86 % of the draws"),
     ]
     if any(mark is not None for mark in shown):
-        keys.append(line_key("Table I", color=COLORS["black"], linewidth=0.9, linestyle="--"))
+        keys.append(line_key("paper", color=COLORS["black"], linewidth=0.9, linestyle="--"))
     for name, seen, mark in zip(PRINTED, shown, marks, strict=True):
         if mark is not None and seen is None:
-            text = f"Table I beyond the panel: {parameter_label(name)} = {mark:.4g}"
+            text = f"paper beyond the panel: {parameter_label(name)} = {mark:.4g}"
             keys.append(Patch(color="none", label=text))
     return keys

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
-from bayesfric.schemas import Confusion, Detected, ReliabilityBin, ScorecardFile, Target
+from bayesfric.schemas import ScorecardFile
+from bayesfric.schemas.scorecard import Confusion, Detected, ReliabilityBin, Target
 
 ROW_MM = 4.4
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high

@@ -72,7 +72,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
             panels[1, column].set_xlim(left=0)
         keys = _keys()
         if np.isfinite(table["slope_paper"].to_numpy()).any():
-            keys.append(line_key("Table I", **PAPER_LINE))
+            keys.append(line_key("paper's law", **PAPER_LINE))
         key(fig, keys, ncols=len(keys))
         return fig
 

@@ -197,5 +197,5 @@ def _keys(markers: dict[int, str], has_paper: bool) -> list[Artist]:
     keys.append(area_key("law, 5 % to 95 %", 0.5))
     keys.append(area_key("new trials, 5 % to 95 %", color=_pale(NEUTRAL)))
     if has_paper:
-        keys.append(line_key("Table I", **PAPER_LINE))
+        keys.append(line_key("paper's law", **PAPER_LINE))
     return keys

@@ -10,6 +10,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.question import question_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.telemetry import Telemetry, telemetry_of
+from bayesfric.observation.feasible import name_and_unit
 from bayesfric.planning import Power
 from bayesfric.planning import power as power_of_conditions
 from bayesfric.readiness.advice import advice_for
@@ -99,7 +100,8 @@ class Part:
                 text += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
             unit = "" if row["unit"] == "1" else f" {row['unit']}"
             text += f"{unit}, of about {row['value']:.3g}"
-            yield f"  {name!s:<24} {text if row['informed'] else 'left to its prior'}"
+            said = text if row["informed"] else "left to its prior"
+            yield f"  {self._called(str(name)):<24} {said}"
         if self.power.beside:
             names = ", ".join(self.power.beside)
             yield f"  these errors are beside {names}, which a first look shows"
@@ -115,6 +117,12 @@ class Part:
                 yield f"  {row['effect']} and {row['other']} (correlation {row['correlation']:.2f})"
         yield from self._next()
 
+    def _called(self, number: str) -> str:
+        """Return what a number of the law is called: the mass of a joint that turns is inertia."""
+        assert self.power is not None
+        unit = self.power.coefficients["unit"].get(number, "")
+        return "inertia" if number == "mass" and unit != "kg" else number
+
     def _next(self) -> Iterator[str]:
         assert self.power is not None
         proposals = self.power.next_condition
@@ -126,11 +134,19 @@ class Part:
         most = proposals if proposals.empty else proposals.nsmallest(MOST_SHOWN, "factor")
         for name, row in most.iterrows():
             setting = ", ".join(
-                f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
+                _setting(str(key), value)
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
-            yield f"  {name} would be known {1 - row['factor']:.0%} better by: {setting}"
+            better = f"{1 - row['factor']:.0%} better by: {setting}"
+            yield f"  {self._called(str(name))} would be known {better}"
+
+
+def _setting(name: str, value: object) -> str:
+    """Write a setting of a run to record: duration 3.9 s."""
+    own, unit = name_and_unit(name)
+    number = f"{value:.3g}" if isinstance(value, float) else f"{value}"
+    return f"{own.replace('_', ' ')} {number} {unit}".rstrip()
 
 
 def _in_two_columns(cells: list[str]) -> Iterator[str]:

@@ -71,11 +71,14 @@ class Notice:
     text : str, inline or sequence of inlines
     title : str, optional
         By default "Attention", "In order" or "Note".
+    points : sequence of texts, optional
+        A list that stands in the box, below its text.
     """
 
     kind: Literal["attention", "good", "info"]
     text: Text
     title: str = ""
+    points: Sequence[Text] = ()
 
     def __post_init__(self) -> None:
         words = {"attention": "Attention", "good": "In order", "info": "Note"}
@@ -327,8 +330,10 @@ def _check_labels(blocks: Sequence[Block]) -> None:
 
 def _texts(block: Block) -> Iterator[Text]:
     match block:
-        case Paragraph() | Notice():
+        case Paragraph():
             yield block.text
+        case Notice():
+            yield from (block.text, *block.points)
         case BulletList():
             yield from block.items
         case Figure():

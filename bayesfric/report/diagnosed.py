@@ -3,7 +3,8 @@
 from typing import Literal, TypeAlias
 
 from bayesfric.report.quantities import format_probability
-from bayesfric.schemas import Cause, DiagnosisFile
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.causes import Cause
 
 VERDICTS = {
     "no-gap": "No gap",

@@ -76,14 +76,11 @@ def _block(block: content.Block, place: Place | None, labels: Mapping[str, Place
         case content.Paragraph(words):
             return Markup("<p>{}</p>").format(_text(words, labels))
         case content.BulletList(items):
-            points = Markup("\n").join(
-                Markup("<li>{}</li>").format(_text(item, labels)) for item in items
-            )
-            return Markup("<ul>\n{}\n</ul>").format(points)
-        case content.Notice(kind, words, title):
+            return _list(items, labels)
+        case content.Notice(kind, words, title, points):
             return Markup(
-                '<div class="notice {}" role="note"><p><strong>{}.</strong> {}</p></div>'
-            ).format(kind, legible(title), _text(words, labels))
+                '<div class="notice {}" role="note"><p><strong>{}.</strong> {}</p>{}</div>'
+            ).format(kind, legible(title), _text(words, labels), _list(points, labels))
         case content.Listing(words):
             # Focusable, since only then can the keyboard scroll it.
             return Markup('<pre tabindex="0"><code>{}</code></pre>').format(
@@ -112,6 +109,12 @@ def _block(block: content.Block, place: Place | None, labels: Mapping[str, Place
             return _table(block, place, labels)
         case _:
             raise TypeError(f"not a block: {block!r}")
+
+
+def _list(items: Sequence[content.Text], labels: Mapping[str, Place]) -> Markup:
+    """Return a list of points; nothing where there are none."""
+    points = Markup("\n").join(Markup("<li>{}</li>").format(_text(i, labels)) for i in items)
+    return Markup("<ul>\n{}\n</ul>").format(points) if items else points
 
 
 def _charts(figure: content.Figure) -> Markup:

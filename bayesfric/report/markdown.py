@@ -1,7 +1,7 @@
 """Page one of the content tree as GitHub-flavoured Markdown, without its figures."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from bayesfric.characters import legible
 from bayesfric.report.content import (
@@ -59,13 +59,19 @@ def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> st
         case Paragraph(words):
             return _guard(_text(words, labels))
         case BulletList(items):
-            return "\n".join(f"- {_guard(_text(item, labels))}" for item in items)
+            return _list(items, labels)
         case Notice():
-            return f"> **{_escape(block.title)}.** {_text(block.text, labels)}"
+            said = f"> **{_escape(block.title)}.** {_text(block.text, labels)}"
+            points = _list(block.points, labels).splitlines()
+            return "\n> ".join([said, "", *points] if points else [said])
         case Table():
             return _table(block, place.name if place else "", labels)
         case _:
             raise TypeError(f"not a block of page one: {block!r}")
+
+
+def _list(items: Sequence[Text], labels: Mapping[str, Place]) -> str:
+    return "\n".join(f"- {_guard(_text(item, labels))}" for item in items)
 
 
 def _table(table: Table, name: str, labels: Mapping[str, Place]) -> str:

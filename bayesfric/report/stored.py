@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.invariants.common import out_of_order
+from bayesfric.invariants.common import intervals_ordered
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import (
     CalibrationFile,
@@ -15,9 +15,9 @@ from bayesfric.schemas import (
     DiagnosisFile,
     FitFile,
     MarginsFile,
-    Provenance,
     ScorecardFile,
 )
+from bayesfric.schemas.base import Provenance
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def read_stored(folder: Path) -> StoredResults:
     strange += [
         Fault(str(folder / name), f"quantiles as bayesfric writes them: {words}")
         for name, record in records.items()
-        for words in out_of_order(record.model_dump(mode="json", by_alias=True))
+        for words in intervals_ordered(record.model_dump(mode="json", by_alias=True))
     ]
     if strange:
         raise InputError(strange)

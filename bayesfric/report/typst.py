@@ -100,6 +100,7 @@ def _block(
                 "sort": block.kind,
                 "title": printable(block.title),
                 "text": text(block.text),
+                "points": [text(point) for point in block.points],
             }
         case content.Listing(words):
             data |= {"text": printable(words, lines=True)}

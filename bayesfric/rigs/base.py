@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from bayesfric.rigs.own_law import OwnLaw
     from bayesfric.rigs.protocols import Protocol as Design
     from bayesfric.rigs.truth import Truth
-    from bayesfric.schemas import PointEstimate
+    from bayesfric.schemas.fit import PointEstimate
     from bayesfric.simulators import SimulatorCalls
 
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
@@ -322,7 +322,7 @@ class RigTrials(MachineTrials, ABC):
         return Unsupported("A steady trial does not ring: the stretch of its cable is constant.")
 
     def quality(self) -> Mapping[str, Any]:
-        """Return fields of :class:`bayesfric.schemas.DataQuality`."""
+        """Return fields of :class:`bayesfric.schemas.fit.DataQuality`."""
         return {}
 
     def paper_estimates(self) -> Mapping[str, PointEstimate]:

@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     from bayesfric.arrays import Array
     from bayesfric.effects.candidates import Candidate
     from bayesfric.rigs.model_amounts import ModelAmounts
-    from bayesfric.schemas import Instrument, LawNumber
+    from bayesfric.schemas.causes import LawNumber
+    from bayesfric.schemas.instrument import Instrument
 
 
 class MachineTrials:
@@ -21,8 +22,8 @@ class MachineTrials:
         return None
 
     @property
-    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
-        """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
+    def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
+        """Nuisances beside the law's numbers, by name: place among all, unit, and what 1 is."""
         return {}
 
     @property

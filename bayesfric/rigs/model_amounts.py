@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
-from scipy.special import ndtri
 
 from bayesfric.arrays import Array
-from bayesfric.schemas import Interval, ModelError
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import ModelError
 
 OFF_FROM_SD = 3.3  # standard deviations, from which on a number is off
 FELT = 0.1  # of a number's prior error, below which a change is not listed
@@ -85,18 +85,10 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
     before = np.sqrt(np.sum(amounts.root**2, axis=1))
     listed = np.flatnonzero((before > 0) & (sd**2 < (1 - LEAST_SHARE_TAKEN) * before**2))
     ordered = sorted(listed, key=lambda place: -abs(mean[place]) / sd[place])
-    reach = float(ndtri(0.95))
     errors = []
     for place in ordered:
         link, number, unit = amounts.names[place]
         centre, spread = float(mean[place]), float(sd[place])
-        error = Interval(
-            mean=centre,
-            sd=spread,
-            q05=centre - reach * spread,
-            q50=centre,
-            q95=centre + reach * spread,
-        )
         off = abs(centre) > OFF_FROM_SD * spread and abs(centre) > FELT * before[place]
         errors.append(
             ModelError(
@@ -104,7 +96,7 @@ def model_errors(by_joint: Sequence[ModelAmounts]) -> tuple[ModelError, ...]:
                 number=number,
                 unit=unit,
                 in_your_model=float(amounts.numbers[place]),
-                error=error,
+                error=Interval.of_normal(centre, spread),
                 believed_sd=float(before[place]),
                 significant=bool(off),
             )

@@ -3,11 +3,17 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from bayesfric.arrays import Array
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
 """Of a key ``x_why``: the reason where ``x`` is null or empty, null where there is an ``x``."""
+LEVELS = (0.05, 0.5, 0.95)
+NORMAL_REACH = 1.6448536269514722
+"""Standard deviations of a normal from its middle to 95 %."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,22 @@ class Interval(Record):
     q05: Number = Field(description="5 % quantile.")
     q50: Number = Field(description="Median.")
     q95: Number = Field(description="95 % quantile.")
+
+    @classmethod
+    def of(cls, mean: float, sd: float, quantiles: Array) -> "Interval":
+        """Return the interval of numbers that are known, the quantiles of 5, 50 and 95 %."""
+        low, middle, high = map(float, quantiles)
+        return cls(mean=float(mean), sd=float(sd), q05=low, q50=middle, q95=high)
+
+    @classmethod
+    def of_draws(cls, draws: Array, *, ddof: int = 0) -> "Interval":
+        """Return the interval of draws, in any shape; `ddof` is that of NumPy's deviation."""
+        return cls.of(draws.mean(), draws.std(ddof=ddof), np.quantile(draws, LEVELS))
+
+    @classmethod
+    def of_normal(cls, mean: float, sd: float) -> "Interval":
+        """Return the interval of a normal number."""
+        return cls.of(mean, sd, mean + sd * np.array([-NORMAL_REACH, 0.0, NORMAL_REACH]))
 
 
 class Check(Record):

@@ -8,19 +8,17 @@ import xarray as xr
 from report.diagnosis_sample import cause, diagnosis, interval
 
 from bayesfric.analysis import Normal
-from bayesfric.attention import (
-    Coverage,
-    attention_of_all,
-    biased_numbers,
-    of_claims,
-    of_diagnosis,
-    of_fit,
-)
+from bayesfric.attention.claims import of_claims
+from bayesfric.attention.diagnosis import biased_numbers, of_diagnosis
+from bayesfric.attention.fit import Coverage, of_fit
+from bayesfric.attention.together import attention_of_all
 from bayesfric.fitting.predictive import covered
 from bayesfric.inference.priors import Parameter
 from bayesfric.resources import reference_folder
 from bayesfric.results import read_json
-from bayesfric.schemas import Agreement, ClaimsFile, DataQuality, LawNumber
+from bayesfric.schemas import ClaimsFile
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.fit import Agreement, DataQuality
 
 
 def quality(agreement=None):

@@ -8,7 +8,7 @@ from benchmark.compare import at_least, within
 from scipy.stats import norm
 
 from bayesfric.fitting.hypothesis import chart_of
-from bayesfric.inference.evidence import importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.priors import LOG_2PI
 

@@ -1,6 +1,6 @@
 """Scored cases, made up."""
 
-from bayesfric.schemas import ScoredCase
+from bayesfric.schemas.scorecard import ScoredCase
 
 
 def scored(kind="none", **changes):

@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
-from bayesfric.blind.noise_free import CleanCase
+from bayesfric.blind.case import CleanCase
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 NOISE = "tau omega sigma_x sigma_t tau_motor omega_motor sigma_current load_noise"

@@ -7,7 +7,7 @@ from blind.scored import scored
 from bayesfric.analysis import Analysis
 from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scorecard import BELOW_PRACTICAL, scorecard_of
-from bayesfric.schemas import Target
+from bayesfric.schemas.scorecard import Target
 
 FOREIGN = {"own": False}
 MISSED = {"verdict": "no-gap", "causes": (), "outcome": "none", "correct": False}

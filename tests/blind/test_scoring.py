@@ -7,7 +7,7 @@ from bayesfric.blind.engines.catalogue import EFFECTS
 from bayesfric.blind.engines.mujoco_board import MECHANISMS
 from bayesfric.blind.scoring import LAWS_OF_FORMS, score
 from bayesfric.effects import all_effects
-from bayesfric.schemas import Remainder, Unseparated
+from bayesfric.schemas.causes import Remainder, Unseparated
 
 PUBLIC = {
     "name": "000007",

@@ -1,15 +1,10 @@
 """Verdicts of a diagnosis, made up: of the file, what scoring reads is told, the rest is empty."""
 
 from bayesfric.analysis import HalfNormal
-from bayesfric.schemas import (
-    Cause,
-    DiagnosisFile,
-    EffectNumber,
-    Gap,
-    GapRow,
-    Interval,
-    Remainder,
-)
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, EffectNumber, Remainder
+from bayesfric.schemas.diagnosis import Gap, GapRow
 
 WHY = "made up"
 PRACTICAL = 0.02

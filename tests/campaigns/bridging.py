@@ -5,7 +5,7 @@ from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import Outcome
 from inference import densities
 
-from bayesfric.inference.evidence import bridge_evidence
+from bayesfric.inference.evidence.bridge import bridge_evidence
 
 FINGERPRINT = ("evidence",)
 SEEDS = range(100)

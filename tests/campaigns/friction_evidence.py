@@ -8,7 +8,8 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
-from bayesfric.inference.evidence import bridge_evidence, importance_draws, in_one_place
+from bayesfric.inference.evidence.bridge import bridge_evidence, in_one_place
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
 from bayesfric.rigs import all_rigs

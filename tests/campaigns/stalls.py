@@ -13,7 +13,7 @@ from campaigns.promises import Outcome
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.campaign import run_on_processes
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
-from bayesfric.inference.evidence import importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
 from bayesfric.physics.friction import Coefficients

@@ -9,6 +9,7 @@ from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.errors import InputError
+from bayesfric.fitting import fit
 from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.simulate import simulate_recording
 
@@ -34,8 +35,20 @@ def test_a_shape_s_prior_leaves_the_amplitude_s():
     "priors", [{"visc": {"slope": HalfNormal(scale=1.0)}}, {"viscous": {"c": HalfNormal(scale=1)}}]
 )
 def test_what_no_effect_has_is_refused(priors):
-    with pytest.raises(InputError, match=r"visc.*one of"):
+    with pytest.raises(InputError, match=r"visc.*(such as .*viscous|one of slope)"):
         with_priors(all_effects(), priors)
+
+
+def test_priors_of_another_rig_s_effects_are_no_fault():
+    priors = {"backlash": {"share": HalfNormal(scale=1.0)}}
+    assert with_priors(all_effects(), priors) == all_effects()
+
+
+def test_a_fit_refuses_priors_of_what_is_no_effect(tmp_path):
+    file = tmp_path / "analysis.toml"
+    file.write_text('[priors.effects.stribek]\nrise = { family = "half-normal", scale = 1 }\n')
+    with pytest.raises(InputError, match="such as stribeck"):
+        fit(None, read_analysis(file))  # before the recording is looked at
 
 
 def test_a_prior_ten_times_wider_favours_the_claim_by_a_factor_of_ten():

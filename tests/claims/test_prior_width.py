@@ -11,7 +11,7 @@ from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import WIDTHS, Studied, prior_ratios
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.fitting.hypothesis import LawWithEffects
-from bayesfric.inference.evidence import Evidence
+from bayesfric.inference.evidence.record import Evidence
 
 RIVAL = LawWithEffects(effects=(("viscous", "constant"),))
 SCALE = 0.15

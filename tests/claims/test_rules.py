@@ -14,7 +14,7 @@ from bayesfric.claims.comparison import bayes_factor, decide, odds, share
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied
-from bayesfric.inference.evidence import Evidence
+from bayesfric.inference.evidence.record import Evidence
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity

@@ -10,6 +10,7 @@ from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
 from bayesfric.diagnosis.entering import numbers_to_enter
+from bayesfric.diagnosis.shipped import shipped_of
 from bayesfric.robots.fields import SIMULATORS, fields_of
 
 
@@ -126,3 +127,14 @@ def test_of_pulleys_nothing_is_entered_and_why_is_said():
     numbers, why = numbers_to_enter(SimpleNamespace(data=data), {}, None, (), None, None)
     assert numbers == ()
     assert "coefficients of the friction law" in why
+
+
+def test_a_joint_is_shipped_with_what_its_model_has():
+    """The model's inertia is taken off the force, so that the law's mass is the armature."""
+    own = {"armature": 0.02, "coulomb": 0.5, "viscous": 0.2}
+    numbers = [(name, "") for name in ("mass", "coulomb", "viscous")]
+    data = SimpleNamespace(
+        rigs=(SimpleNamespace(in_simulator=own),), sizes=("",), law_numbers=lambda _: numbers
+    )
+    assert shipped_of(None, data)[""] == (0.02, 0.5, 0.2)
+    assert shipped_of({"coulomb": 0.7}, data)[""] == (0.0, 0.7, 0.0)

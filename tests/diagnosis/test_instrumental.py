@@ -7,7 +7,9 @@ import bayesfric as bf
 from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent, why_unsettled
 from bayesfric.diagnosis.verdict import decide
 from bayesfric.hypothesis import NONE
-from bayesfric.schemas import Instrument, InstrumentNumber, Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 
 def instrument(*, alarms):

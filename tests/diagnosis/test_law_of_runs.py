@@ -6,9 +6,18 @@ import numpy as np
 import pandas as pd
 import pytest
 from report.diagnosis_sample import diagnosis
+from scipy.stats import truncnorm
 
-from bayesfric.diagnosis.law import block_errors, held_by_blocks, scatter_of_runs, widened
-from bayesfric.schemas import Interval, LawNumber
+from bayesfric.diagnosis.law import (
+    block_errors,
+    errors_by_pace,
+    held_by_blocks,
+    scatter_of_runs,
+    widened,
+    wider,
+)
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 
 
 def a_model(runs, *, pulleys=False):
@@ -74,6 +83,20 @@ def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
     assert numbers["viscous"].before == viscous
 
 
+@pytest.mark.parametrize("mean", [-0.4, 0.0, 0.3])
+def test_a_number_squeezed_at_its_bound_widens_as_the_normal_that_the_bound_cuts(mean):
+    """Data that have Coulomb friction 2 sd below 0 may be off by as much again above it."""
+
+    def above(sd):
+        cut = truncnorm(-mean / sd, np.inf, loc=mean, scale=sd)
+        low, middle, high = cut.ppf([0.05, 0.5, 0.95])
+        return Interval(mean=cut.mean(), sd=cut.std(), q05=low, q50=middle, q95=high)
+
+    number = wider(above(0.2), 3.0, "coulomb")
+    assert number.q95 == pytest.approx(above(0.6).q95, rel=0.02)
+    assert number.q05 == pytest.approx(above(0.6).q05, abs=0.02)
+
+
 def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth():
     rng = np.random.default_rng(4)
     time = np.arange(222) * 0.08
@@ -106,6 +129,19 @@ def test_errors_of_a_robots_model_take_no_more_of_the_inertia_than_their_priors_
     assert held < 0.002
 
 
+@pytest.mark.parametrize(("shakes", "expected"), [(False, 0.0), (True, 0.05)])
+def test_numbers_of_quick_motion_that_slow_motion_has_otherwise_are_open(shakes, expected):
+    """A rotor that shakes against its gear moves an inertia of 0.01, the joint one of 0.06."""
+    rng = np.random.default_rng(6)
+    time = np.arange(240) * 0.02
+    slow, quick = 10 * np.cos(3 * time), shakes * 60 * rng.standard_normal(time.size)
+    quick -= np.repeat(quick.reshape(-1, 4).mean(axis=1), 4)
+    columns = np.column_stack([slow + quick, np.ones(time.size)])
+    force = 0.06 * slow + 0.01 * quick + 0.2
+    apart = errors_by_pace(columns, force, np.zeros(time.size, dtype=np.intp))
+    assert apart[0] == pytest.approx(expected, abs=0.01)
+
+
 @pytest.mark.parametrize("pushed", [False, True])
 def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     """Rows count along the motion; gravity, which the law lacks, is not its error."""
@@ -119,7 +155,11 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     if pushed:
         law[190:194, 0] -= 100
     readings = SimpleNamespace(
-        position=place[:, None], weights=np.ones(1), way=way, beside=np.zeros((time.size, 0))
+        position=place[:, None],
+        weights=np.ones(1),
+        way=way,
+        beside=np.zeros((time.size, 0)),
+        piece=np.zeros(time.size, dtype=np.intp),
     )
     rows = SimpleNamespace(
         readings=readings, coefficient_columns=lambda: law, residual=lambda: force
@@ -128,7 +168,8 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
         rigs=[SimpleNamespace(rows=rows)],
         laws={"axis": None},
         data=SimpleNamespace(
-            law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")]
+            rigs=[SimpleNamespace(shared_numbers={})],
+            law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")],
         ),
     )
     numbers = {

@@ -14,13 +14,20 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.overruling import contradicts, density_of, overruled, why_overruled
+from bayesfric.diagnosis.overruling import (
+    contradicts,
+    density_of,
+    overruled,
+    why_beyond_rivals,
+    why_overruled,
+)
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
-from bayesfric.schemas import HeldOutDensity, Interval
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import HeldOutDensity
 
 PRACTICAL = 0.02
 
@@ -105,6 +112,22 @@ def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told
     said = why_overruled(gap, PRACTICAL, told_as_remainder=told, implausible=implausible)
     assert (said is not None) == bool(implausible)
     assert said is None or "hysteresis would be larger or smaller" in said
+
+
+@pytest.mark.parametrize(("missed", "expected"), [(0.05, False), (1.0, True)])
+def test_rivals_that_would_explain_far_less_than_is_missed_are_open(missed, expected):
+    gap = diagnosis().gap
+    size = {"q05": 0.05, "q50": 0.06, "q95": 0.07}
+    gap = gap.model_copy(
+        update={
+            "before": gap.before.model_copy(update={"q05": missed}),
+            "systematic": gap.systematic.model_copy(update=size),
+            "floor": gap.floor.model_copy(update=size),
+        }
+    )
+    said = why_beyond_rivals(gap)
+    assert (said is not None) == expected
+    assert said is None or "missed by 1 N rms or more" in said
 
 
 def test_what_is_left_beyond_chance_is_a_root_of_squares():

@@ -17,7 +17,8 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import parsed
-from bayesfric.schemas import Interval, Unseparated
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Unseparated
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
@@ -138,9 +139,11 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
     def sentence(practical):
         return told("unknown", gap, practical)
 
-    assert f"of friction), less than the {1.1 * share:.1%} that counts, and" in sentence(
-        1.1 * share
-    )
+    small = sentence(1.1 * share)
+    assert small.startswith("A force acts that none of the effects examined makes (probability ")
+    assert f"What it makes is small: {gap.systematic.q50:.3g} N rms" in small
+    assert f", where {1.1 * share:.1%} begins to count." in small
+    assert "There is a gap" not in small
     assert "of friction), and none" in sentence(0.9 * share)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from bayesfric.export.numbers import Number
 from bayesfric.export.stored_law import StoredLaw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.schemas import Interval
+from bayesfric.schemas.base import Interval
 
 
 def number(mean, sd, unit):

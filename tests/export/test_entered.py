@@ -2,9 +2,11 @@
 
 from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows
 from bayesfric.report.chapters.entering import numbers_to_enter
-from bayesfric.report.content import BulletList, Table
+from bayesfric.report.content import BulletList, Notice, Table
 from bayesfric.robots.fields import fields_of
-from bayesfric.schemas import DiagnosisFile, Enter, Interval, SimulatorField
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
 
 
 def number(parameter, mean, sd, unit="N·m", **more):
@@ -25,7 +27,7 @@ def test_digits_go_by_the_error_and_fields_by_the_simulator():
     entry = dict(zip(COLUMNS, row, strict=True))
     assert entry["enter"] == "0.612"
     assert entry["90 % interval"] == "0.577 to 0.647"
-    assert entry["your simulator"] == "0.7"
+    assert entry["now"] == "0.7"
     assert entry["MuJoCo"] == "joint/@frictionloss"
     assert entry["URDF"] == "joint/dynamics/@friction"
 
@@ -46,10 +48,22 @@ def test_a_number_below_zero_is_not_passed_over():
     assert "Below zero, which no simulator takes: viscous." in next(entered_remarks([below]))
 
 
-def test_terminal_and_page_one_say_the_same():
-    found = DiagnosisFile.model_construct(
-        joint="elbow", joints=(), verdict="named", causes=(), enter=(COULOMB,)
+def joint(**gap):
+    """Return a joint with a number to enter, that misses held-out data by as much as scatter."""
+    gap = {"as_shipped": None, "held_out_excess": 0.0, "no_share": None, **gap}
+    return DiagnosisFile.model_construct(
+        joint="elbow",
+        joints=(),
+        verdict="named",
+        causes=(),
+        enter=(COULOMB,),
+        practical_share=0.02,
+        gap=Gap.model_construct(unit="N·m", friction_rms=0.8, **gap),
     )
+
+
+def test_terminal_and_page_one_say_the_same():
+    found = joint()
     lines = list(entered_lines(found))
     assert lines[0].startswith("To enter in a simulator for the joint elbow")
     table, remarks = numbers_to_enter(found)
@@ -59,3 +73,34 @@ def test_terminal_and_page_one_say_the_same():
     assert "0.612" in table.rows[0]
     nothing = DiagnosisFile.model_construct(joint=None, joints=(), causes=(), enter=())
     assert [*entered_lines(nothing), *numbers_to_enter(nothing)] == []
+
+
+def middle(value):
+    return Interval(mean=value, sd=0.0, q05=value, q50=value, q95=value)
+
+
+def test_how_far_the_simulator_is_off_today_stands_beside_the_numbers():
+    found = joint(as_shipped=middle(0.4), after=middle(0.003))
+    said = (
+        "With its own numbers (now) it misses held-out data by 0.4 N·m rms (50% of friction), "
+        "with these by 0.003 N·m."
+    )
+    (table, _) = numbers_to_enter(found)
+    assert said in table.caption
+    assert any(said in line for line in entered_lines(found))
+
+
+def test_numbers_that_miss_held_out_data_carry_a_warning():
+    """0.015 N·m beyond scatter is below 2 % of 0.8 N·m, 0.017 N·m is above."""
+    quiet, loud = (
+        joint(held_out_excess=excess, after=middle(0.3), floor=middle(0.1))
+        for excess in (0.015, 0.017)
+    )
+    assert not any(isinstance(block, Notice) for block in numbers_to_enter(quiet))
+    warning, *_ = numbers_to_enter(loud)
+    assert isinstance(warning, Notice)
+    assert warning.text.startswith(
+        "On data that the fit has not seen these numbers leave 0.3 N·m rms, where scatter makes "
+        "0.1 N·m."
+    )
+    assert any(warning.text in line for line in entered_lines(loud))

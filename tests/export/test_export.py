@@ -20,7 +20,8 @@ from bayesfric.export.joint_friction import joint_friction
 from bayesfric.export.numbers import law_said, numbers_of
 from bayesfric.resources import reference_folder
 from bayesfric.results import read_json
-from bayesfric.schemas import DiagnosisFile, FitFile, LawNumber
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.causes import LawNumber
 
 SHORT = Analysis(seed=3, sampler=Sampler(burn=10, steps=60, thin=3))
 SPEEDS = np.array([0.1, 0.5, 1.0, 2.0])

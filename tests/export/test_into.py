@@ -19,7 +19,8 @@ from bayesfric.export.joints import ExportedJoint, joints_of
 from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
 from bayesfric.export.snippets import load_friction_text
 from bayesfric.robots.fields import fields_of
-from bayesfric.schemas import Enter, Interval, SimulatorField
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Enter, SimulatorField
 
 mujoco = pytest.importorskip("mujoco")
 OWN = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)  # what the user's simulator has

@@ -40,7 +40,7 @@ from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.hypothesis import printed
 from bayesfric.inference import priors as inference_priors
 from bayesfric.inference.diagnostics import diagnose_all
-from bayesfric.inference.evidence import importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.margins import read_loop
@@ -61,7 +61,7 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.opening import open_rigs, with_own_priors
 from bayesfric.rigs.protocols import Protocol
-from bayesfric.schemas import RecordingId
+from bayesfric.schemas.base import RecordingId
 from bayesfric.simulate import Truth, simulate_recording
 
 RIGS = ("gravity", "motor", "points", "axis")

@@ -14,7 +14,8 @@ from fingerprint.numbers import Number, closed, drawn, integrated
 from fingerprint.points import points_of
 
 from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.inference import diagnostics, evidence, power
+from bayesfric.inference import diagnostics, power
+from bayesfric.inference.evidence import bridge, importance, leave_out
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.proposals import StudentT
 
@@ -47,20 +48,20 @@ def _of_a_curved_density() -> Iterator[tuple[str, Number]]:
     yield "curved: mode's log density", integrated(laplace.log_density)
     yield "curved: Laplace", integrated(_laplace(laplace))
     yield "curved: log determinant", integrated(np.linalg.slogdet(laplace.covariance)[1])
-    weighed = evidence.importance_draws(curved, laplace, 472, size=1000)
+    weighed = importance.importance_draws(curved, laplace, 472, size=1000)
     assert weighed is not None
     yield "curved: importance", integrated(weighed[0].log_evidence)
     yield "curved: importance, error", drawn(weighed[0].error, 0.02 * weighed[0].error)
     sample = draws(1200).reshape(4, 30, 10, 3)
-    bridge = evidence.bridge_evidence(curved, sample, 473)
-    yield "curved: bridge", integrated(bridge.log_evidence)
-    yield "curved: bridge, error", drawn(bridge.error, 0.02 * bridge.error)
+    by_bridge = bridge.bridge_evidence(curved, sample, 473)
+    yield "curved: bridge", integrated(by_bridge.log_evidence)
+    yield "curved: bridge, error", drawn(by_bridge.error, 0.02 * by_bridge.error)
     first, second = sample.reshape(-1, 3), draws(1200) * 1.1 + 0.05
 
     def ratio(points: np.ndarray) -> np.ndarray:
         return curved(points) - curved((points - 0.05) / 1.1)
 
-    value, error = evidence.bridge_ratio(ratio(first), ratio(second))
+    value, error = bridge.bridge_ratio(ratio(first), ratio(second))
     yield "curved: ratio by a bridge", integrated(value)
     yield "curved: ratio by a bridge, error", integrated(error)
     points = first[::150]
@@ -72,14 +73,14 @@ def _of_a_curved_density() -> Iterator[tuple[str, Number]]:
 def _of_groups() -> Iterator[tuple[str, Number]]:
     rng = np.random.default_rng(474)
     log_likelihood = rng.standard_normal((400, 6)) * np.array([0.1, 0.3, 0.5, 0.8, 1.0, 0.2]) - 3
-    elpd = evidence.elpd(log_likelihood)
+    elpd = leave_out.elpd(log_likelihood)
     yield "left out: log densities", closed(elpd.pointwise)
     yield "left out: Pareto k", integrated(elpd.pareto_k)
-    without = evidence.without_each(log_likelihood)
+    without = leave_out.without_each(log_likelihood)
     probabilities = rng.uniform(size=(400, 6))
-    yield "left out: probabilities", closed(evidence.loo_pit(probabilities, without))
-    other = evidence.elpd(log_likelihood + 0.1 * rng.standard_normal((400, 6)) + 0.05)
-    apart = evidence.difference(elpd, other)
+    yield "left out: probabilities", closed(leave_out.loo_pit(probabilities, without))
+    other = leave_out.elpd(log_likelihood + 0.1 * rng.standard_normal((400, 6)) + 0.05)
+    apart = leave_out.difference(elpd, other)
     yield "left out: difference", closed([apart.elpd, apart.se])
 
 

@@ -13,7 +13,7 @@ from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.predictive.assemblies import assemblies_of
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
-from bayesfric.inference.evidence import importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.friction import Coefficients

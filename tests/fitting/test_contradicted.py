@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.attention import contradicted
+from bayesfric.attention.fit import contradicted
 from bayesfric.inference.priors import Parameter
 
 

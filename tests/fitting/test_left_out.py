@@ -16,7 +16,8 @@ from bayesfric.fitting.predictive.left_out import (
     setup_log_densities,
     uniformity,
 )
-from bayesfric.inference.evidence import elpd, importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
+from bayesfric.inference.evidence.leave_out import elpd
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.recording.tables import Gravity

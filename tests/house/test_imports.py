@@ -22,7 +22,6 @@ ROWS = (
         "characters",
         "files",
         "resources",
-        "checksum",
         "hypothesis",
         "probabilities",
         "rules",
@@ -32,7 +31,7 @@ ROWS = (
     ("logs",),
     ("paper", "families", "priors", "analysis", "diagnosis_rules", "schemas"),
     ("physics", "robots", "invariants"),
-    ("campaign", "checkpoint", "interrupts", "progress"),
+    ("campaign", "checkpoint", "progress"),
     ("inference",),
     ("effects", "simulators"),
     ("observation",),
@@ -67,14 +66,12 @@ ONLY = {
     "chains": set(),  # any draws
     "files": set(),
     "resources": set(),
-    "checksum": set(),
     "hypothesis": set(),
     "probabilities": set(),
     "rules": set(),
     "source_date": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
-    "interrupts": set(),  # whatever must be whole
     "progress": set(),  # any stage
     "robots": set(),  # any chain of rigid links
     "invariants": {"schemas", "diagnosis_rules"},  # any stored result
@@ -109,7 +106,7 @@ OWNERS = {
 INSIDE_FUNCTIONS = {"IPython", "control", "corner", "dask", "distributed", "mujoco", "rosbags"}
 
 # Effects do not import each other; these files are what they have in common.
-SHARED_BY_EFFECTS = {"__init__", "base", "candidates", "terms"}
+SHARED_BY_EFFECTS = {"__init__", "base", "candidates", "state", "terms"}
 
 
 def broken_rules(package: Path) -> list[str]:

@@ -27,8 +27,6 @@ NOT_YET_SMALL: set[str] = {
     "blind/engines/joint_arm.py",
     "blind/engines/mujoco_joints.py",
     "diagnosis/model.py",
-    "effects/base.py",
-    "replaying.py",
     "rigs/gravity_board/rows.py",
     "rigs/single_axis/trials.py",
 }

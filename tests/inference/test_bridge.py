@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from inference import densities
 
-from bayesfric.inference.evidence import SeparatedModes, bridge_evidence
+from bayesfric.inference.evidence.bridge import bridge_evidence
+from bayesfric.inference.evidence.record import SeparatedModes
 
 
 @pytest.mark.parametrize(

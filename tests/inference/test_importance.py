@@ -6,7 +6,7 @@ from inference import densities
 from inference.test_sampling import EXPONENTIAL, skewed
 from scipy.special import digamma, gammaln, polygamma
 
-from bayesfric.inference.evidence import importance_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import Laplace, laplace_approximation
 
 

@@ -5,9 +5,9 @@ import pytest
 from inference.conjugate import LinearGaussian
 from scipy import stats
 
-from bayesfric.inference.evidence import (
+from bayesfric.inference.evidence.bridge import bridge_ratio
+from bayesfric.inference.evidence.leave_out import (
     ELPD,
-    bridge_ratio,
     difference,
     elpd,
     loo_pit,

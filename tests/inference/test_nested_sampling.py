@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from inference import densities
 
-from bayesfric.inference.evidence import bridge_evidence, importance_draws
+from bayesfric.inference.evidence.bridge import bridge_evidence
+from bayesfric.inference.evidence.importance import importance_draws
 
 
 @pytest.mark.nightly

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from inference import densities
 
-from bayesfric.inference.evidence import SeparatedModes, bridge_evidence, importance_draws
+from bayesfric.inference.evidence.bridge import bridge_evidence
+from bayesfric.inference.evidence.importance import importance_draws
+from bayesfric.inference.evidence.record import SeparatedModes
 from bayesfric.inference.laplace import Laplace
 
 SHAPE = 4, 100, 30  # ensembles, kept, walkers

@@ -13,7 +13,7 @@ from bayesfric.errors import InputError
 from bayesfric.invariants import RULES, statements
 from bayesfric.report.chapters.faults import faults
 from bayesfric.report.stored import StoredDiagnosis, StoredResults
-from bayesfric.schemas import Unseparated
+from bayesfric.schemas.causes import Unseparated
 from bayesfric.testing import check_result
 
 SCORECARD = Path(__file__).parent / "scorecard.json"  # of blind boards

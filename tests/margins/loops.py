@@ -11,7 +11,7 @@ from bayesfric.margins.posterior import Posterior
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import draws_tree, write_netcdf
-from bayesfric.schemas import RecordingId
+from bayesfric.schemas.base import RecordingId
 
 SMALL = (0.0128, 0.0261, 2.79e-5)
 MEDIUM = (0.00416, 0.0165, 1.02e-5)

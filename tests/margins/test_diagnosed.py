@@ -24,7 +24,9 @@ from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 from bayesfric.resources import bundled_loops
 from bayesfric.results import identified, json_bytes, read_json, read_tree, write_netcdf
-from bayesfric.schemas import DiagnosisFile, LawNumber, RecordingId
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import RecordingId
+from bayesfric.schemas.causes import LawNumber
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
 PULLEY = 0.0128 * 15 + 0.0261  # N of one small pulley at 15 N and 85°

@@ -17,7 +17,7 @@ from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.terms import tuning_sentence
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, scaled, tune
-from bayesfric.schemas import Tuning
+from bayesfric.schemas.margins import Tuning
 
 UNCERTAIN = {
     "drive.friction_n_m": {"family": "log-normal", "median": 0.002, "sd_log": 0.2},

@@ -59,10 +59,10 @@ def test_table_1_is_marked_in_the_pairs(small_fit):
     (mark,) = {float(line.get_xdata()[0]) for line in shown[0].lines}
     assert mark == pytest.approx(4.16)  # in thousandths, as the axis says
     assert fig.axes[-1].get_xlabel() == "$c_3$ [10⁻⁶ deg⁻¹]"
-    assert "Table I" in legend_texts(fig)
+    assert "paper" in legend_texts(fig)
     bare = coefficient_pairs(small_fit.draws, "medium", None)
     assert not [line for axes in bare.axes for line in axes.lines]
-    assert "Table I" not in legend_texts(bare)
+    assert "paper" not in legend_texts(bare)
 
 
 def test_labels_of_the_pairs_do_not_overprint(small_fit):
@@ -79,7 +79,7 @@ def test_labels_of_the_pairs_do_not_overprint(small_fit):
 def test_table_1_far_from_the_draws_is_named_and_does_not_squeeze_them(small_fit):
     near = coefficient_pairs(small_fit.draws, "medium", None)
     fig = coefficient_pairs(small_fit.draws, "medium", {"c1": 0.4, "c2": 0.0165, "c3": 1.02e-5})
-    assert "Table I beyond the panel: $c_1$ = 400" in legend_texts(fig)
+    assert "paper beyond the panel: $c_1$ = 400" in legend_texts(fig)
     assert fig.axes[0].get_xlim() == near.axes[0].get_xlim()
     assert not fig.axes[0].lines
 
@@ -144,8 +144,8 @@ def test_table_1_is_in_no_legend_of_a_size_that_the_paper_lacks(small_fit):
     predictive = small_fit.predictive.copy()
     curves = predictive["curves"].to_dataset()
     predictive["curves"] = xr.DataTree(curves.assign(paper_n=curves["paper_n"] * np.nan))
-    assert "Table I" in legend_texts(friction_against_tension(small_fit.predictive, 85.0))
-    assert "Table I" not in legend_texts(friction_against_tension(predictive, 85.0))
+    assert "paper's law" in legend_texts(friction_against_tension(small_fit.predictive, 85.0))
+    assert "paper's law" not in legend_texts(friction_against_tension(predictive, 85.0))
 
 
 def test_rank_counts_are_relative_to_those_expected(small_fit):

@@ -15,7 +15,9 @@ from bayesfric.replaying import held_out_parts, replay, with_replay
 from bayesfric.results import read_json
 from bayesfric.robots import robot_of_bytes
 from bayesfric.robots.replaying import Motion, SimulatedJoint, inverse_torques, replayed
-from bayesfric.schemas import DiagnosisFile, Enter, Interval
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Enter
 
 mujoco = pytest.importorskip("mujoco")
 TRUTH = Hinge()

@@ -8,22 +8,18 @@ from bayesfric.report.chapters.diagnosis import diagnosis as chapter
 from bayesfric.report.chapters.diagnosis_details import appendix
 from bayesfric.report.content import BulletList, Figure, Notice, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredDiagnosis
-from bayesfric.schemas import (
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import (
     Absorbed,
-    Axis,
     Cause,
-    DiagnosisFile,
     EffectNumber,
-    ExaminedEffect,
-    Gap,
-    GapRow,
     Inclusion,
-    Interval,
-    NextExperiment,
     Remainder,
     Shape,
     Unseparated,
 )
+from bayesfric.schemas.diagnosis import Axis, ExaminedEffect, Gap, GapRow, NextExperiment
 
 PROVENANCE = {
     "seed": 5,

@@ -23,7 +23,8 @@ from bayesfric.report.stored import StoredClaims, StoredResults
 from bayesfric.report.writing import write_report
 from bayesfric.resources import reference_folder
 from bayesfric.results import json_bytes, read_json
-from bayesfric.schemas import ClaimsFile, Rate
+from bayesfric.schemas import ClaimsFile
+from bayesfric.schemas.scorecard import Rate
 
 WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_named": True}
 

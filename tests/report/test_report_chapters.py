@@ -27,7 +27,7 @@ from bayesfric.report.content import Document, Notice, Table
 from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
-from bayesfric.schemas import OutlyingAssembly
+from bayesfric.schemas.fit import OutlyingAssembly
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +163,7 @@ def test_title_of_the_recording_is_on_page_one(stored):
 
 
 def test_excluded_trials_are_listed_with_their_rule(stored):
-    from bayesfric.schemas import Excluded
+    from bayesfric.schemas.fit import Excluded
 
     quality = stored.fit.data_quality.model_copy(
         update={"excluded": (Excluded(trial="g0007", rule="stalled", reason="it stopped"),)}

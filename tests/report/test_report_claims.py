@@ -10,7 +10,8 @@ from bayesfric.report.chapters.claims import claims, fallen
 from bayesfric.report.content import Heading, Paragraph, Table
 from bayesfric.report.stored import StoredClaims, read_stored
 from bayesfric.results import json_bytes, write_netcdf
-from bayesfric.schemas import ClaimResult, ClaimsFile, SelfContradiction
+from bayesfric.schemas import ClaimsFile
+from bayesfric.schemas.claims import ClaimResult, SelfContradiction
 
 RULES = {
     "support_log10_bayes_factor": 0.5,

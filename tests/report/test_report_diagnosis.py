@@ -43,7 +43,7 @@ from bayesfric.report.stored import StoredDiagnosis, StoredFit, StoredResults, r
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes, write_netcdf
-from bayesfric.schemas import LawNumber
+from bayesfric.schemas.causes import LawNumber
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,8 @@ def test_a_named_viscous_board_says_the_damping_of_a_pulley():
     }
     named = stored_diagnosis().record.model_copy(update={"law": law})
     slope = named.causes[0].parameters["slope"].q50
-    table, _ = numbers_to_use(named)
+    (table,) = numbers_to_use(named)  # and the slope is not told again below it
+    assert f"viscous.slope, {slope:.2g}"[:-1] in table.note
     assert table.columns[-1] == Column("damping of a pulley", "N·s/m")
     assert [words(row[-1]) for row in table.rows] == [f"{0.2181 * slope:.2g}", ""]
 
@@ -170,7 +171,9 @@ def test_an_undecided_board_says_what_may_act():
         possible=(cause("viscous", inclusion_probability=0.62),),
         present=(cause("slip", inclusion_probability=0.97, makes_a_gap=False),),
     )
-    assert "What may act: viscous (0.62). See" in words(verdict_line(stored.record).text)
+    said = words(verdict_line(stored.record).text)
+    assert "What may act: viscous (0.62). Measure next: size medium" in said
+    assert "which separates viscous" in said
     told = glance(stored)
     assert told["Which effect causes it?"] == "open: none is certain enough to be named"
     assert told["What may act?"] == "viscous (0.62)"
@@ -178,6 +181,20 @@ def test_an_undecided_board_says_what_may_act():
     assert verdict_line(stored.record).kind == "attention"
     assert "the longest is slip at 0.970" in figures(stored)["which"].alt
     assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")
+
+
+def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
+    found = stored_diagnosis(verdict="undecided", causes=(), next_experiment=()).record
+    friction, share = found.gap.friction_rms, found.practical_share
+
+    def said(low, high):
+        systematic = interval(0.02).model_copy(update={"q05": low, "q95": high})
+        gap = found.gap.model_copy(update={"systematic": systematic})
+        return words(verdict_line(found.model_copy(update={"gap": gap})).text)
+
+    about = said(0.5 * share * friction, 2 * share * friction)
+    assert "Measure next: more assemblies at the same conditions." in about
+    assert "Measure next" not in said(2 * share * friction, 3 * share * friction)
 
 
 def test_an_unknown_board_says_that_no_effect_makes_it():
@@ -241,7 +258,7 @@ def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
     html = (tmp_path / "report.html").read_text("utf-8")
     assert "Controller margins" in html
     assert "The gap between simulation and reality" in html
-    assert "Safe up to γ = " in (tmp_path / "summary.md").read_text("utf-8")
+    assert "Up to γ = " in (tmp_path / "summary.md").read_text("utf-8")
 
 
 def test_a_box_is_green_only_where_nothing_it_covers_is_open():

@@ -22,7 +22,8 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.stored import StoredResults
 from bayesfric.report.typst import render_pdf
-from bayesfric.schemas import ConditionAsked, FrictionAsked, Unseparated
+from bayesfric.schemas.causes import Unseparated
+from bayesfric.schemas.diagnosis import ConditionAsked, FrictionAsked
 
 
 def test_probabilities_are_the_stored_ones_most_probable_first():

@@ -9,7 +9,9 @@ from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
 from bayesfric.report.content import Figure, Paragraph, inlines
 from bayesfric.report.stored import StoredDiagnosis
-from bayesfric.schemas import DiagnosisFile, Gap, Interval, Replay, ReplayedError
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Gap, Replay, ReplayedError
 
 LOWER = Interval(mean=-0.2, sd=0.01, q05=-0.22, q50=-0.2, q95=-0.18)
 ERROR = ReplayedError(as_is=0.214, proposed=0.009, difference=LOWER)
@@ -24,10 +26,11 @@ REPLAY = Replay(
 
 
 def stored(replay=REPLAY, curves=None):
-    gap = Gap.model_construct(unit="N·m")
+    gap = Gap.model_construct(unit="N·m", as_shipped=None, held_out_excess=0.0, friction_rms=1.0)
     block = DiagnosisFile.model_construct(
         **PROVENANCE,
         verdict="no-gap",
+        practical_share=0.02,
         joint="elbow",
         joints=(),
         causes=(),

@@ -15,7 +15,6 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import methods, page_one, provenance
 from bayesfric.report.chapters.plain_law import in_a_sentence, plain_table
 from bayesfric.report.content import (
-    BulletList,
     Document,
     Equation,
     Listing,
@@ -101,10 +100,8 @@ def test_page_one_of_a_fit_fits_a_screen_in_markdown(stored):
 def test_many_remarks_stay_on_page_one(stored):
     lines = tuple(f"c{k} has not converged: R-hat 1.5000 (limit 1.01)" for k in range(9))
     poor = changed(stored, converged=False, attention=lines)
-    (listed,) = [
-        block for block in page_one.worries(StoredResults(poor)) if isinstance(block, BulletList)
-    ]
-    assert listed.items == [f"{line}." for line in lines]
+    (notice,) = page_one.worries(StoredResults(poor))
+    assert notice.points == [f"{line}." for line in lines]
     page = Document("Page one", "", tuple(page_one.page_one(StoredResults(poor))))
     first = PdfReader(io.BytesIO(render_pdf(page))).pages[0]
     text = " ".join(first.extract_text().split())
@@ -130,12 +127,12 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
             xr.DataTree(),
         ),
     )
-    notice, listed = page_one.worries(found)
+    (notice,) = page_one.worries(found)
     assert (notice.kind, notice.text) == (
         "attention",
-        "Read these 4 remarks with the numbers:",
+        "4 remarks on these numbers:",
     )
-    assert listed.items == [
+    assert notice.points == [
         "The sensors are apart.",
         "1 of 48 trials left out.",
         "c2 is biased.",

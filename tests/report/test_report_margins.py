@@ -24,7 +24,8 @@ from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
-from bayesfric.schemas import Certificate, FollowedWith, Following, Interval, Trajectory
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import Certificate, FollowedWith, Following, Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -53,8 +54,8 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     box, _, specs, decided, _, hunting = gain_lines(computed.summary, alone=True)
     gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
     assert box.title == f"bench: safe at γ = {loop.compensation_gain:g}, meets its spec"
-    assert f" Safe up to γ = {gamma:.2f}: hunts in at most 5\u202f% of the draws." in box.text
-    assert re.match(r"It hunts in \d[\d.]* (of \d+ draws|% .* of the draws)\. Safe", box.text)
+    assert f" Up to γ = {gamma:.2f} it hunts in at most 5\u202f% of the draws." in box.text
+    assert re.match(r"It hunts in \d[\d.]* (of \d+ draws|% .* of the draws)\. Up", box.text)
     assert len(box.text) < 100  # the answer and no more
     assert {row[0] for row in specs.rows} == {"bench", "second"}
     assert "c1, c2 and c3 make" in decided.text[1]
@@ -133,7 +134,7 @@ def test_a_folder_with_margins_alone_becomes_a_report(computed, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["margins.json"]
     write_report(tmp_path)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
-    assert "Safe up to γ = " in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Up to γ = " in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_margins_over_another_fit_are_refused(computed, small_fit, tmp_path):

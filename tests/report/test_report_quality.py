@@ -10,7 +10,8 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import checks, data_quality, predictions, summary
 from bayesfric.report.content import BulletList, Figure, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredFit, StoredResults
-from bayesfric.schemas import Agreement, Clocks, Excluded, Interval, Repaired, WithoutExclusions
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.fit import Agreement, Clocks, Excluded, Repaired, WithoutExclusions
 
 
 @pytest.fixture(scope="module")

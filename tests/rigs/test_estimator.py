@@ -16,11 +16,11 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.resources import bundled_recording
 from bayesfric.rigs.gravity_board.estimator import (
     TrialFriction,
+    constant_friction,
     estimate_as_the_paper,
     lines_of_sizes,
     trial_frictions,
 )
-from bayesfric.rigs.gravity_board.estimator.trials import constant_friction
 from bayesfric.rigs.protocols import PROTOCOLS
 from bayesfric.simulate import table1_coefficients
 

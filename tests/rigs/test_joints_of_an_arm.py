@@ -89,6 +89,18 @@ def test_inertia_is_told_beside_joints_that_are_logged_without_a_model():
     assert rough.coulomb == pytest.approx(arm.FRICTIONLOSS[2], rel=0.02)
 
 
+def test_counts_in_a_controllers_damping_make_no_delay():
+    """The force answers each count; where it acts at once it does not act later."""
+    rows = runs_of(arm.recording(), "base").readings
+    speed = rows.speed @ rows.weights
+    law = [rows.force_rate, rows.acceleration, np.ones(rows.count), speed, rows.way]
+    columns = np.column_stack([*law, rows.beside])
+    shrunk = 0.003 * np.eye(columns.shape[1])[len(law) :]  # an error over amounts of N(0, 1)
+    goal = np.append(rows.force, np.zeros(len(shrunk)))
+    late_s, *_ = np.linalg.lstsq(np.vstack([columns, shrunk]), goal, rcond=1e-12)[0]
+    assert abs(late_s) < 5e-4
+
+
 def test_a_known_force_of_one_joint_is_taken_off_its_drive_force():
     """Without it a pendulum's joint has the weight of its arm in its force."""
     known, unknown = (arm.recording(known=known, only="elbow") for known in (True, False))

@@ -12,7 +12,9 @@ from bayesfric.export.entered import entered_remarks
 from bayesfric.results import read_json
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.rotary import is_relative, over_stiffness, turns
-from bayesfric.schemas import DiagnosisFile, Enter, Interval
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Enter
 
 AXIS = all_rigs()["single-axis"]
 SERVO = Servo(seconds=15.0, uneven=0.0)

@@ -1,14 +1,18 @@
 """Over wide windows the mean of a speed is the mean that the force is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rigs.loaded_joints import LoadedJoint
 
+from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.simulated import log_of
+from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.rigs.single_axis.weak_form import test_function as of_window
-from bayesfric.rigs.single_axis.windows import joined
+from bayesfric.rigs.single_axis.windows import joined, window_width
 
 JOINT = LoadedJoint(runs=2, seconds=12.0, sampled_hz=100.0, gravity=0.0, offset=0.07, viscous=0.12)
 
@@ -31,3 +35,20 @@ def test_a_force_on_time_is_not_moved():
     """Its viscous friction, by another mean of the speed, seemed to come 16 ms late."""
     found = on_time(logs_of(JOINT), None, margin_s(0.01))
     assert found.late_s == 0.0
+
+
+@pytest.mark.parametrize("is_known_exactly", [False, True])
+def test_windows_are_wide_where_a_known_force_tells_the_acceleration_better(is_known_exactly):
+    """Counts of 4e-5 rad at 500 Hz told a rotor's inertia as 0.004 for 0.014: a share took it."""
+    time, turned = np.arange(0, 9, 0.002), np.multiply.outer(np.arange(0, 9, 0.002), [1.4, 4.0])
+    place, count = np.sin(turned) @ [0.8, 0.3], 4e-5
+    of_link = -0.04 * np.sin(turned) @ [0.8 * 1.4**2, 0.3 * 4.0**2]
+    speed = np.cos(turned) @ [0.8 * 1.4, 0.3 * 4.0]
+    force = 1.35 * of_link + 0.45 * np.sign(speed) + 0.16 * speed
+    everywhere = np.ones(time.size, dtype=bool)
+    log = EvenLog(time, np.round(place / count) * count, force, everywhere, 0.002, {})
+    if is_known_exactly:
+        share = (WeakForce(0.025 * of_link),)
+        log = replace(log, known_force=WeakForce(of_link), beside=share)
+    half_s, _ = window_width([log], count / 12**0.5, 2.0)
+    assert (half_s > 0.03) is is_known_exactly

@@ -40,29 +40,41 @@ SPEEDS_M_S = np.round(np.linspace(0.05, 1.3, 20), 4)
 
 
 @dataclass(frozen=True)
-class Trials:
-    """The gravity board's trials in the order of measuring; arrays of one length.
+class Measured:
+    """What is measured on a board, in the order of measuring; arrays of one length.
 
     Parameters
     ----------
     setup, size : ndarray of int
         Assembly, from 0 on; pulley size.
-    n_pulleys, wrap_angle_deg, drive_kg, load_kg : ndarray
-        The condition.
-    drive_left : ndarray of bool
-        Which end carries the drive mass.
+    n_pulleys, wrap_angle_deg : ndarray
+        Of the condition.
     """
 
     setup: Array
     size: Array
     n_pulleys: Array
     wrap_angle_deg: Array
-    drive_kg: Array
-    load_kg: Array
-    drive_left: Array
 
     def __len__(self) -> int:
         return len(self.setup)
+
+
+@dataclass(frozen=True)
+class Trials(Measured):
+    """The gravity board's trials.
+
+    Parameters
+    ----------
+    drive_kg, load_kg : ndarray
+        Of the condition.
+    drive_left : ndarray of bool
+        Which end carries the drive mass.
+    """
+
+    drive_kg: Array
+    load_kg: Array
+    drive_left: Array
 
     @property
     def drive_end(self) -> Array:
@@ -77,26 +89,17 @@ class Trials:
 
 
 @dataclass(frozen=True)
-class Bench:
-    """The motor board's runs in the order of measuring; arrays of one length.
+class Bench(Measured):
+    """The motor board's runs.
 
     Parameters
     ----------
-    setup, size : ndarray of int
-        Assembly, from 0 on; pulley size.
-    n_pulleys, wrap_angle_deg, weight_kg, speed_m_s : ndarray
-        The condition.
+    weight_kg, speed_m_s : ndarray
+        Of the condition.
     """
 
-    setup: Array
-    size: Array
-    n_pulleys: Array
-    wrap_angle_deg: Array
     weight_kg: Array
     speed_m_s: Array
-
-    def __len__(self) -> int:
-        return len(self.setup)
 
 
 def _masses(size: int, n: int, wrap: float, tension: float, fast: bool) -> tuple[float, float]:

@@ -296,7 +296,7 @@ def make(
             }
             for (mechanism, strength), acting_form in zip(chosen, acting, strict=True)
         ],
-        "noise_free_gap": gap_of(world, runs),
+        "noise_free_gap": _gap_by(acting, world, runs, seed),
         "beside": ["gravity-torque"] if _weight_is_unknown(world) else [],
         "law": {
             "coulomb": world.arm.coulomb[joint],
@@ -307,6 +307,14 @@ def make(
         "world": asdict(world),
     }
     return Made(recorded(world, runs, seed), truth)
+
+
+def _gap_by(acting: Sequence[Acting], world: World, runs: Sequence[Moved], seed: int) -> float:
+    """Return the gap of runs beyond that of runs without what acts: ripple, friction's scatter."""
+    if not acting:
+        return 0.0
+    without = [moved_run(world, (), run, seed) for run in range(world.runs)]
+    return float(np.sqrt(max(0.0, gap_of(world, runs) ** 2 - gap_of(world, without) ** 2)))
 
 
 def _weight_is_unknown(world: World) -> bool:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.attention import Coverage
+from bayesfric.attention.fit import Coverage
 from bayesfric.fitting.predictive.assemblies import Assemblies
 from bayesfric.fitting.predictive.coverage import CELL, coverage
 from bayesfric.fitting.predictive.left_out import LeftOut, scores, uniformity

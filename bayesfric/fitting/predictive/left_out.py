@@ -14,17 +14,17 @@ from scipy.special import ndtri
 
 from bayesfric.arrays import Array
 from bayesfric.fitting.hypothesis import chart_of
-from bayesfric.inference.evidence import (
+from bayesfric.inference.evidence.bridge import bridge_ratio
+from bayesfric.inference.evidence.importance import importance_draws
+from bayesfric.inference.evidence.leave_out import (
     ELPD,
-    Evidence,
     Without,
-    bridge_ratio,
     elpd,
-    importance_draws,
     loo_pit,
     refit_without,
     without_each,
 )
+from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import GivenRest, Model, RigLikelihood
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 
 from bayesfric.fitting.predictive.assemblies import FAR_SD, Assemblies
 from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
-from bayesfric.inference.evidence import ELPD
-from bayesfric.schemas import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
+from bayesfric.inference.evidence.leave_out import ELPD
+from bayesfric.schemas.fit import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
 
 
 def predictions(left_out: Mapping[str, LeftOut]) -> tuple[Prediction, ...]:

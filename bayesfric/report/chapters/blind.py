@@ -25,7 +25,8 @@ from bayesfric.report.content import (
     right_columns,
 )
 from bayesfric.report.quantities import MISSING, format_fixed, format_share
-from bayesfric.schemas import Estimate, Rate, ScorecardFile, Target
+from bayesfric.schemas import ScorecardFile
+from bayesfric.schemas.scorecard import Estimate, Rate, Target
 
 SOURCES = {
     "design": "Kinds and strengths are laid out in fixed proportions.",

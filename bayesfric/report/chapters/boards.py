@@ -12,7 +12,9 @@ from bayesfric.report.quantities import (
     format_share,
     interval_cells,
 )
-from bayesfric.schemas import FitFile, Interval, Pooled
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.pooled import Pooled
 
 NUMBERS = tuple(Column(name, align="decimal") for name in ("mean", "sd", "5 %", "95 %"))
 

@@ -25,7 +25,8 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.quantities import error_cells, factor_cells, format_factor, format_fixed
 from bayesfric.report.stored import StoredClaims
-from bayesfric.schemas import ClaimResult, ClaimsFile
+from bayesfric.schemas import ClaimsFile
+from bayesfric.schemas.claims import ClaimResult
 
 Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}

@@ -14,7 +14,8 @@ from bayesfric.report.content import (
     right_columns,
 )
 from bayesfric.report.quantities import MISSING, format_count, format_interval, format_shift
-from bayesfric.schemas import ComparisonFile, Shift
+from bayesfric.schemas import ComparisonFile
+from bayesfric.schemas.comparison import Shift
 
 SHOWN = 12  # numbers, those that moved furthest
 

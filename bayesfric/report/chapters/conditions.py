@@ -1,8 +1,8 @@
 """Conditions: those that somebody asked about, and those that would tell hypotheses apart."""
 
-import re
 from collections.abc import Iterator, Mapping
 
+from bayesfric.observation.feasible import name_and_unit
 from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.diagnosis_details import codes
 from bayesfric.report.content import Block, Column, Heading, Paragraph, Table, decimal_columns
@@ -13,7 +13,8 @@ from bayesfric.report.quantities import (
     format_unit,
 )
 from bayesfric.report.rig_words import rig_words
-from bayesfric.schemas import DiagnosisFile, FrictionAsked
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.diagnosis import FrictionAsked
 
 
 def asked(friction: FrictionAsked | None) -> Iterator[Block]:
@@ -73,10 +74,6 @@ def next_experiment(diagnosis: DiagnosisFile) -> Iterator[Block]:
     )
 
 
-UNIT = re.compile("_(deg|kg|n|m_s|m|s|rad|hz)$")
-PRINTED = {"n": "N", "m_s": "m/s", "hz": "Hz"}
-
-
 def condition_words(condition: Mapping[str, float | str]) -> str:
     """Write a condition as people say it: 5 large pulleys, wrap angle 50°, mass load 2.552 kg."""
     left = dict(condition)
@@ -87,9 +84,8 @@ def condition_words(condition: Mapping[str, float | str]) -> str:
         n, size = left.pop("n_pulleys"), left.pop("pulley_size")
         said.append(f"{_value(n)} {size} {'pulley' if n == 1 else 'pulleys'}")
     for name, value in left.items():
-        unit = UNIT.search(name)
-        words = axis_words(name[: unit.start()] if unit else name)
-        printed = format_unit(PRINTED.get(unit[1], unit[1])) if unit else ""
+        own, unit = name_and_unit(name)
+        words, printed = axis_words(own), format_unit(unit) if unit else ""
         space = "" if printed in ("", "°") else "\u202f"
         said.append(f"{words} {_value(value)}{space}{printed}")
     return ", ".join(said)

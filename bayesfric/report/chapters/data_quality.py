@@ -22,7 +22,8 @@ from bayesfric.report.quantities import (
     format_share,
 )
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.fit import DataQuality, WithoutExclusions
 
 SHOWN = 30  # rows of a table; a recording that is worse is read in fit.json
 

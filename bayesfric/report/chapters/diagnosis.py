@@ -47,7 +47,9 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
-from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.diagnosis import Axis, Gap
 
 ALL_BUT = 0.999  # a share is never printed as all of it
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
@@ -63,12 +65,32 @@ def verdict_line(record: DiagnosisFile) -> Notice:
             Strong(f"{VERDICTS[record.verdict]}{_once_entered(record)}."),
             f" {_with_meanings(record)} ",
             f"What may act: {listed(record.possible)}. " if open_still else "",
+            *_measure_next(record),
             "See ",
             Reference("diagnosis"),
             ".",
         ],
         title="Sim-to-real gap",
     )
+
+
+def _measure_next(record: DiagnosisFile) -> Iterator[str]:
+    """Yield what to measure where the cause, or the gap itself, stays open."""
+    gap, share = record.gap, record.practical_share
+    if record.verdict in ("no-gap", "named"):
+        return
+    if record.next_experiment:
+        proposed = record.next_experiment[0]
+        rivals = " and ".join(proposed.separates)
+        yield f"Measure next: {condition_words(proposed.condition)}, which separates {rivals}. "
+        return
+    low, high = (end / gap.friction_rms for end in (gap.systematic.q05, gap.systematic.q95))
+    if record.verdict == "undecided" and gap.no_share is None and low < share < high:
+        yield (
+            "Measure next: more assemblies at the same conditions. The gap is known only to lie "
+            f"between {format_share(low, 3)} and {format_share(high, 3)} of friction, and "
+            f"{format_share(share)} is where it begins to count. "
+        )
 
 
 def _once_entered(record: DiagnosisFile) -> str:
@@ -316,8 +338,7 @@ def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
     taken = _percent(gap.shrink_of_model)
     said = [f"Adding what is named removes {taken} of the systematic gap (mean square)"]
     if gap.shrink is not None:
-        part = "all" if gap.shrink.q50 >= 1 else _percent(gap.shrink)
-        said.append(f", and {part} of what new {groups} show above the floor")
+        said.append(f", and {_percent(gap.shrink)} of what new {groups} show above the floor")
     else:
         said.append(f"; new {groups} cannot tell, since {gap.shrink_why}")
     return [*said, ". "]
@@ -327,7 +348,7 @@ def _seen(gap: Gap) -> str:
     """Return what data held out say of a shrink; that they cannot tell is said too."""
     if gap.shrink is None:
         return "data held out cannot tell"
-    return f"of data held out by {'all' if gap.shrink.q50 >= 1 else _percent(gap.shrink)}"
+    return f"of data held out by {_percent(gap.shrink)}"
 
 
 def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
@@ -346,7 +367,7 @@ def _percent(number: Interval) -> str:
     middle, low, high = (
         format_fixed(100 * quantile, decimals) for quantile in (number.q50, number.q05, number.q95)
     )
-    if number.q05 >= ALL_BUT:
+    if number.q05 >= ALL_BUT and number.q95 <= 1:
         return f"more than {100 * ALL_BUT:.1f}\u202f%"
     return f"{middle} [{low}, {high}]\u202f%"
 

@@ -34,7 +34,10 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.report.rig_words import group_words, law_words, rig_words
 from bayesfric.rigs.base import Words
-from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause
+from bayesfric.schemas.diagnosis import Gap, GapRow
 
 NUMBER = re.compile(r"\d+\.\d+")
 ROWS = 20  # hypotheses listed; diagnosis.json has all

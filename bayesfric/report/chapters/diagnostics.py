@@ -20,7 +20,7 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.quantities import format_count, format_number, format_share, three_digits
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import ParameterSummary
+from bayesfric.schemas.parameter import ParameterSummary
 
 
 def diagnostics(stored: StoredFit) -> Iterator[Block]:

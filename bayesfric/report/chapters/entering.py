@@ -3,10 +3,17 @@
 import re
 from collections.abc import Iterator
 
-from bayesfric.export.entered import CALLED, COLUMNS, entered_remarks, entered_rows
+from bayesfric.export.entered import (
+    CALLED,
+    COLUMNS,
+    entered_remarks,
+    entered_rows,
+    held_out_warning,
+    off_now,
+)
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
-from bayesfric.report.content import Block, BulletList, Figure, Paragraph, Table
+from bayesfric.report.content import Block, BulletList, Figure, Notice, Paragraph, Table
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 
@@ -23,8 +30,11 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
         if joint.verdict in ("unknown", "unseparated"):
             after += " They may be biased, since the law misses a force that has no cause yet."
+        if warned := held_out_warning(joint):
+            yield Notice("attention", warned, title=f"Not confirmed{of}")
+        said = f" {off}" if (off := off_now(joint)) else ""
         yield Table(
-            f"Enter these numbers in your simulator{of}.{_wrong(joint)}{after}",
+            f"Enter these numbers in your simulator{of}.{said}{_wrong(joint)}{after}",
             [ISAAC_HEAD if title == CALLED["isaaclab"] else title for title in COLUMNS],
             [list(map(_shown, row)) for row in entered_rows(joint.enter)],
             label="enter" if not diagnosis.joints else f"enter-{place}",
@@ -38,7 +48,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
 
 def _shown(cell: str) -> str:
     """Return a cell as it is printed: a true minus, and no prefix that the head has."""
-    return re.sub(r"-(?=\d)", "−", cell.removeprefix(ISAAC))
+    return re.sub(r"-(?=\d)", "−", cell.removeprefix(ISAAC).replace(" and .", ", "))
 
 
 def _wrong(joint: DiagnosisFile) -> str:

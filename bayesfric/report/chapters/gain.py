@@ -26,7 +26,8 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.quantities import MISSING, format_interval, format_number, format_share
 from bayesfric.report.words import sentences
-from bayesfric.schemas import LoopMargins, MarginsFile
+from bayesfric.schemas import MarginsFile
+from bayesfric.schemas.margins import LoopMargins, Metric
 
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
@@ -80,7 +81,7 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         Whether nothing else is on that page, which then has the specs.
     """
     for loop in margins.loops:
-        beside = () if alone else _missed(loop)
+        beside = _named(loop) if alone else _missed(loop)
         yield Notice(_kind(loop), " ".join([*_gain(loop), *beside]), title=_title(loop))
     if not alone:
         return
@@ -96,18 +97,48 @@ def _title(loop: LoopMargins) -> str:
     return f"{loop.name}: {safety_words(loop)}"
 
 
+def _at(loop: LoopMargins) -> str:
+    """Return at which γ the specs were judged, that of the file; nothing without compensation."""
+    none = loop.compensation_signal == "none"
+    return "" if none else f" at γ = {loop.compensation_gain:.3g}"
+
+
+def _called(metric: Metric) -> str:
+    """Return a metric in words, with the direction of motion where it has one."""
+    return ", ".join(filter(None, (WORDS.get(metric.name, metric.name), metric.direction)))
+
+
+def _missing(loop: LoopMargins) -> Iterator[Metric]:
+    """Yield the metrics that miss their specs more often than the file allows."""
+    for metric in loop.metrics:
+        name = " ".join(filter(None, (metric.name, metric.direction)))
+        own = HUNTS if metric.name == "gamma_hunting" else name
+        if metric.spec is not None and {name, own} & {*(loop.missed_specs or ())}:
+            yield metric
+
+
+def _at_all(loops: Sequence[LoopMargins]) -> str:
+    """Return at which γ all specs were judged; those of the files where these differ."""
+    places = {_at(loop) for loop in loops}
+    return places.pop() if len(places) == 1 else " at the γ of each file"
+
+
+def _named(loop: LoopMargins) -> Iterator[str]:
+    """Yield which specs the loop misses, hunting aside, at the γ of its file."""
+    others = [_called(metric) for metric in _missing(loop) if metric.name != "gamma_hunting"]
+    if others:
+        yield f"Missed{_at(loop)}: {', '.join(others)}."
+
+
 def _missed(loop: LoopMargins) -> Iterator[str]:
     """Yield each metric that misses its spec: its 90 % interval, the spec, and how probably."""
     said = []
-    for metric in loop.metrics:
-        name = " ".join(filter(None, (metric.name, metric.direction)))
-        if name not in (loop.missed_specs or ()) or metric.interval is None or metric.spec is None:
+    for metric in _missing(loop):
+        interval = metric.interval
+        if interval is None or metric.spec is None or metric.name == "gamma_hunting":
             continue
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
-        words = WORDS.get(metric.name, metric.name)
-        if metric.direction is not None:
-            words += f", {metric.direction}"
-        interval = metric.interval
+        words = _called(metric)
         measured = format_interval(
             scale * interval.q50, scale * interval.q05, scale * interval.q95, unit
         )
@@ -132,7 +163,7 @@ def _gain(loop: LoopMargins) -> Iterator[str]:
         yield f"No gain γ is safe: {loop.largest_safe_compensation_gain_why}."
     else:
         share = f"{100 * most:g}\u202f%"
-        yield f"Safe up to γ = {safe_up_to(loop)}: hunts in at most {share} of the draws."
+        yield f"Up to γ = {safe_up_to(loop)} it hunts in at most {share} of the draws."
 
 
 def _decided(loop: LoopMargins) -> Iterator[str]:
@@ -156,7 +187,7 @@ def _specs(loops: Sequence[LoopMargins]) -> Iterator[Table]:
     ]
     if rows:
         yield Table(
-            "What the loop's file asks for, and how probably it is missed.",
+            f"What the loop's file asks for, and how probably it is missed{_at_all(loops)}.",
             [
                 *([] if len(loops) == 1 else ["loop"]),
                 "figure",
@@ -164,31 +195,28 @@ def _specs(loops: Sequence[LoopMargins]) -> Iterator[Table]:
             ],
             rows,
             label="specs",
-            note="Bold: misses its spec more often than the file allows.",
+            note="Bold: misses its spec more often than the file allows. γ from which it hunts "
+            "does not depend on the γ that is set.",
         )
 
 
 def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
     """Yield a row for each figure with a spec: spec, interval, and how probably it is missed."""
+    missing = tuple(_missing(loop))
     for metric in loop.metrics:
         if metric.spec is None or metric.interval is None:
             continue
-        name = " ".join(filter(None, (metric.name, metric.direction)))
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
-        words = ", ".join(filter(None, (WORDS.get(metric.name, metric.name), metric.direction)))
         low, high = (
             format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95)
         )
         row = [
-            words,
+            _called(metric),
             f"{metric.sense} {scale * metric.spec:g}\u202f{unit}".rstrip(),
             f"{low} to {high}\u202f{unit}".rstrip(),
             chance_of_missing(metric) or MISSING,
         ]
-        missed = {name, HUNTS if metric.name == "gamma_hunting" else name} & {
-            *(loop.missed_specs or ())
-        }
-        yield [Strong(cell) if missed else cell for cell in row]
+        yield [Strong(cell) if metric in missing else cell for cell in row]
 
 
 def gain_figures(margins: MarginsFile) -> Iterator[Block]:

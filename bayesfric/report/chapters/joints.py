@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from bayesfric.report.content import Block, Code, Heading, Paragraph, Table
 from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import THIN, error_cells, format_number, format_unit
-from bayesfric.schemas import DiagnosisFile, Interval
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
 
 NEGLIGIBLE = 1e-6  # of an error: what a file has instead of 0, since it was turned into other axes
 

@@ -38,7 +38,9 @@ from bayesfric.report.quantities import (
     interval_cells,
 )
 from bayesfric.report.words import sentences
-from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
+from bayesfric.schemas import MarginsFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.margins import Held, LoopMargins, Metric
 
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 SMALL_SHARE = 0.02  # of a variance, not worth a column
@@ -81,8 +83,11 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     if loop.plant is not None:
         yield Paragraph(loop.plant.sentence)
     if loop.warnings:
-        yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
-        yield BulletList([_sentence(warning) for warning in loop.warnings])
+        yield Notice(
+            "attention",
+            f"{len(loop.warnings)} remarks on these numbers:",
+            points=[_sentence(warning) for warning in loop.warnings],
+        )
     yield Table(
         ["What the draws leave of ", Code(loop.name), "."],
         [

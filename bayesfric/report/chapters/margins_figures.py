@@ -7,7 +7,7 @@ from bayesfric.plots.style import svg_of
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.report.content import Block, Figure, Paragraph, from_file
 from bayesfric.report.quantities import format_count
-from bayesfric.schemas import LoopMargins
+from bayesfric.schemas.margins import LoopMargins
 
 
 def over_speed(loop: LoopMargins) -> Iterator[Block]:

@@ -27,7 +27,7 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import AssemblyCheck, Prediction, Uniformity
+from bayesfric.schemas.fit import AssemblyCheck, Prediction, Uniformity
 
 
 def left_out(stored: StoredFit) -> Iterator[Block]:

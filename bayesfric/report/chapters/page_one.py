@@ -1,13 +1,13 @@
 """Page one: the verdict on the gap, which numbers to use, and what to worry about."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 import xarray as xr
 
-from bayesfric.attention import attention_of_all
+from bayesfric.attention.together import attention_of_all
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import (
@@ -37,7 +37,6 @@ from bayesfric.report.chapters.to_use import (
 )
 from bayesfric.report.content import (
     Block,
-    BulletList,
     Code,
     Column,
     Figure,
@@ -51,7 +50,8 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
 from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit, StoredResults
-from bayesfric.schemas import FitFile, RecordingId
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.base import RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 NO_BREAK = "\u00a0"
@@ -60,7 +60,6 @@ OF_THE_LAW_ALONE = "What the named causes make at the speeds of these runs is in
 PAPERS_LAW = " The law of n pulleys at wrap angle θ: " + "n ((c₁ + c₃ (θ − 85°)) T + c₂).".replace(
     " ", NO_BREAK
 )
-FEW = 3  # remarks that stand as boxes; more of them are a list
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
 
@@ -247,7 +246,7 @@ def coefficients_figure(stored: StoredFit, refitted: Quantiles) -> Iterator[Figu
     biased = " In colour: refitted with the named causes (90 %). Grey: the law alone, biased."
     yield Figure(
         svg_of(coefficients_relative_to_paper, stored.predictive, uninformed, refitted),
-        "Each coefficient over its value in the paper's Table I: median, 50 % and 90 % "
+        "Each coefficient over the paper's value: median, 50 % and 90 % "
         "intervals. A bar that misses the dashed line says that data and paper differ by more "
         "than the uncertainty." + (biased if refitted else ""),
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
@@ -280,23 +279,20 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     remarks = attention_of_all(stored.records)
-    lines: Sequence[str] = [
+    lines = [
         line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
     ]
-    if len(lines) > FEW:
-        yield Notice("attention", f"Read these {len(lines)} remarks with the numbers:")
-        yield BulletList(lines)
-        return
-    for line in lines:
-        yield Notice("attention", line)
     diagnosed = stored.diagnosis
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
-        yield Notice(
-            "attention",
+        lines.append(
             "A force of unknown cause acts. Coefficients and claims are of laws that lack it: it "
-            "may have moved them by as much as the gap.",
+            "may have moved them by as much as the gap."
         )
-    elif fit is not None and fit.converged and not lines:
+    if len(lines) > 1:
+        yield Notice("attention", f"{len(lines)} remarks on these numbers:", points=lines)
+    elif lines:
+        yield Notice("attention", *lines)
+    elif fit is not None and fit.converged:
         yield Paragraph(
             [
                 Strong("Nothing to worry about in the fit."),

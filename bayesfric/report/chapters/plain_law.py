@@ -17,7 +17,8 @@ from bayesfric.report.quantities import (
     interval_cells,
 )
 from bayesfric.report.rig_words import rig_words
-from bayesfric.schemas import FitFile, ParameterSummary
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.parameter import ParameterSummary
 
 
 def plain_coefficients(fit: FitFile) -> dict[str, ParameterSummary]:

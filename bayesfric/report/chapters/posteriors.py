@@ -84,7 +84,7 @@ def _pairs(stored: StoredFit, size: str) -> Figure:
         row = table1()[size]
         paper = {"c1": row.c1.value, "c2": row.c2.value, "c3": row.c3.value}
         mark = (
-            "Dashed lines mark Table I: where data and paper agree, they cross inside the contours."
+            "Dashed lines mark the paper's values. They cross inside the contours if these agree."
         )
     return Figure(
         svg_of(coefficient_pairs, drawn, size, paper),

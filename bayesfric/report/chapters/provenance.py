@@ -7,7 +7,8 @@ from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, T
 from bayesfric.report.quantities import MISSING, format_count
 from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import CalibrationFile, Provenance, ScorecardFile
+from bayesfric.schemas import CalibrationFile, ScorecardFile
+from bayesfric.schemas.base import Provenance
 
 
 def provenance(stored: StoredFit) -> Iterator[Block]:

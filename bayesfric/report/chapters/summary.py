@@ -10,7 +10,8 @@ from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_c
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import FitFile, ParameterSummary
+from bayesfric.schemas import FitFile
+from bayesfric.schemas.parameter import ParameterSummary
 
 
 def summary(stored: StoredFit, warnings: Iterable[Block] = ()) -> Iterator[Block]:
@@ -69,18 +70,18 @@ def _of_pulleys(fit: FitFile) -> Table:
                 ]
             )
     return Table(
-        "Posterior of the friction coefficients, and the paper's Table I.",
+        "Posterior of the friction coefficients, beside the paper's values.",
         [
             "pulley",
             "coefficient",
-            *decimal_columns("mean", "sd", "5 %", "95 %", "as the paper", "Table I"),
+            *decimal_columns("mean", "sd", "5 %", "95 %", "paper's way", "paper"),
             "inside 90 %",
         ],
         rows,
         label="coefficients",
-        note="As the paper: the paper's own estimator on the same trials, least squares slope by "
-        "slope, which gives no uncertainty. Inside: whether Table I lies in the 90 % interval; "
-        "“prior” where the recording does not inform the coefficient, so that its prior drives it.",
+        note="Paper's way: least squares, slope by slope, on the same trials; it gives no "
+        "uncertainty. Paper: as printed in its Table I. Inside: whether the paper's value lies in "
+        "the 90 % interval; “prior”: the recording does not inform the number, its prior does.",
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from bayesfric.effects import all_effects
-from bayesfric.effects.base import REFERENCE_TENSION_N
+from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
 from bayesfric.report.content import (
@@ -19,14 +19,10 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells, format_unit
-from bayesfric.schemas import (
-    Cause,
-    DiagnosisFile,
-    FitFile,
-    Interval,
-    LawNumber,
-    ParameterSummary,
-)
+from bayesfric.schemas import DiagnosisFile, FitFile
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.parameter import ParameterSummary
 
 HALF = "Median ± half of the 90 % interval."
 
@@ -61,7 +57,8 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
         return
     if causes:
         yield _with_causes(diagnosis.law, causes)
-        yield Paragraph(list(_parameters(causes)))
+        if beside := list(_parameters(causes, diagnosis.law)):
+            yield Paragraph(beside)
     elif alone and diagnosis.law:
         yield Table(
             "Coefficients of the recalibrated law.",
@@ -80,6 +77,7 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
     damping = [Column("damping of a pulley", "N·s/m")] if dampings else []
+    slope = f" {_slope_of(causes)}" if dampings else ""
     rows: list[list[Text]] = [
         [whose or "law", *map(Strong, cells), *map(Strong, dampings.get(whose, []))]
         for whose, cells in _numbers(law, lambda number: number.after)
@@ -94,8 +92,17 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
         rows,
         label="use",
         note=f"{HALF} The law alone takes up a part of the force of {names}: its coefficients, "
-        "which fit.json, draws.nc and the chapters on the fit have, are biased.",
+        f"which fit.json, draws.nc and the chapters on the fit have, are biased.{slope}",
     ).filled()
+
+
+def _slope_of(causes: Sequence[Cause]) -> str:
+    """Return how damping follows from the slope that the diagnosis estimates."""
+    slope = next(cause for cause in causes if cause.effect == "viscous").parameters["slope"]
+    return (
+        f"Damping: the friction of a pulley at {REFERENCE_TENSION_N:g} N and 85° times "
+        f"viscous.slope, {_with_error(slope)} {format_unit(slope.unit)}."
+    )
 
 
 def _heads(law: Mapping[str, LawNumber]) -> list[Column]:
@@ -120,10 +127,12 @@ def _numbers(
         )
 
 
-def _parameters(causes: Sequence[Cause]) -> Iterator[Inline]:
-    """Yield each parameter of the causes with its value and, where it is known, its meaning."""
+def _parameters(causes: Sequence[Cause], law: Mapping[str, LawNumber]) -> Iterator[Inline]:
+    """Yield each parameter of the causes that no column has, with its value and its meaning."""
     examined = all_effects(None)
     for cause in causes:
+        if cause.effect == "viscous" and _dampings(law, (cause,)):
+            continue
         effect = examined.get(cause.effect)
         meanings = {p.name: p.meaning for p in (() if effect is None else effect.parameters)}
         for name, number in cause.parameters.items():

@@ -8,7 +8,8 @@ import scipy
 from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Whole
-from bayesfric.rigs.gravity_board.paths import POINTS
+
+POINTS = 129  # of the grid in time; odd, for Simpson's rule
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class DoubleIntegral:
             By cubic Hermite interpolation on the grid [m].
         """
         of_speeds, of_travels = self._at_rows
-        first, second = _integrals()
+        first, second = integrals()
         # One after another: small arrays stay in the processor's cache.
         return np.stack(
             [
@@ -77,7 +78,7 @@ class DoubleIntegral:
 
 
 @cache
-def _integrals() -> tuple[Array, Array]:
+def integrals() -> tuple[Array, Array]:
     """Return what turns values on a grid of unit steps into their first and second integral."""
     first = scipy.integrate.cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
     return first, np.asarray(scipy.integrate.cumulative_simpson(first, axis=1, initial=0))

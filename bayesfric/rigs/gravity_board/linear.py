@@ -19,8 +19,7 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.observation.heavy_scatter import Deviations, HeavyScatter
 from bayesfric.observation.layout import Layout, ModelColumns
-from bayesfric.observation.linear import Evaluated, LinearRig, Run
-from bayesfric.observation.windows import Windows
+from bayesfric.observation.linear import Evaluated, LinearRig, Run, Windows
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,

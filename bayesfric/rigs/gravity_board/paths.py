@@ -14,7 +14,6 @@ acceleration alone is taken from rest over the travel of the rig.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.polynomial import legendre
 
 from bayesfric.arrays import Array, Whole
@@ -23,10 +22,10 @@ from bayesfric.physics.gravity import TRAVEL_M
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.gravity_board.double_integral import POINTS, DoubleIntegral, integrals
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 DEGREE = 4  # of the travel in time: a force that changes linearly in time needs 3
-POINTS = 129  # of the grid in time; odd, for Simpson's rule
 LEAST_SPEED_SHARE = 0.02  # of a trial's greatest speed, where smoothing would reverse it
 NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
 NO_MOTION = Unsupported(
@@ -54,8 +53,7 @@ class Paths:
     @property
     def travel_m(self) -> Array:
         """Travel since the first time of the grid, shape (N, P) [m]."""
-        travel = self.step_s * scipy.integrate.cumulative_simpson(self.speed_m_s, axis=1, initial=0)
-        return np.asarray(travel)
+        return np.asarray(self.step_s * (self.speed_m_s @ integrals()[0]))
 
     def of(self, trials: Whole | slice) -> "Paths":
         """Return the paths of some trials, by place."""
@@ -76,33 +74,16 @@ class Paths:
         ndarray, shape (E,)
             Travel at each event, with none and no speed at the first event [m].
         """
-        speed, travel = self._integrals(acceleration_m_s2)
-        place = events.tau / self.step_s[events.trial, 0]
-        left = np.minimum(place.astype(int), travel.shape[1] - 2)
-        share = place - left
-        before, after = (events.trial, left), (events.trial, left + 1)
         step = self.step_s[events.trial, 0]
-        # Cubic Hermite interpolation between two times of the grid.
-        rise = share**2 * (3 - 2 * share)
-        return np.asarray(
-            (1 - rise) * travel[before]
-            + rise * travel[after]
-            + step * share * (1 - share) ** 2 * speed[before]
-            - step * share**2 * (1 - share) * speed[after]
-        )
+        integral = DoubleIntegral(events.trial, events.tau / step, step, len(self.step_s))
+        return integral.of(acceleration_m_s2[None])[:, 0]
 
     def seen(self, acceleration_m_s2: Array) -> Array:
         """Return the added travel without what a shift and a first speed would add, (N, P)."""
-        _, travel = self._integrals(acceleration_m_s2)
+        travel = self.step_s**2 * (acceleration_m_s2 @ integrals()[1])
         line = np.stack([np.ones(POINTS), np.linspace(-1, 1, POINTS)])
         line /= np.linalg.norm(line, axis=1, keepdims=True)
         return np.asarray(travel - travel @ line.T @ line)
-
-    def _integrals(self, acceleration_m_s2: Array) -> tuple[Array, Array]:
-        speed = self.step_s * scipy.integrate.cumulative_simpson(
-            acceleration_m_s2, axis=1, initial=0
-        )
-        return speed, self.step_s * scipy.integrate.cumulative_simpson(speed, axis=1, initial=0)
 
 
 def motion_untold(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupported | None:

@@ -6,8 +6,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.inference.cosines import cosines
-from bayesfric.observation.linear import Run
-from bayesfric.observation.windows import Windows
+from bayesfric.observation.linear import Run, Windows
 from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
 from bayesfric.rigs.gravity_board.rows import GravityRows
 

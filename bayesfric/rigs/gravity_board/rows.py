@@ -24,12 +24,12 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
+from bayesfric.rigs.gravity_board.double_integral import POINTS, DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import rows_of_trials, variance_of, with_accelerations
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s, clock_shifts, late_column
 from bayesfric.rigs.gravity_board.measured_motion import LEAST_ACCELERATION, MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
-from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
+from bayesfric.rigs.gravity_board.paths import motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
 

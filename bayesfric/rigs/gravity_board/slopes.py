@@ -19,12 +19,12 @@ from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.estimator import (
+    LEAST_TENSION_RATIO,
     CellLine,
     PaperEstimate,
     SizeEstimate,
     is_upright,
 )
-from bayesfric.rigs.gravity_board.estimator.slopes import LEAST_TENSION_RATIO
 from bayesfric.rigs.gravity_board.likelihood import GravityModel
 
 GRID = 13

@@ -10,15 +10,17 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.analysis import Analysis
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, evenly
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import Fault, InputError
+from bayesfric.observation.coefficients import law_of_rows
 from bayesfric.observation.exact import ExactLikelihood
+from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import nominal_tension
+from bayesfric.physics.gravity import TRAVEL_M, coulomb_acceleration, nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -28,17 +30,19 @@ from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.linear import LinearEvents
 from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
-from bayesfric.rigs.gravity_board.next_trials import lay_out, on_time
 from bayesfric.rigs.gravity_board.places import TrialPlaces
-from bayesfric.rigs.gravity_board.predictions import curves
+from bayesfric.rigs.gravity_board.predictions import curves, trajectories
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
 from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
-from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, trial_condition
-from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
+from bayesfric.schemas.fit import Agreement, Clocks, Excluded, PointEstimate, Repaired
+
+PAIRS_OF_MASSES = 10  # of each size
+MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
+
 
 DISAGREEING_SHARE = (
     0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
@@ -179,7 +183,7 @@ class GravityTrials(RigTrials):
         return None if laid is None else replace(self, gravity=laid, at_rest=none)
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
-        """Return a trial at every feasible condition; see :mod:`.next_trials`."""
+        """Return a trial at every feasible condition; see :func:`next_trials`."""
         laid = lay_out(self.gravity.trials, self.constants, laws)
         if laid is None:
             return None
@@ -305,3 +309,65 @@ def _agreement(agreement: SensorAgreement) -> Agreement:
         limit_friction_share=MATERIAL_SHARE,
         disagreeing=tuple(trials["trial"][trials["disagrees"].astype(bool)]),
     )
+
+
+def lay_out(
+    measured: pd.DataFrame, rig: RigConstants, laws: Mapping[str, Coefficients]
+) -> Gravity | None:
+    """Return a trial at every feasible condition, its events on time by a law.
+
+    Parameters
+    ----------
+    measured : DataFrame
+        Trials that were recorded.
+    rig : RigConstants
+        The board.
+    laws : mapping of str to Coefficients
+        Of each pulley size.
+    """
+
+    def levels(own: pd.DataFrame) -> list[pd.DataFrame]:
+        masses = own[["mass_drive_kg", "mass_load_kg"]].drop_duplicates()
+        order = np.argsort((masses["mass_drive_kg"] - masses["mass_load_kg"]).to_numpy())
+        pairs = masses.iloc[order[evenly(order.size, PAIRS_OF_MASSES)]]
+        return [levels_of(own["n_pulleys"]), levels_of(own["wrap_angle_deg"]), pairs]
+
+    trials = every_condition(measured, levels)
+    return on_time(trials, rig, laws, ("drive",))
+
+
+def on_time(
+    trials: pd.DataFrame,
+    rig: RigConstants,
+    laws: Mapping[str, Coefficients],
+    sensors: Sequence[str],
+) -> Gravity | None:
+    """Return those of some trials that move, with events on time by a law.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        Conditions; measured columns are left alone.
+    rig : RigConstants
+        The board.
+    laws : mapping of str to Coefficients
+        Of each pulley size.
+    sensors : sequence of str
+        That see them.
+    """
+    law = law_of_rows(laws, trials["pulley_size"])
+    rate = coulomb_acceleration(law, trial_condition(trials, rig))
+    moving = rate > MOVING_M_S2
+    trials = trials[moving].reset_index(drop=True)
+    if trials.empty:
+        return None
+    spacing = rig.hall_spacing_m or 0.01
+    place = np.arange(spacing / 2, rig.limits.get("travel_m", (0.0, TRAVEL_M))[1], spacing)
+    time = np.sqrt(2 * place / rate[moving][:, None])
+    events_of_sensor = {
+        "trial": np.repeat(trials["trial"].to_numpy(), place.size),
+        "displacement_m": np.tile(place - place[0], len(trials)),
+        "time_s": time.ravel(),
+    }
+    events = pd.concat([pd.DataFrame({**events_of_sensor, "sensor": sensor}) for sensor in sensors])
+    return Gravity(trials, events.reset_index(drop=True))

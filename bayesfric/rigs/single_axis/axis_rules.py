@@ -23,6 +23,9 @@ class AxisRules:
     quiet: float = rule(
         0.003, "drive force", "windows are as wide as makes the error by the position this", WINDOWS
     )
+    told_apart: float = rule(
+        0.1, "1", "and the acceleration's error this of what a known force leaves of it", WINDOWS
+    )
     windows_a_pass: int = rule(4, "windows", "windows are so narrow that a pass has these", WINDOWS)
     narrowest: int = rule(8, "samples", "on either side of a window's middle, or more", WINDOWS)
     narrowest_at_turns: int = rule(

@@ -8,7 +8,7 @@ pull with, in amounts that the same rows tell roughly.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +62,10 @@ class Carried:
     columns: tuple[str, ...]
     loads: Mapping[tuple[float, ...], Pull]
     others: Array
+
+    def beside_more(self, names: Sequence[str]) -> "Carried":
+        """Return the same where more stands beside the rows that the loads' pulls hold already."""
+        return replace(self, others=np.append(self.others, np.zeros(len(names))))
 
     def at(self, readings: Readings, table: pd.DataFrame) -> tuple[Array, Array]:
         """Return what is held, and what the mass takes, positive along the position, (W, P) twice.

@@ -4,15 +4,19 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bayesfric.arrays import Array
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
-from bayesfric.schemas import Interval, LawNumber
+from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import LawNumber
 
 MEASURED = frozenset({"motor", "link", "measured"})
 """Kinds of force that act as they were logged, whatever was commanded."""
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
 OF_GAIN = {"link": 0.02, "measured": 0.02}  # of a force sensor's scale
 OF_CONSTANT = 0.1  # of a torque constant, by which currents and commands are a force
+LITTLE_BEYOND = 0.05  # of a limit, that a sensor may read beyond it
+MOSTLY = 0.5  # of the commands beyond a limit: nobody drives a joint like that
 
 
 def gain_sd(constants: RigConstants) -> float:
@@ -72,6 +76,34 @@ def doubts(
         yield (
             "The force is one behind the gear (rig.force_is = link): friction before the sensor, "
             "most of a gear's, does not show in it"
+        )
+
+
+def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[str]:
+    """Yield that forces were recorded which a declared limit does not let the drive give.
+
+    Commands may lie beyond it: what is beyond it then does not act.
+
+    Parameters
+    ----------
+    constants : RigConstants
+        What was written down.
+    drive : ndarray
+        Forces that were recorded [N or N·m].
+    unit : str
+        Theirs.
+    """
+    limit, measured = constants.force_limit_n, constants.force_is in MEASURED
+    if limit is None:
+        return
+    least = (1 + LITTLE_BEYOND) * limit if measured else limit
+    share = float(np.mean(np.abs(drive) > least))
+    if share > (0.0 if measured else MOSTLY):
+        yield (
+            f"rig.force_limit_n is {limit:.3g} {unit}, and {share:.0%} of the "
+            f"{'measured' if measured else 'logged'} forces lie beyond it, up to "
+            f"{np.abs(drive).max():.3g} {unit}: is it in another unit, or of the motor before "
+            "its gear?"
         )
 
 

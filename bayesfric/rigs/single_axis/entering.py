@@ -27,7 +27,13 @@ from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.on_time import margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
-from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law_of
+from bayesfric.rigs.single_axis.readings import (
+    LEVER,
+    Readings,
+    readings_of,
+    rough_law_of,
+    with_lever,
+)
 from bayesfric.rigs.single_axis.rows import varied_columns
 from bayesfric.rigs.single_axis.servo import (
     Servo,
@@ -40,6 +46,8 @@ from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, lin
 from bayesfric.simulators import SimulatorCalls
 
 SIZE = "axis"  # in the place of a pulley size
+SHOWS_PLACE = 4
+"""From so many turns on what goes with the place is examined, for it is told from time."""
 NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 
 
@@ -59,6 +67,7 @@ class Entering(NamedTuple):
     servo: Servo | None
     constants: RigConstants
     spikes: float
+    lever_n: float
 
 
 class _Logs(NamedTuple):
@@ -119,6 +128,11 @@ def entering(
     inside = measures.limit.within(readings)
     carried = carried_by(readings, inside, table, varied_columns(axis.runs))
     measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
+    is_free = turns < SHOWS_PLACE and servo is None and beside is None
+    lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
+    if lever_n:
+        readings = with_lever(readings, lever_n)
+        measures = replace(measures, carried=carried.beside_more(LEVER))
     sensed = constants.force_is in MEASURED
     moving = np.unique(readings.trial)
     still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
@@ -137,7 +151,15 @@ def entering(
         servo,
         constants,
         max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
+        lever_n,
     )
+
+
+def _may_have_weight(machine: Machine, logs: Sequence[EvenLog]) -> bool:
+    """Return whether a weight may pull with the angle that nothing in the rows stands for."""
+    has_model = machine.bodies is not None or any(log.known_force is not None for log in logs)
+    weighs = machine.constants.rotary and machine.constants.gravity_m_s2 > 0
+    return weighs and not has_model and not machine.others_move
 
 
 def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> _Logs | Unsupported:

@@ -25,7 +25,7 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
-from bayesfric.schemas import Instrument, InstrumentNumber
+from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 BEFORE = 2  # windows, whose motion tells that of the present one
 MOVED = 2  # regressors that are the motion's: acceleration and speed

@@ -11,9 +11,8 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.inference.priors import LOG_2PI
 from bayesfric.inference.symmetric import root_of
 from bayesfric.observation.layout import ModelColumns
-from bayesfric.observation.linear import Evaluated, NoiseParameter, noise_parameter
+from bayesfric.observation.linear import Evaluated, NoiseParameter, Windows, noise_parameter
 from bayesfric.observation.part import ColumnsPart, laid_columns, row_weights, scattering_column
-from bayesfric.observation.windows import Windows
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
     COLUMNS,

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from bayesfric.arrays import Array
-from bayesfric.observation.feasible import evenly, numbered
+from bayesfric.arrays import Array, evenly
+from bayesfric.observation.feasible import numbered
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
@@ -23,11 +23,18 @@ from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.simulated import log_of
 
 SETTINGS = ("run", "path", "velocity_m_s", "duration_s", "drive_force_n")
+OF_ROTARY = ("run", "path", "velocity_rad_s", "duration_s", "drive_torque_n_m")
+"""What is said of a run, in units of an axis that slides and of a joint that turns."""
 ROUND = {"at a steady speed": 0.5, "sine": 50.0}  # by how a path there and back turns
 RUNS = 3  # of each role: the slowest, the fastest and one between them
 SPEEDS = 5  # beside that of the run itself
 LEAST = 4.0  # half windows that a run has at the least
 SLOWEST = 0.25  # of the slowest run's top speed, which every axis can do
+
+
+def settings_of(rig: RigConstants) -> tuple[str, ...]:
+    """Return the columns of a run that is laid out, by whether the machine turns."""
+    return OF_ROTARY if rig.rotary else SETTINGS
 
 
 def lay_out(
@@ -70,7 +77,7 @@ def lay_out(
             if inside and length >= LEAST * like.half_s:
                 made.append(log)
                 settings = (name, kind, speed, length, peak)
-                rows.append(run | dict(zip(SETTINGS, settings, strict=True)))
+                rows.append(run | dict(zip(settings_of(rig), settings, strict=True)))
     if not made:
         return None
     starts = [np.zeros(1, dtype=np.intp)] * len(made)

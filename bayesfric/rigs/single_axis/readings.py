@@ -19,6 +19,8 @@ FOLLOWED = 12  # samples in half a window, of the path along which loads are fol
 SPARSE = 24  # windows, below which they lie closer: their errors hang together the more
 CLOSER = 0.5
 PIECE = 16  # rows of a stretch whose friction wanders as one
+LEVER = ("gravity_sine", "gravity_cosine")
+"""What a weight on a lever pulls with, where it is a part of the law: the last of `beside`."""
 
 
 @dataclass(frozen=True)
@@ -205,6 +207,20 @@ def readings_of(
         known_inertia=float(np.mean([log.known_inertia for log in logs])),
         mixing=mixing,
     )
+
+
+def with_lever(rows: Readings, force: float) -> Readings:
+    """Return rows beside which a weight may pull with the angle, by its sine and its cosine.
+
+    Parameters
+    ----------
+    rows : Readings
+        Of a joint that turns.
+    force : float
+        What amounts of 1 pull with at most [N·m].
+    """
+    pulls = force * np.stack([np.sin(rows.position), np.cos(rows.position)]) @ rows.weights
+    return replace(rows, beside=np.column_stack([rows.beside, (rows.way * pulls).T]))
 
 
 def _count(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> int:

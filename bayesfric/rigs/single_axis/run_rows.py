@@ -8,6 +8,7 @@ import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.answered import without_answers
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
@@ -140,7 +141,8 @@ def _forces(
         force = force - log.known_force.over(test, centres)
     acting = given(log, limit)
     curvature = force_curvature(acting, test, centres, runs)
-    delayed, lagging = late_rates(acting.delayed, test, centres, curvature, late_s)
+    quiet = without_answers(acting, test.half, limit)
+    delayed, lagging = late_rates(quiet.delayed, test, centres, curvature, late_s)
     return {
         "force": sign * force,
         "force_rate": sign * delayed,

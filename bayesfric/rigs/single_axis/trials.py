@@ -24,28 +24,29 @@ from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
-from bayesfric.rigs.single_axis.declared import MEASURED, contradicts, doubts
+from bayesfric.rigs.single_axis.declared import MEASURED, beyond_limit, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
-from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
+from bayesfric.rigs.single_axis.entering import NO_CABLE, SHOWS_PLACE, SIZE, entering
 from bayesfric.rigs.single_axis.instruments import compared
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
-from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
+from bayesfric.rigs.single_axis.next_runs import lay_out, settings_of
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
-from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
+from bayesfric.rigs.single_axis.readings import LEVER, Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import state_of, varied_columns
 from bayesfric.rigs.single_axis.servo import NEVER, Servo
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
-from bayesfric.schemas import Instrument, LawNumber
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.instrument import Instrument
 from bayesfric.simulators import SimulatorCalls
 
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
 TURNS = {
-    4: {"position", "angle", "period", "direction", "turns"},
+    SHOWS_PLACE: {"position", "angle", "period", "direction", "turns"},
     6: {"play", "spring"},
 }
 """From how many turns on an axis shows what goes with place or direction, apart from time,
@@ -107,6 +108,9 @@ class AxisRuns(RigTrials):
         Share of a run's readings of the force that are spikes; 0 where they are no habit.
     servo : Servo or None
         Whose commands stand in the place of a force; None where a force was logged.
+    lever_n : float
+        What amounts of 1 of a weight's sine and cosine pull with, which are a part of the law
+        where turns are too few to examine such a weight; 0 where they are none [N·m].
     """
 
     rig: Rig
@@ -126,6 +130,7 @@ class AxisRuns(RigTrials):
     dither: Dither = field(default_factory=Dither)
     spikes: float = 0.0
     servo: Servo | None = None
+    lever_n: float = 0.0
 
     @cached_property
     def recorded(self) -> pd.DataFrame:
@@ -272,9 +277,12 @@ class AxisRuns(RigTrials):
         return self.measures.force if is_told else 0.0
 
     @property
-    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
-        """The offset of the drive force, behind the difference of the clocks."""
-        return {"offset": (1, self.unit)} if self._offset_sd else {}
+    def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
+        """The offset, behind the difference of the clocks, and what a weight pulls with, last."""
+        offset = {"offset": (1, self.unit, 1.0)} if self._offset_sd else {}
+        last = len(offset) + self.readings.beside.shape[1]
+        lever = zip(LEVER, (last - 1, last), strict=True) if self.lever_n else ()
+        return offset | {name: (place, self.unit, self.lever_n) for name, place in lever}
 
     @property
     def untold(self) -> Mapping[str, str]:
@@ -293,6 +301,7 @@ class AxisRuns(RigTrials):
         See :mod:`.declared`, :mod:`.servo`, :mod:`.on_time` and :mod:`.dither`.
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
+        lines += beyond_limit(self.constants, self.readings.drive, self.unit)
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
         if self._carried is not None and "load-both-ways" not in self.offers:
@@ -485,7 +494,12 @@ class AxisRuns(RigTrials):
         if laid is None:
             return None
         table, readings = laid
-        return replace(self, table=table.assign(**NO_CABLE), readings=readings, loads=SETTINGS)
+        return replace(
+            self,
+            table=table.assign(**NO_CABLE),
+            readings=readings,
+            loads=settings_of(self.constants),
+        )
 
     def likelihood(
         self,

@@ -17,8 +17,13 @@ LATEST_S = 0.05  # of a force, in which its rate is told exactly
 
 
 def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
-    """Return half the width of a window [s], and windows' distance as a share of that."""
-    logs = [replace(log, beside=()) for log in logs]
+    """Return half the width of a window [s], and windows' distance as a share of that.
+
+    What is known of the force may be the acceleration in another form, without the errors of this
+    log's positions: where these are much of what it leaves, its share would take the inertia's
+    place.
+    """
+    logs = [replace(log, beside=log.beside[:1] * (len(log.beside) == 1)) for log in logs]
     moved = float(np.mean([log.known_inertia for log in logs]))
     length = sum(log.time_s.size * log.interval_s for log in logs)
     half_s, longest = _narrowest_and_widest(logs, noise)
@@ -36,11 +41,21 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
         acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
         mass = rough_law(force, acceleration, speed, pull).mass + moved
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
-        if force.size and mass * error < AXIS_RULES.quiet * float(np.sqrt(np.mean(force**2))):
+        quiet = AXIS_RULES.quiet * float(np.sqrt(np.mean(force**2))) if force.size else 0.0
+        own = _beyond(acceleration, np.concatenate([row["beside"] for row in rows]))
+        if mass * error < quiet and error < AXIS_RULES.told_apart * own:
             break
         half_s *= 1.25
     half_s = min(half_s, longest)
     return half_s, max(1.0, length / (MOST * half_s))
+
+
+def _beyond(values: Array, columns: Array) -> float:
+    """Return the rms of what columns leave of values; infinite where there are none."""
+    if not columns.size:
+        return np.inf
+    rest = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
+    return float(np.sqrt(np.mean(rest**2)))
 
 
 def _narrowest_and_widest(logs: Sequence[EvenLog], noise: float) -> tuple[float, float]:

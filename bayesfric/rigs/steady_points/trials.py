@@ -10,13 +10,14 @@ import pandas as pd
 
 from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
+from bayesfric.observation.coefficients import law_of_rows
+from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.observation.readings import Readings
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, OF_AXES, FrictionLaw
 from bayesfric.rigs.base import CONDITION, Rig, Unsupported
 from bayesfric.rigs.readings import ReadingTrials
 from bayesfric.rigs.steady_points.bench import Bench
-from bayesfric.rigs.steady_points.next_points import lay_out
 from bayesfric.rigs.steady_points.places import (
     DIRECTION,
     covariates_of,
@@ -24,6 +25,11 @@ from bayesfric.rigs.steady_points.places import (
     supported,
 )
 from bayesfric.rigs.steady_points.warming import WARMTH, over_the_points, warms_unseen
+
+LEVELS = 5  # of a column
+MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle
+FEW_LEVELS = 3
+
 
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
@@ -149,10 +155,55 @@ class SteadyTrials(ReadingTrials):
         return tuple(name for name in names if name in self.bench.given)
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "SteadyTrials":
-        """Return a point at every feasible condition; see :mod:`.next_points`."""
+        """Return a point at every feasible condition; see :func:`next_points`."""
         bench, settings = lay_out(self.bench, self.law, laws)
         return replace(self, bench=bench, settings=settings)
 
     def quality(self) -> Mapping[str, Any]:
         """Return how many points enter."""
         return {"points": len(self.table)}
+
+
+def lay_out(
+    bench: Bench, law: FrictionLaw, laws: Mapping[str, Coefficients]
+) -> tuple[Bench, tuple[str, ...]]:
+    """Return a point at every feasible condition, each on an assembly of its own.
+
+    Parameters
+    ----------
+    bench : Bench
+        What was recorded.
+    law : FrictionLaw
+        The friction law, which says what is read.
+    laws : mapping of str to Coefficients
+        Of each pulley size.
+
+    Returns
+    -------
+    bench : Bench
+        The points.
+    settings : tuple of str
+        Columns that make a condition, beside pulleys and tension.
+    """
+    table = bench.table
+    settings = tuple(
+        name
+        for name in ("velocity_m_s", *bench.covariates)
+        if name in bench.given and (table[name] != table[name].iloc[0]).any()
+    )
+
+    def levels(own: pd.DataFrame, most: int) -> list[pd.DataFrame]:
+        return [levels_of(own[name].astype(np.float64), most) for name in (*CONDITION, *settings)]
+
+    points = every_condition(table, partial(levels, most=LEVELS))
+    if len(points) > MOST_POINTS:
+        points = every_condition(table, partial(levels, most=FEW_LEVELS))
+    for name in ("velocity_m_s", *bench.covariates):
+        if name in bench.given and name not in settings:
+            points[name] = table[name].iloc[0]
+    coefficients = law_of_rows(laws, points["pulley_size"])
+    where = (points[name].to_numpy(dtype=np.float64) for name in CONDITION)
+    points["friction_n"] = law.at_tension(coefficients, *where)
+    if "friction_sd_n" in bench.given:
+        points["friction_sd_n"] = table["friction_sd_n"].median()
+    return replace(bench, table=points), settings

@@ -114,7 +114,7 @@ def test_strength_is_a_share_of_friction(monkeypatch):
     drawn = engine.drawn_world
 
     def short(*inputs):
-        return replace(drawn(*inputs), runs=2, seconds=3.0)
+        return replace(drawn(*inputs), runs=2, seconds=1.5)
 
     monkeypatch.setattr(engine, "drawn_world", short)
     world = short(4, frozenset(), engine.PERFECT)
@@ -127,3 +127,21 @@ def test_strength_is_a_share_of_friction(monkeypatch):
     made = [engine.make(Withheld("effect", (("air-drag", 1.0),), "own"), 4) for _ in range(2)]
     assert made[0].recording.sha256 == made[1].recording.sha256
     assert made[0].truth["withheld"][0]["parameters"]["amplitude"] == acting.amplitude
+
+
+@pytest.mark.nightly
+def test_what_a_controller_and_scatter_leave_is_no_gap_of_what_is_withheld(monkeypatch):
+    """A wait, ripple and scatter leave 2.5 % of friction with nothing withheld."""
+    drawn = engine.drawn_world
+
+    def short(*given):
+        return replace(drawn(*given), runs=2)
+
+    monkeypatch.setattr(engine, "drawn_world", short)
+    gap = {
+        strength: engine.make(
+            Withheld("effect", (("stribeck", strength),), "own"), 12002, design="real"
+        ).truth["noise_free_gap"]
+        for strength in (0.3, 1.0)
+    }
+    assert gap[0.3] < 0.02 < gap[1.0]
