@@ -89,6 +89,12 @@ class DiagnosisThresholds:
         "held-out data leave at most this times what a remainder beside the causes tells",
         "held-out",
     )
+    number_open: float = rule(
+        0.5,
+        "1",
+        "a number whose 90 % interval is this much of its median is hardly known",
+        "joints",
+    )
     inertia_apart: float = rule(
         3.0,
         "1",

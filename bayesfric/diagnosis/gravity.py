@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.diagnosis.law import INERTIA, wider
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.widening import INERTIA, wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.schemas.causes import LawNumber
 

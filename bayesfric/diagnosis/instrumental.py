@@ -14,7 +14,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bayesfric.diagnosis.law import wider
+from bayesfric.diagnosis.widening import wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas.base import Interval

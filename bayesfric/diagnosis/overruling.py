@@ -171,6 +171,21 @@ def leaves_too_much(gap: Gap, practical: float) -> bool:
     return excess > 0 and excess >= practical * gap.friction_rms
 
 
+def why_beyond_rivals(gap: Gap) -> str | None:
+    """Return why none of some rivals may make a gap; None where one of them may.
+
+    Data held out are then missed by more than all that any of them would explain, by more than
+    causes that are named may miss them by.
+    """
+    explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
+    if explained**2 >= (1 - RULES.shrink_missed) * gap.before.q05**2:
+        return None
+    return (
+        f"data held out are missed by {gap.before.q05:.3g} {gap.unit} rms or more, and effects "
+        f"with scatter explain {explained:.3g} {gap.unit} at most"
+    )
+
+
 def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
     """Return whether a remainder tells what the causes leave of held-out data.
 
@@ -186,22 +201,8 @@ def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
     """
     if not remainder.significant or remainder.share_of_gap is None:
         return remainder.significant
-    remainder_n = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
-    return gap.held_out_excess <= RULES.remainder_tells * remainder_n
-
-
-def why_beyond_rivals(gap: Gap) -> str | None:
-    """Return why none of some rivals may make a gap; None where one of them may.
-
-    Data held out are then missed by more than all that any of them would explain.
-    """
-    explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
-    if gap.before.q05 <= explained:
-        return None
-    return (
-        f"data held out are missed by {gap.before.q05:.3g} {gap.unit} rms or more, and effects "
-        f"with scatter explain {explained:.3g} {gap.unit} at most"
-    )
+    explained = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
+    return gap.held_out_excess <= RULES.remainder_tells * explained
 
 
 def _share(shrink: Interval) -> str:

@@ -255,7 +255,8 @@ def _part(
         return Part(name, None, tuple(reasons))
     numbers = power.coefficients
     if len(numbers) and not numbers["informed"].any():
-        return Part(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
+        why = question.data.rigs[0].one_number or UNTOLD
+        return Part(name, None, (Fault(recording.name, f"data that tell a number; {why}"),))
     lacking, in_law = question.lacking, {*map(str, power.coefficients.index)}
     return Part(
         name,

@@ -32,7 +32,7 @@ from bayesfric.inference.power import (
     smallest_found,
     smallest_told_apart,
 )
-from bayesfric.planning import Power, model_of_middles, power_of_model
+from bayesfric.planning import Power, model_of_middles, power_of_model, share_of_friction
 
 HIDDEN_WITH = 0.01  # the probability with which an effect is found below which none is expected
 USUAL_SHAPES = 1.0  # normal quantiles of a shape's prior, within which rivals and doubles lie
@@ -203,7 +203,7 @@ def _effects(look: _Look) -> pd.DataFrame:
             "smallest": named[0],
             "unseen": min(unnamed),
             "unit": amplitude.unit,
-            "share": _share(model, model.candidate(law, at), named[0]),
+            "share": share_of_friction(model, model.candidate(law, at), named[0]),
         }
     return pd.DataFrame.from_dict(rows, orient="index")
 
@@ -239,11 +239,3 @@ def _named_from(
         smallest_found(error, prior, odds, probability),
         smallest_told_apart(beside, SURE_ODDS, probability),
     )
-
-
-def _share(model: LinearModel, candidate: Candidate, amplitude: float) -> float | None:
-    """Return the rms of an amplitude as a share of friction; None of what is no friction."""
-    if candidate.effect.acts_on != "friction":
-        return None
-    sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
-    return amplitude * float(np.sqrt(np.mean(sizes)))

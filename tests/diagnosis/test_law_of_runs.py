@@ -9,11 +9,11 @@ from report.diagnosis_sample import diagnosis
 from scipy.stats import truncnorm
 
 from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
-from bayesfric.diagnosis.law import (
+from bayesfric.diagnosis.law import scatter_of_runs
+from bayesfric.diagnosis.widening import (
     block_errors,
     errors_by_pace,
     held_by_blocks,
-    scatter_of_runs,
     widened,
     wider,
 )

@@ -68,6 +68,7 @@ class Entering(NamedTuple):
     constants: RigConstants
     spikes: float
     lever_n: float
+    stamps_sd_s: float
 
 
 class _Logs(NamedTuple):
@@ -152,6 +153,7 @@ def entering(
         constants,
         max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
         lever_n,
+        max(log.stamps_sd_s for log in recorded.logs),
     )
 
 
