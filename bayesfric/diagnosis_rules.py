@@ -68,12 +68,6 @@ class DiagnosisThresholds:
     most_shrink: float = rule(
         1.2, "1", "a shrink on held-out data whose median is above it contradicts itself", "floor"
     )
-    misses_far_more: float = rule(
-        1.5,
-        "1",
-        "rivals stay open where held-out data are missed by this times what they explain",
-        "held-out",
-    )
     shrink_missed: float = rule(
         0.1,
         "gap²",
@@ -88,6 +82,24 @@ class DiagnosisThresholds:
     )
     few_blocks: int = rule(
         12, "blocks", "of fewer the error of what they tell is itself hardly known", "held-out"
+    )
+    remainder_tells: float = rule(
+        3.0,
+        "1",
+        "held-out data leave at most this times what a remainder beside the causes tells",
+        "held-out",
+    )
+    number_open: float = rule(
+        0.5,
+        "1",
+        "a number whose 90 % interval is this much of its median is hardly known",
+        "joints",
+    )
+    inertia_apart: float = rule(
+        3.0,
+        "1",
+        "from this factor on, by which gravity makes its error larger, inertia is not told alone",
+        "joints",
     )
     shrink_sure: float = rule(
         0.5,

@@ -27,7 +27,7 @@ from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, beyond_limit, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SHOWS_PLACE, SIZE, entering
-from bayesfric.rigs.single_axis.instruments import compared
+from bayesfric.rigs.single_axis.instruments import compared, without_clock
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
@@ -374,7 +374,7 @@ class AxisRuns(RigTrials):
                 readings.acceleration,
                 rows.mean(readings.speed),
                 np.ones(readings.count),
-                *rows.nuisance_columns().T,
+                *without_clock(rows.nuisance_columns(), others).T,
                 *others.values(),
             ]
         )
