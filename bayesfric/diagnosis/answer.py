@@ -13,7 +13,7 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
-from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
+from bayesfric.diagnosis.gravity import NOT_APART, beside_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, causes_by_the_instrument
 from bayesfric.diagnosis.judging import Judged
@@ -47,13 +47,6 @@ from bayesfric.schemas.diagnosis import Axis, FrictionAsked
 
 NOTHING_TOLD = "these data tell no number of the model"
 PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis
-
-NOT_APART = (
-    "These data do not separate inertia from gravity: the acceleration goes with the position, as "
-    "the pull of gravity does, and gravity that nobody knows makes the error of the inertia "
-    "{factor:.2g} times larger. Move over a longer stroke and at several speeds, or give the "
-    "machine's model or the known force"
-)
 
 
 @dataclass(frozen=True)
