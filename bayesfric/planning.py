@@ -282,13 +282,18 @@ def _effects(
         scale = float(model.scales[model.layout.own + place])
         error = scale / float(np.sqrt(information_left[place, place]))
         smallest = smallest_found(error, amplitude.prior, odds, FOUND_WITH)
-        share = None
-        if candidate.effect.acts_on == "friction":
-            sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
-            share = smallest * float(np.sqrt(np.mean(sizes)))
+        share = share_of_friction(model, candidate, smallest)
         entry = {"smallest": smallest, "unit": amplitude.unit, "share": share}
         rows[f"{candidate.effect.name}/{candidate.law}"] = entry
     return pd.DataFrame.from_dict(rows, orient="index")
+
+
+def share_of_friction(model: LinearModel, candidate: Candidate, amplitude: float) -> float | None:
+    """Return the rms of an amplitude as a share of friction; None of what is no friction."""
+    if candidate.effect.acts_on != "friction":
+        return None
+    sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
+    return amplitude * float(np.sqrt(np.mean(sizes)))
 
 
 def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.DataFrame:

@@ -13,8 +13,9 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
+from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import by_the_instrument
+from bayesfric.diagnosis.instrumental import by_the_instrument, causes_by_the_instrument
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.next_experiment import next_experiment
@@ -31,8 +32,6 @@ from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis.widening import (
     INERTIA,
-    beside_gravity,
-    gravity_hides_inertia,
     held_by_blocks,
     is_open,
     widened,
@@ -173,6 +172,7 @@ def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
 
     conclusion, named = answer.conclusion, answer.judged.named
     causes, present = causes_named(named), causes_named(conclusion.overruled.present)
+    causes = causes_by_the_instrument(causes, conclusion.instrument, answer.question.examined)
     considered: tuple[Cause, ...] = ()
     if conclusion.contradicted:
         considered = causes if named else causes_named(conclusion.rivals)

@@ -1,6 +1,6 @@
 """How wide the numbers of a joint's law are: as its parts, gravity and held-out data ask."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -57,69 +57,6 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
         )
         for name, number in law.items()
     }
-
-
-def gravity_hides_inertia(model: LinearModel, turns: bool) -> float | None:
-    """Return by which factor gravity that nobody knows makes the error of the inertia larger.
-
-    Over a short stroke, or in a motion of one frequency, the acceleration goes with the place,
-    and so does the pull of gravity.
-
-    Parameters
-    ----------
-    model : LinearModel
-        In which the hypotheses were compared.
-    turns : bool
-        Whether the machine turns.
-
-    Returns
-    -------
-    float or None
-        None where the two are told apart, or where gravity is known.
-    """
-    rows: Any = model.rigs[0].rows
-    if not turns or not model.data.rigs[0].along_path:
-        return None
-    readings = rows.readings
-    knows = readings.known_held.any() or readings.known_moved.any() or readings.beside.shape[1]
-    if knows or readings.simulated.shape[1] or not model.free[0, 0]:
-        return None
-    place = np.asarray(readings.position @ readings.weights)
-    columns = np.asarray(rows.coefficient_columns())
-    pull = [readings.way * np.sin(place), readings.way * np.cos(place)]
-    alone = np.column_stack([columns[:, 1:], readings.way])
-    left, beside = (
-        _beyond(columns[:, 0], others) for others in (alone, np.column_stack([alone, *pull]))
-    )
-    factor = left / max(beside, 1e-12 * left) if left > 0 else 1.0
-    return factor if factor > RULES.inertia_apart else None
-
-
-def _beyond(column: Array, others: Array) -> float:
-    size = np.linalg.norm(others, axis=0)
-    scaled = others / np.where(size > 0, size, 1.0)
-    return float(np.linalg.norm(column - scaled @ np.linalg.lstsq(scaled, column, rcond=None)[0]))
-
-
-def beside_gravity(
-    law: Mapping[str, LawNumber], factor: float | None, named: Collection[str]
-) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law, its inertia as wide as gravity that is left out asks.
-
-    Parameters
-    ----------
-    law : mapping of str to LawNumber
-        With errors by scatter.
-    factor : float or None
-        Of :func:`gravity_hides_inertia`.
-    named : collection of str
-        The causes: gravity that is one has its part in the errors already.
-    """
-    if factor is None or "gravity-torque" in named or INERTIA not in law:
-        return dict(law)
-    number = law[INERTIA]
-    wide = {name: wider(getattr(number, name), factor, INERTIA) for name in ("before", "after")}
-    return dict(law) | {INERTIA: number.model_copy(update=wide)}
 
 
 def is_open(number: Interval) -> bool:

@@ -259,7 +259,7 @@ def _part(
         return Part(name, None, tuple(reasons))
     numbers = power.coefficients
     if len(numbers) and not numbers["informed"].any():
-        why = question.data.rigs[0].one_number or UNTOLD
+        why = "; ".join((UNTOLD, *question.data.rigs[0].doubts({})))
         return Part(name, None, (Fault(recording.name, f"data that tell a number; {why}"),))
     lacking, in_law = question.lacking, {*map(str, power.coefficients.index)}
     return Part(

@@ -5,6 +5,7 @@ is said beforehand is what a diagnosis will find: an effect has to win against n
 every other effect that would take most of what it does.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import comb, log
 from typing import NamedTuple
@@ -20,11 +21,11 @@ from bayesfric.claims.comparison import FOUND_WITH
 from bayesfric.diagnosis.acting import Acting, Law
 from bayesfric.diagnosis.baseline import fitted_baseline
 from bayesfric.diagnosis.compared import Compared, compare_hypotheses
-from bayesfric.diagnosis.judging import judge
+from bayesfric.diagnosis.judging import Judged, judge
 from bayesfric.diagnosis.law import FRICTION, scatter_of_runs
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.question import Question
-from bayesfric.diagnosis.residuals import spread_numbers
+from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.inference.power import (
@@ -32,10 +33,11 @@ from bayesfric.inference.power import (
     smallest_found,
     smallest_told_apart,
 )
-from bayesfric.planning import Power, model_of_middles, power_of_model
+from bayesfric.planning import Power, model_of_middles, power_of_model, share_of_friction
 
 HIDDEN_WITH = 0.01  # the probability with which an effect is found below which none is expected
 USUAL_SHAPES = 1.0  # normal quantiles of a shape's prior, within which rivals and doubles lie
+LEAST_GAINED = 1.0  # nat, that an effect of the most probable hypothesis is worth
 SURE_ODDS = log(RULES.sure / (1 - RULES.sure))  # nat
 
 
@@ -73,16 +75,36 @@ def power_of_measured(question: Question) -> Power:
         tellable = power_of_model(
             look.noise_alone, look.missing, question.analysis, look.psi, shown=look.places
         )
-        spread, numbers = _spread_of_law(look, question), tellable.coefficients
+        sources, compared = question.sources, look.compared
+        judged = judge(
+            compared.model,
+            compared.search,
+            question.law_shipped,
+            question.practical,
+            sources.draws,
+        )
+        spread = _spread_of_law(compared, judged, sources.scatter)
+        numbers = tellable.coefficients
         return replace(
             tellable,
             coefficients=numbers.assign(
                 # A recalibrated law may be known better than its numbers beside an effect's.
                 sd_where_law_is_off=[max(spread[n], numbers.loc[n, "sd"]) for n in numbers.index]
             ),
-            effects=_effects(look),
+            effects=_effects(look, inclusion(judged.search)),
             beside=tuple(effect for effect, _ in look.shown),
         )
+
+
+class _Shown(NamedTuple):
+    """A law of an effect that acts in the most probable hypothesis: its best shape and amplitude.
+
+    The name is the one that the effect has there, which may be that of an identical one.
+    """
+
+    shape: float
+    amplitude: float
+    name: str
 
 
 class _Look(NamedTuple):
@@ -92,8 +114,8 @@ class _Look(NamedTuple):
     ----------
     compared : Compared
         Hypotheses, as a diagnosis compares them.
-    shown : dict of (str, str) to float
-        Effect and law of what acts in the most probable hypothesis, to its best shape.
+    shown : dict of (str, str) to _Shown
+        By effect and law: what acts in the most probable hypothesis.
     psi : ndarray
         Logarithms of the noise beside them.
     model : LinearModel
@@ -107,7 +129,7 @@ class _Look(NamedTuple):
     """
 
     compared: Compared
-    shown: dict[tuple[str, str], float]
+    shown: dict[tuple[str, str], _Shown]
     psi: Array
     model: LinearModel
     noise_alone: LinearModel
@@ -119,14 +141,17 @@ def _first_look(question: Question) -> _Look:
     """Compare hypotheses as a diagnosis does, before anything is held out."""
     compared = compare_hypotheses(question, Checkpoint(None, ""))
     around, best = compared.model, compared.search.best()
-    acting = best.acting
+    acting, fitted = best.acting, around.amplitudes(best.at, best.acting)
     middle, missing = model_of_middles(
         compared.data, around.laws, question.analysis, frozenset(question.law.without)
     )
-    at_best = {
-        (law.effect, law.law): around.candidate(law, shape)
-        for law, shape in zip(acting.laws, acting.shapes, strict=True)
-    }
+    keys = [(law.effect, law.law) for law in acting.laws]
+    at_best = dict(zip(keys, (candidate for candidate, _ in fitted), strict=True))
+    names = [next(n for n in best.names if law in around.lawbook[n]) for law in acting.laws]
+    shown = [
+        _Shown(shape, amplitude, name)
+        for shape, (_, amplitude), name in zip(acting.shapes, fitted, names, strict=True)
+    ]
     candidates: list[Candidate] = [
         at_best.get((own.effect.name, own.law), own) for own in middle.candidates
     ]
@@ -134,10 +159,7 @@ def _first_look(question: Question) -> _Look:
     shapes = [candidate for effect in effects.values() for candidate in candidates_of(effect)]
     return _Look(
         compared,
-        {
-            (law.effect, law.law): shape
-            for law, shape in zip(acting.laws, acting.shapes, strict=True)
-        },
+        dict(zip(keys, shown, strict=True)),
         best.at.psi[: len(around.noise)],
         middle.around(around.laws, shapes),
         middle.around(around.laws, candidates, discrepancy=False),
@@ -160,21 +182,21 @@ def _odds_of_the_first(model: LinearModel) -> float:
     return SURE_ODDS + log(prior.none) - log(prior.one) + log(comb(len(model.lawbook), 1))
 
 
-def _spread_of_law(look: _Look, question: Question) -> dict[str, float]:
+def _spread_of_law(
+    compared: Compared, judged: Judged, rng: np.random.Generator
+) -> dict[str, float]:
     """Return the error of each number of the law where the law may be off, by name.
 
     It is that of a diagnosis, by the same draws: over all hypotheses that stay open, and over runs
     to come.
     """
-    model, search, sources = look.compared.model, look.compared.search, question.sources
-    judged = judge(model, search, question.law_shipped, question.practical, sources.draws)
-    drawn, best = judged.posterior.law.coefficients, search.best()
-    at = model.evaluate(best.at.psi, best.acting)
-    local = spread_numbers(model, at.mean, model.mixing(best.acting))
-    scatter = scatter_of_runs(model, judged.residuals, judged.residuals.left(local))
+    model, drawn, plain = compared.model, judged.posterior.law.coefficients, judged.plain
+    arms, in_none = judged.arms, np.zeros(plain.setup.size, dtype=np.bool_)
+    *_, with_causes = arms.fitted(arms.with_discrepancy(plain, []), plain, in_none)
+    scatter = scatter_of_runs(model, plain, plain.left(with_causes.local))
     deviation = np.zeros(len(drawn))
     if scatter is not None:
-        deviation = scatter.deviations(len(drawn), sources.scatter)
+        deviation = scatter.deviations(len(drawn), rng)
     return {
         name: float((drawn[:, place, column] * (1 + deviation * (name in FRICTION))).std())
         for place, size in enumerate(model.layout.sizes)
@@ -182,14 +204,20 @@ def _spread_of_law(look: _Look, question: Question) -> dict[str, float]:
     }
 
 
-def _effects(look: _Look) -> pd.DataFrame:
-    """Return from which amplitude on each law of each effect is named, and below which not."""
+def _effects(look: _Look, chances: Mapping[str, float]) -> pd.DataFrame:
+    """Return from which amplitude on each law of each effect is named, and below which not.
+
+    Of an effect that acts in the most probable hypothesis the data say themselves whether it is
+    told at the amplitude that it has there: by its probability, in `chances`. Scatter, or an
+    unknown force, may take its place.
+    """
     model = look.model
     precision = model.reduced(look.psi, Acting()).precision
     odds = _odds_of_the_first(model)
     rows = {}
     for law in (law for laws in model.lawbook.values() for law in laws):
-        at = look.shown.get((law.effect, law.law), 0.0)
+        shown = look.shown.get((law.effect, law.law))
+        at = 0.0 if shown is None else shown.shape
         amplitude = model.analysed(law.effect).amplitude
         shapes = (at, -USUAL_SHAPES, USUAL_SHAPES) if law.has_shape else (at,)
         errors = [_errors(model, precision, law, shape) for shape in shapes]
@@ -199,11 +227,18 @@ def _effects(look: _Look) -> pd.DataFrame:
             [_named_from(*of_shape, amplitude.prior, odds, probability) for of_shape in errors]
             for probability in (FOUND_WITH, HIDDEN_WITH)
         )
+        smallest, unseen = named[0], min(unnamed)
+        if shown is not None:
+            size, chance = abs(shown.amplitude), chances.get(shown.name, 0.0)
+            if chance >= RULES.sure:
+                smallest, unseen = min(smallest, size), min(unseen, size)
+            else:
+                smallest = max(smallest, _told_from(size, chance, odds))
         rows[f"{law.effect}/{law.law}"] = {
-            "smallest": named[0],
-            "unseen": min(unnamed),
+            "smallest": smallest,
+            "unseen": unseen,
             "unit": amplitude.unit,
-            "share": _share(model, model.candidate(law, at), named[0]),
+            "share": share_of_friction(model, model.candidate(law, at), smallest),
         }
     return pd.DataFrame.from_dict(rows, orient="index")
 
@@ -241,9 +276,19 @@ def _named_from(
     )
 
 
-def _share(model: LinearModel, candidate: Candidate, amplitude: float) -> float | None:
-    """Return the rms of an amplitude as a share of friction; None of what is no friction."""
-    if candidate.effect.acts_on != "friction":
-        return None
-    sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
-    return amplitude * float(np.sqrt(np.mean(sizes)))
+def _told_from(amplitude: float, chance: float, odds: float) -> float:
+    """Return the amplitude at which data are sure of what they show, but not surely.
+
+    Parameters
+    ----------
+    amplitude : float
+        That it has, whose square the log Bayes factor goes with.
+    chance : float
+        Of the effect.
+    odds : float
+        Log Bayes factor at which a diagnosis is sure [nat].
+    """
+    bounded = min(max(chance, RULES.rare), RULES.sure)
+    gained = odds - SURE_ODDS + log(bounded / (1 - bounded))
+    error = amplitude / float(np.sqrt(2 * max(gained, LEAST_GAINED)))
+    return smallest_told_apart(error, odds, FOUND_WITH)

@@ -22,11 +22,6 @@ class MachineTrials:
         return None
 
     @property
-    def one_number(self) -> str | None:
-        """Why some numbers of the law are one in these data; None where they are not."""
-        return None
-
-    @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
         """Nuisances beside the law's numbers, by name: place among all, unit, and what 1 is."""
         return {}

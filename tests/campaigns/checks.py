@@ -38,8 +38,8 @@ CUTS = {"whole": (6, 8.0, 1), "slow": (6, 8.0, 10), "short": (2, 4.0, 1)}
 """Runs, their length [s], and samples of which one is kept."""
 VISCOUS = 0.6
 WITHIN = 1.5
-SEEDS = range(31000, 31060)
-FIXED_SEEDS = (31001, 31002)
+SEEDS = range(32000, 32060)
+FIXED_SEEDS = (32001, 32002)
 MACHINE = Machine()
 IN_DIAGNOSIS = {"mass": "inertia"}
 

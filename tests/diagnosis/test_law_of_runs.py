@@ -8,12 +8,11 @@ import pytest
 from report.diagnosis_sample import diagnosis
 from scipy.stats import truncnorm
 
+from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.law import scatter_of_runs
 from bayesfric.diagnosis.widening import (
-    beside_gravity,
     block_errors,
     errors_by_pace,
-    gravity_hides_inertia,
     held_by_blocks,
     widened,
     wider,

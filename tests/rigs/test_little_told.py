@@ -42,7 +42,7 @@ def test_inertia_is_told_where_it_swings_through():
     trials = opened(all_rigs()["single-axis"], recording.axis, recording.rig)
     assert trials.readings.acceleration_of_its_own > 0.99
     assert not trials.untold
-    assert trials.one_number is None
+    assert not trials.doubts({})
 
 
 def test_at_one_speed_the_rough_mass_is_none_and_friction_is_one_number():
@@ -51,7 +51,7 @@ def test_at_one_speed_the_rough_mass_is_none_and_friction_is_one_number():
     position = np.cumsum(0.4 * way) / 100
     trials = opened_of(position, np.sin(position) + 0.2 * way, 100)
     assert trials.measures.mass < 0.1
-    assert "0.4 rad/s" in trials.one_number
+    assert "one speed, 0.4 rad/s" in " ".join(trials.doubts({}))
 
 
 def test_what_pulls_in_swings_that_are_alike_is_counted_in_what_a_weight_may_pull():

@@ -1,9 +1,10 @@
-"""What in the log of an axis looks like a mistake of a unit or a sign, told as a question."""
+"""What in the log of an axis looks like a mistake of a unit, a sign or a plan."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rough import pull_columns
@@ -39,6 +40,12 @@ def likely_mistakes(readings: Readings, measures: Measures, interval_s: float) -
         )
     if interval_s < DENSEST_S:
         yield f"The log has {1 / interval_s:,.0f} samples a second: are its times in another unit?"
+    speed = readings.speed @ readings.weights
+    if np.ptp(speed) < AXIS_RULES.one_speed * float(speed.max()):
+        yield (
+            f"It runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which Coulomb "
+            "and viscous friction are one number: take --baseline coulomb, or run at others too"
+        )
     if measures.rotary and measures.pull and measures.stroke > MANY_TURNS_RAD:
         yield (
             f"The joint turns by {measures.stroke:,.0f} rad ({measures.stroke / 2 / np.pi:,.0f} "

@@ -285,17 +285,6 @@ class AxisRuns(RigTrials):
         return self.measures.force if is_told else 0.0
 
     @property
-    def one_number(self) -> str | None:
-        """That Coulomb and viscous friction are one, where it runs at one speed."""
-        speed, unit = self.readings.speed @ self.readings.weights, self.measures.unit("m")
-        if np.ptp(speed) > AXIS_RULES.one_speed * float(speed.max()):
-            return None
-        return (
-            f"it runs at one speed, {speed.mean():.3g} {unit}/s, at which Coulomb "
-            "and viscous friction are one number: take --baseline coulomb, or run at others too"
-        )
-
-    @property
     def shared_numbers(self) -> Mapping[str, tuple[int, str, float]]:
         """The offset, behind the difference of the clocks, and what a weight pulls with, last."""
         offset = {"offset": (1, self.unit, 1.0)} if self._offset_sd else {}
