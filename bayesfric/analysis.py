@@ -34,15 +34,19 @@ class Scatter(Section):
     by_size: bool = Field(False, description="A tau and an omega for each size, instead of one.")
     trial: Literal["normal", "student-t"] = Field(
         "normal",
-        description="Distribution of a trial's scatter; student-t forgives outliers. It is that of "
-        "the gravity board: other rigs have normal scatter, and results say so.",
+        description="Distribution of a trial's scatter on the gravity board; student-t forgives "
+        "outliers. "
+        "Other rigs have normal scatter, and results say so.",
     )
     assembly: Literal["normal", "student-t"] = Field(
         "normal",
-        description="Likewise of an assembly's; not both are student-t.",
+        description="Distribution of an assembly's scatter. Trial and assembly cannot both be "
+        "student-t.",
     )
     degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
-        4.0, description="Of the student-t; tau, or omega and omega_intercept, are its scales."
+        4.0,
+        description="Degrees of freedom of the student-t. Its scale is tau, or omega and "
+        "omega_intercept.",
     )
 
     @model_validator(mode="after")
@@ -56,15 +60,19 @@ class Sampler(Section):
     """Settings of the ensemble sampler."""
 
     ensembles: Annotated[int, Field(ge=4, le=64)] = Field(
-        4, description="Independent ensembles; at least 4, so that R-hat means something."
+        4, description="Number of independent ensembles. R-hat needs 4 or more."
     )
     walkers: Annotated[int, Field(ge=8, le=1024)] | None = Field(
-        None, description="Walkers an ensemble; even. Absent: the larger of 40 and 2 a parameter."
+        None,
+        description="Walkers in an ensemble, an even number. Absent: 40, or 2 for each parameter "
+        "if that is "
+        "more.",
     )
     burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
         40,
-        description="Steps of an ensemble that are thrown away. Where no importance sample gives a "
-        "proposal, also of the first of three pilots; each further pilot is twice as long.",
+        description="Steps of an ensemble that are thrown away. If no importance sample gives a "
+        "proposal, "
+        "the first of three pilots is as long, and each further pilot is twice as long.",
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
         240, description="Steps of an ensemble that are kept, before thinning."
@@ -72,9 +80,10 @@ class Sampler(Section):
     thin: Annotated[int, Field(ge=1, le=1000)] = Field(2, description="Keep each thin-th step.")
     extensions: Annotated[int, Field(ge=0, le=100)] = Field(
         4,
-        description="While draws have not converged, they serve as a pilot for a better proposal "
-        "and the ensembles go on for as many steps as before, thinned to as many draws; at most "
-        "so often.",
+        description="How often the ensembles are extended at most, while the draws have not "
+        "converged. Each "
+        "extension runs as many steps as before, with a better proposal, and thins to as many "
+        "draws.",
     )
     independence_share: Annotated[float, Field(ge=0, le=1)] = Field(
         0.9,
@@ -105,32 +114,52 @@ class ClaimRules(Section):
     """
 
     support_log10_bayes_factor: Finite = Field(
-        1.0, description="At least, in favour of the claim, to support it."
+        1.0,
+        description="A claim is supported only if the log10 Bayes factor in its favour is this or "
+        "more.",
     )
     support_over_width_log10_bayes_factor: Finite = Field(
         0.5,
-        description="At least, in favour of the claim, wherever the width of the rivals' priors "
-        "lies within a tenfold range, to support it.",
+        description="A claim is supported only if the log10 Bayes factor in its favour is this or "
+        "more for "
+        "every width of the rivals' priors within a tenfold range.",
     )
-    refute_log10_bayes_factor: Finite = Field(-1.0, description="At most, to refute it.")
+    refute_log10_bayes_factor: Finite = Field(
+        -1.0,
+        description="A claim is refuted only if the log10 Bayes factor in its favour is this or "
+        "less.",
+    )
     region_of_equivalence: Share = Field(
         0.05, description="Share of friction below which an effect does not matter [-]."
     )
     refute_effect_probability: Share = Field(
-        0.95, description="Of an effect beyond the region of equivalence, at least, to refute."
+        0.95,
+        description="A claim is refuted only if a rival's effect is beyond the region of "
+        "equivalence with "
+        "this probability or more.",
     )
     refute_elpd_errors: Positive = Field(
-        2.0, description="Standard errors by which a rival predicts better, to refute."
+        2.0,
+        description="A claim is refuted only if a rival predicts better by so many standard "
+        "errors.",
     )
-    support_probability: Share = Field(0.95, description="Of a claim without rivals, at least.")
-    refute_probability: Share = Field(0.05, description="Of a claim without rivals, at most.")
+    support_probability: Share = Field(
+        0.95, description="A claim without rivals is supported from this probability on."
+    )
+    refute_probability: Share = Field(
+        0.05, description="A claim without rivals is refuted up to this probability."
+    )
     refute_tail_probability: Share = Field(
-        0.01, description="Joint tail probability of Table I below which `coefficients` may fall."
+        0.01,
+        description="The claim `coefficients` may be refuted if the joint tail probability of the "
+        "paper's "
+        "Table I is below this.",
     )
     table1_tolerance: Share = Field(
         0.05,
-        description="Largest relative difference of friction by Table I, over the tested range of "
-        "Table II, with which `coefficients` holds.",
+        description="The claim `coefficients` holds if friction by the paper's Table I differs by "
+        "this "
+        "share or less, over the range of its Table II.",
     )
     stiffness_tolerance: Share = Field(
         0.01, description="Largest relative change of friction by a stretching cable."
@@ -139,7 +168,7 @@ class ClaimRules(Section):
         0.10, description="Largest relative difference of friction between the rigs."
     )
     rig_usual_tolerance: Share = Field(
-        0.05, description="Relative difference that most conditions of two rigs are within."
+        0.05, description="Relative difference of the rigs that most conditions must not exceed."
     )
     tension_tolerance_n: Positive = Field(
         0.15, description="Largest difference from a quoted nominal tension [N]."
@@ -149,11 +178,15 @@ class ClaimRules(Section):
 class HypothesisPriors(Section):
     """Prior probabilities of hypotheses by number of effects, shared equally within a number."""
 
-    none: Share = Field(0.5, description="That nothing acts beside the baseline.")
-    one: Share = Field(0.3, description="That one effect acts; an alias class counts once.")
-    two: Share = Field(0.08, description="That two act.")
-    more: Share = Field(0.02, description="That three or more act.")
-    unknown: Share = Field(0.1, description="That a force acts which nobody described.")
+    none: Share = Field(0.5, description="Probability that no effect acts.")
+    one: Share = Field(
+        0.3,
+        description="Probability that one effect acts. Effects that the rig cannot tell apart "
+        "count once.",
+    )
+    two: Share = Field(0.08, description="Probability that two effects act.")
+    more: Share = Field(0.02, description="Probability that three or more effects act.")
+    unknown: Share = Field(0.1, description="Probability that an unknown force acts.")
 
     @model_validator(mode="after")
     def _whole(self) -> "HypothesisPriors":
@@ -164,49 +197,58 @@ class HypothesisPriors(Section):
 
 
 class DiagnosisRules(Section):
-    """What counts as a gap between simulation and reality, and what is expected beforehand."""
+    """What counts as a gap between simulation and reality, and the prior probabilities."""
 
     practical_share: Share = Field(
         0.02,
-        description="Share of rms friction below which a systematic gap, or an effect, is of no "
-        "concern; a quarter of it (at least 0.0025) is the rms of the discrepancy of every "
-        "hypothesis.",
+        description="Share of rms friction below which a systematic gap, or an effect, does not "
+        "matter. "
+        "Every hypothesis has a discrepancy with a quarter of this as its rms (at least "
+        "0.0025).",
     )
     unknown_scale: Share = Field(
-        0.1, description="Scale of the half-normal rms of an unknown force, of rms friction."
+        0.1,
+        description="Scale of the half-normal prior of an unknown force's rms, as a share of rms "
+        "friction.",
     )
     hypotheses: HypothesisPriors = Field(
         default_factory=HypothesisPriors, description="Prior probabilities of hypotheses."
     )
     widths: dict[str, Positive] = Field(
         default_factory=dict,
-        description="By effect, what the width of its amplitude's prior is multiplied by.",
+        description="Factors, by name of an effect, on the width of its amplitude's prior.",
     )
 
 
 class CalibrationRules(Section):
-    """What simulation-based calibration draws its recordings from, and fits them with.
+    """Priors of simulation-based calibration: recordings are drawn from them and fitted with them.
 
-    Coefficients lie around Table I, scatter and noise around the values here: within `spread`,
-    equally likely. Narrow enough that boards move: the protocols leave a reserve of 40 % of
-    friction. The sampler is short, since only 99 draws of each posterior are ranked.
+    Each prior is uniform: coefficients around the paper's Table I, scatter and noise around the
+    values here, each within `spread`. They are so narrow that boards move: the protocols leave a
+    reserve of 40 % of friction. The sampler is short, since only 99 draws of each posterior are
+    ranked.
     """
 
-    protocol: Literal["quick", "paper"] = Field("quick", description="Of each recording.")
-    spread: Share = Field(0.3, description="Half width of each prior, over its centre.")
-    tau: Positive = Field(0.01, description="Centre of the scatter of a trial [-].")
-    omega: Positive = Field(0.015, description="Centre of the scatter of an assembly [-].")
-    omega_intercept: Positive = Field(
-        0.03, description="Centre of the scatter of c2 an assembly, beside that of all friction."
+    protocol: Literal["quick", "paper"] = Field("quick", description="Protocol of each recording.")
+    spread: Share = Field(0.3, description="Half width of each prior, as a share of its centre.")
+    tau: Positive = Field(0.01, description="Centre of the scatter from trial to trial [-].")
+    omega: Positive = Field(
+        0.015, description="Centre of the scatter from assembly to assembly [-]."
     )
-    wander: Positive = Field(0.002, description="Centre of the rms of friction that wanders [-].")
-    wander_length: Positive = Field(0.1, description="Centre of its correlation length [m].")
+    omega_intercept: Positive = Field(
+        0.03, description="Centre of the scatter of c2 alone from assembly to assembly."
+    )
+    wander: Positive = Field(
+        0.002, description="Centre of the rms by which friction varies along a trial [-]."
+    )
+    wander_length: Positive = Field(
+        0.1, description="Centre of the correlation length of that variation [m]."
+    )
     sigma_x: Positive = Field(3e-5, description="Centre of the position error of an event [m].")
     sigma_t: Positive = Field(2e-5, description="Centre of the clock error of an event [s].")
     sampler: Sampler = Field(
         Sampler(burn=30, steps=60, thin=3, extensions=0),
-        description="Ensemble sampler of each fit; keys as in [sampler], whose defaults hold "
-        "for those that a file leaves out.",
+        description="Sampler of each fit, with the keys of [sampler].",
     )
 
 
@@ -214,7 +256,7 @@ class Analysis(Section):
     """The whole of ``analysis.toml``; every key has a default."""
 
     seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(
-        2015, description="Seed of everything random; --seed overrides it."
+        2015, description="Seed of all random numbers. --seed overrides it."
     )
     priors: Priors = Field(default_factory=Priors, description="Prior densities.")
     scatter: Scatter = Field(default_factory=Scatter, description="Scatter of friction.")

@@ -71,9 +71,14 @@ def processes(workers: int) -> Iterator[Executor]:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Starts its workers with SIGINT blocked, which they inherit from their first moment."""
+    """Starts its workers with SIGINT blocked, which they inherit from their first moment.
+
+    Windows blocks no signals: workers ignore SIGINT as soon as they have begun.
+    """
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
+        if not hasattr(signal, "pthread_sigmask"):
+            return super().submit(fn, *args, **kwargs)
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             return super().submit(fn, *args, **kwargs)
@@ -82,7 +87,9 @@ class _Processes(ProcessPoolExecutor):
 
 
 def _end_with_parent() -> None:
-    """Make a worker end when its parent process is killed."""
+    """Make a worker end when its parent process is killed, and leave interrupts to that."""
+    if not hasattr(signal, "pthread_sigmask"):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
 

@@ -21,6 +21,8 @@ MODELS: dict[str, type[Provenance]] = {
 }
 WENT_IN = ("recording", "seed", "rigs", "baseline", "fixed", "analysis", "versions")
 SHIFTS_SHOWN = 12  # shifts in the text
+FAR = 10  # standard deviations, beyond which a shift is told as that
+BEYOND = 6  # decimal logarithm of odds, likewise
 
 
 class Quantity(NamedTuple):
@@ -100,22 +102,33 @@ def comparison_text(comparison: ComparisonFile) -> list[str]:
         lines.append(f"{len(moved)} of {len(comparison.shifts)} numbers moved, the furthest first:")
     for shift in moved[:SHIFTS_SHOWN]:
         unit = "" if shift.unit == "1" else f" {shift.unit}"
-        far = "" if shift.shift is None else f"  ({shift.shift:+.2f} sd)"
-        lines.append(
-            f"  {shift.file}  {shift.name}: {shift.a:.4g} ± {shift.sd_a:.2g} -> "
-            f"{shift.b:.4g} ± {shift.sd_b:.2g}{unit}{far}"
-        )
+        lines.append(f"  {shift.file}  {shift.name}: {_moved(shift)}{unit}{_how_far(shift.shift)}")
     if not moved:
         lines.append(f"none of {len(comparison.shifts)} numbers moved")
+    files: dict[str, list[str]] = {}
     for setting in comparison.settings:
-        lines.append(
-            f"{setting.file}  {setting.key}: {_or_none(setting.a)} -> {_or_none(setting.b)}"
-        )
+        change = f"{setting.key}: {_or_none(setting.a)} -> {_or_none(setting.b)}"
+        files.setdefault(change, []).append(setting.file)
+    lines += [f"{', '.join(names)}  {change}" for change, names in files.items()]
     if not comparison.settings:
         lines.append("no setting differs")
     lines += [f"{name} is in the first folder alone" for name in comparison.only_in_a]
     lines += [f"{name} is in the second folder alone" for name in comparison.only_in_b]
     return lines
+
+
+def _moved(shift: Shift) -> str:
+    """Return a number before and now; odds beyond a million to one are told as that."""
+    if shift.name.endswith(".log10_bayes_factor") and min(abs(shift.a), abs(shift.b)) > BEYOND:
+        return " -> ".join(f"{'>' if x > 0 else '< -'}{BEYOND}" for x in (shift.a, shift.b))
+    return f"{shift.a:.4g} ± {shift.sd_a:.2g} -> {shift.b:.4g} ± {shift.sd_b:.2g}"
+
+
+def _how_far(shift: float | None) -> str:
+    """Return a shift in standard deviations; one beyond ten is told as that."""
+    if shift is None:
+        return ""
+    return f"  ({shift:+.2f} sd)" if abs(shift) < FAR else f"  (more than {FAR} sd)"
 
 
 def _or_none(text: str | None) -> str:

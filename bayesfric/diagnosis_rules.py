@@ -83,6 +83,24 @@ class DiagnosisThresholds:
     few_blocks: int = rule(
         12, "blocks", "of fewer the error of what they tell is itself hardly known", "held-out"
     )
+    remainder_tells: float = rule(
+        3.0,
+        "1",
+        "held-out data leave at most this times what a remainder beside the causes tells",
+        "held-out",
+    )
+    number_open: float = rule(
+        0.5,
+        "1",
+        "a number whose 90 % interval is this much of its median is hardly known",
+        "joints",
+    )
+    inertia_apart: float = rule(
+        3.0,
+        "1",
+        "from this factor on, by which gravity makes its error larger, inertia is not told alone",
+        "joints",
+    )
     shrink_sure: float = rule(
         0.5,
         "gap²",

@@ -83,7 +83,7 @@ class Power:
             ("Coefficients", self.coefficients),
             (f"Effects: the smallest found with probability {FOUND_WITH:g}", self.effects),
             (f"Pairs hardly told apart, correlation above {INSEPARABLE_CORRELATION:g}", self.pairs),
-            ("One more trial", self.next_condition),
+            ("One more trial that helps most, with the factor on the error", self.next_condition),
         ]
         tables = [
             f"{title}\n{'none' if table.empty else table.to_string(**AS_TEXT)}"
@@ -94,7 +94,7 @@ class Power:
             together.setdefault(reason, []).append(name)
         nothing = [f"  {', '.join(names)}: {reason}" for reason, names in together.items()]
         if nothing:
-            tables.append("\n".join(["Nothing is said of", *nothing]))
+            tables.append("\n".join(["Effects that are not computed", *nothing]))
         return "\n\n".join(tables)
 
 
@@ -282,13 +282,18 @@ def _effects(
         scale = float(model.scales[model.layout.own + place])
         error = scale / float(np.sqrt(information_left[place, place]))
         smallest = smallest_found(error, amplitude.prior, odds, FOUND_WITH)
-        share = None
-        if candidate.effect.acts_on == "friction":
-            sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
-            share = smallest * float(np.sqrt(np.mean(sizes)))
+        share = share_of_friction(model, candidate, smallest)
         entry = {"smallest": smallest, "unit": amplitude.unit, "share": share}
         rows[f"{candidate.effect.name}/{candidate.law}"] = entry
     return pd.DataFrame.from_dict(rows, orient="index")
+
+
+def share_of_friction(model: LinearModel, candidate: Candidate, amplitude: float) -> float | None:
+    """Return the rms of an amplitude as a share of friction; None of what is no friction."""
+    if candidate.effect.acts_on != "friction":
+        return None
+    sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
+    return amplitude * float(np.sqrt(np.mean(sizes)))
 
 
 def _pairs(model: LinearModel, information_left: Array, nothing: Flags) -> pd.DataFrame:

@@ -42,50 +42,51 @@ class PriorOverrides(Section):
 class Priors(Section):
     """Prior densities; all proper, normalised and part of the evidence.
 
-    The defaults are argued from what a cable on a rolling pulley could do, not
-    from the paper's Table I. A rope sheave on rolling bearings has an efficiency of 0.98 to
-    0.99, so c1 is some 0.01; c2 of 0.04 N is 4 g of weight a pulley, on masses of a kilogram.
-    The wrap angle changes c1 by a share of itself: friction that is proportional to the
-    bearing's load 2 T sin(θ/2) would grow by ½ cot(θ/2) = 0.0095/deg at 85°, and friction of
-    bending the cable not at all. Under these priors friction is positive, and boards move
-    (docs/decisions/friction-priors.md). Friction that repeats worse than 5 % is a loose rig; an
-    acceleration known no better than 0.05 m/s² was hardly measured. Friction that wanders
-    by 2 % along a trial is a bearing that is not the same all the way round; a length of
-    0.1 m (95 %: 0.04 to 0.27 m) is two turns of the medium pulley, between one turn of the
-    small one and half the travel.
+    The defaults follow from what a cable on a rolling pulley can do, not from the paper's
+    Table I (docs/decisions/friction-priors.md). Under them friction is positive and boards move.
 
-    The cable is that of model (3), and enters only where it stretches: 0.61 mm 7×19
-    stainless cable has an EA of 14 to 16 kN when it is run in, a new one less; a
-    length of 1.6 m (95 %: 1.1 to 2.4 m) and a few per cent of the critical damping
-    (95 %: 1.3 to 20 %) are assumptions. Only EA over length counts.
-
-    On the motor board a torque constant is as good as its data sheet, some 5 %;
-    currents of a few ampere are known to 20 mA and to 2 % of the load. A motor that
-    drew 1 A idle would spend most of its current on itself. Two rigs that differ by 20 %
-    in friction were hardly built after one drawing; what makes them differ, weights,
-    motor, axles, is the same for all sizes but for what one assembly differs from another.
-    Boards that are recordings of one experiment, in other weeks or by other hands, differ by
-    as much as assemblies of one board do.
+    - c1: a rope sheave on rolling bearings has an efficiency of 0.98 to 0.99, so c1 is about 0.01.
+    - c2: 0.04 N is the weight of 4 g for each pulley, where masses weigh about a kilogram.
+    - wrap_share: friction in proportion to the bearing's load 2 T sin(θ/2) would grow by
+      ½ cot(θ/2) = 0.0095/deg at 85°. Friction of bending the cable would not grow at all.
+    - tau, omega: a rig whose friction repeats worse than 5 % is loose.
+    - sigma_a: an acceleration with an error above 0.05 m/s² is hardly a measurement.
+    - wander: friction that varies by 2 % along a trial belongs to an uneven bearing. Its length of
+      0.1 m (95 %: 0.04 to 0.27 m) is two turns of the medium pulley. It lies between one turn of
+      the small pulley and half the travel.
+    - The cable is that of model (3). It matters only where it stretches. 0.61 mm 7×19 stainless
+      cable has an EA of 14 to 16 kN after running in, and less when new. A length of 1.6 m
+      (95 %: 1.1 to 2.4 m) and the damping (95 %: 1.3 to 20 % of the critical) are assumptions. Only
+      EA over length counts.
+    - Motor board: a torque constant is as good as its data sheet, about 5 %. Currents of a few
+      ampere are known to 20 mA and to 2 % of the load. A motor with 1 A of idle current would need
+      most of its current for itself.
+    - rig_difference: two rigs of one drawing hardly differ by 20 % in friction. What makes them
+      differ (weights, motor, axles) is the same for all sizes, apart from differences between
+      assemblies.
+    - boards: boards of one experiment, in other weeks or by other hands, differ by as much as
+      assemblies of one board do.
     """
 
-    c1: Prior = Field(HalfNormal(scale=0.01), description="Friction per tension and pulley [-].")
-    c2: Prior = Field(HalfNormal(scale=0.04), description="Constant friction a pulley [N].")
+    c1: Prior = Field(HalfNormal(scale=0.01), description="Friction of a pulley per tension [-].")
+    c2: Prior = Field(HalfNormal(scale=0.04), description="Constant friction of a pulley [N].")
     wrap_share: Prior = Field(
         Normal(mean=0.0, sd=0.005), description="Change of c1 with wrap, over c1: c3 / c1 [1/deg]."
     )
     c3: Prior | None = Field(
         None,
-        description="Change of c1 with wrap [1/deg]; where it is given, there is no `wrap_share`.",
+        description="Change of c1 with wrap [1/deg], in place of `wrap_share`.",
     )
     tau: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative friction scatter a trial [-]."
+        HalfNormal(scale=0.05), description="Relative scatter of friction from trial to trial [-]."
     )
     omega: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative friction scatter an assembly [-]."
+        HalfNormal(scale=0.05),
+        description="Relative scatter of friction from assembly to assembly [-].",
     )
     omega_intercept: PriorAboveZero = Field(
         HalfNormal(scale=0.05),
-        description="Relative scatter of c2 an assembly, beside that of all friction [-].",
+        description="Relative scatter of c2 alone from assembly to assembly [-].",
     )
     wander: PriorAboveZero = Field(
         HalfNormal(scale=0.02),
@@ -132,8 +133,8 @@ class Priors(Section):
     )
     idle_current_sd: Positive = Field(
         1.0,
-        description="Of the normal priors, mean 0, of the idle curve's level [A], slope [A s/m] "
-        "and curvature [A s²/m²].",
+        description="Standard deviation of the normal priors of the idle curve's level [A], slope "
+        "[A s/m] and curvature [A s²/m²]; their means are 0.",
     )
     first_speed: HalfNormal = Field(
         HalfNormal(scale=1.0), description="Speed at the first event of a trial [m/s]."
@@ -154,7 +155,7 @@ class Priors(Section):
         "sizes [-].",
     )
     rig_difference_of_size: Prior = Field(
-        Normal(mean=0.0, sd=0.02), description="Likewise, of one size beyond that mean [-]."
+        Normal(mean=0.0, sd=0.02), description="How far one size differs from that mean [-]."
     )
     boards: PriorAboveZero = Field(
         HalfNormal(scale=0.05),
@@ -166,8 +167,8 @@ class Priors(Section):
     )
     effects: dict[str, dict[str, Prior]] = Field(
         default_factory=dict,
-        description="Priors of the parameters of an effect, amplitude or shape, by their names: "
-        "[priors.effects.NAME]. Claims and diagnosis use them; else those of the effect's file.",
+        description="Priors of the parameters of an effect: [priors.effects.NAME]. Claims and "
+        "diagnosis use them in place of those in the effect's file.",
     )
 
     @model_validator(mode="after")

@@ -83,10 +83,10 @@ def _results() -> str:
     lines = [
         "# What holds of every result",
         "",
-        "Whatever the data were, a stored result obeys the rules below. What breaks one is a",
-        "fault of the computation, and no finding: a diagnosis then says so in `checks` and",
-        "`attention`, and its verdict is `undecided`. `bayesfric report` runs the rules of every",
-        "file that it reads, and a test or a CI job of yours can run them on a file:",
+        "A stored result obeys the rules below for any data. If a result breaks a rule, the",
+        "computation is wrong: a diagnosis then says so in `checks` and `attention`, and its",
+        "verdict is `undecided`. `bayesfric report` checks every file that it reads. Your own",
+        "test or CI job can check a file, too:",
         "",
         "```python",
         "from bayesfric.testing import check_result",
@@ -95,7 +95,8 @@ def _results() -> str:
         "assert all(check.holds for check in checks)",
         "```",
         "",
-        "Each check has a `check` (its name), `holds`, and `detail`, which says what breaks it.",
+        "Each check has a name (`check`), whether it `holds`, and a `detail` that says what "
+        "breaks it.",
     ]
     found = statements()
     common = set.intersection(*(set(rules) for rules in found.values()))
@@ -111,9 +112,9 @@ def _analysis() -> str:
     lines = [
         "# analysis.toml",
         "",
-        "Every choice of an analysis that is yours to make, given to a verb as",
-        "`--config analysis.toml`. Each key has a default; a key that is not listed here",
-        "is refused. A prior is written as a family with its numbers:",
+        "This file holds your choices for an analysis. Give it to a command as",
+        "`--config analysis.toml`. Each key has a default. An unknown key is refused.",
+        "A prior is a family with its numbers:",
         "",
         "```toml",
         "seed = 7",
@@ -156,11 +157,11 @@ def _loop() -> str:
     lines = [
         "# LOOP.toml",
         "",
-        "A cable-driven joint and its controller, given to `bayesfric margins`. Examples and a",
-        "template with comments are in `data/loops/`. Units stand in the names of the keys; a key",
-        "that is not listed here is refused. A number may be a distribution instead: one of the",
-        "families half-normal, log-normal, normal and uniform of",
-        "[analysis.md](analysis.md#families-of-priors):",
+        "This file describes a cable-driven joint and its controller for `bayesfric margins`.",
+        "Examples and a template with comments are in `data/loops/`. The names of the keys have "
+        "the",
+        "units. An unknown key is refused. A number may also be a distribution: half-normal,",
+        "log-normal, normal or uniform, as in [analysis.md](analysis.md#families-of-priors):",
         "",
         "```toml",
         "[joint]",
@@ -168,12 +169,19 @@ def _loop() -> str:
         'inertia_kg_m2 = { family = "log-normal", median = 0.1, sd_log = 0.25 }',
         "```",
         "",
-        "“At the motor” means at its shaft, before the gearbox. What no joint has is refused with "
-        "the likely mistake: gearbox, capstan and transmission by which the joint's drum has a "
-        "radius outside of 1 mm to 1 m, or a slide moves 10 times further than its cable or less "
-        "far by as much (an inverted ratio?), a sample time or delay above 0.1 s, a drive that "
-        "stretches its cable by more than 20 % at its current limit (mN·m/A or mA?), wrap angles "
-        "below 3.2 (radians?), a cable or lever over 100 m, a phase margin above π (degrees?).",
+        "“At the motor” means at its shaft, before the gearbox.",
+        "",
+        "Impossible numbers are refused, with the likely mistake in the message:",
+        "",
+        "- a drum of the joint with a radius outside of 1 mm to 1 m, or a slide that moves 10 "
+        "times "
+        "more or less than its cable (an inverted ratio?);",
+        "- a sample time or delay above 0.1 s;",
+        "- a drive that stretches its cable by more than 20 % at its current limit (mN·m/A or "
+        "mA?);",
+        "- wrap angles below 3.2 (radians?);",
+        "- a cable or lever over 100 m;",
+        "- a phase margin above π (degrees?).",
         "",
         "## Top level",
         "",
@@ -211,12 +219,11 @@ def _effects() -> str:
     lines = [
         "# Effects",
         "",
-        "These are the effects that a diagnosis examines beside the friction law.",
-        "`bayesfric simulate --effect NAME` adds one to a recording. Strength 1 changes",
-        "friction, or its equivalent, by 10 % rms over the design. The variants of an effect",
-        "are averaged with equal weight. A",
-        "prior says what would be noticed; the plausible range says what would be believed.",
-        "[How to write one](howto/effect.md).",
+        "A diagnosis examines these effects, which the friction law lacks. `bayesfric simulate",
+        "--effect NAME` adds one to a recording. Strength 1 changes friction, or its equivalent,",
+        "by 10 % rms over the design. The variants of an effect have equal weight.",
+        "The prior says which sizes the diagnosis looks for. The plausible range says which sizes",
+        "are physically credible. [You can write your own](howto/effect.md).",
     ]
     for name, effect in sorted(all_effects(None).items()):
         lines += [
@@ -245,9 +252,10 @@ def _claims() -> str:
     lines = [
         "# Claims",
         "",
-        "What `bayesfric claims` judges, each against the best of its rivals. A rival written",
-        "`effect/variant` is the claimed law beside [that effect](effects.md); other rivals are",
-        "laws of their own. The rules of a verdict stand in [`[claims]`](analysis.md#claims).",
+        "`bayesfric claims` judges these claims. It compares each with the best of its rivals. "
+        "A rival",
+        "`effect/variant` is the claimed law with [that effect](effects.md); other rivals are",
+        "different laws. [`[claims]`](analysis.md#claims) has the rules of a verdict.",
     ]
     for claim in registered():
         lines += [
@@ -260,18 +268,17 @@ def _claims() -> str:
         ]
         if claim.instead is not None:
             lines.append(
-                "- Where no board with weights was recorded or asked for, it is judged on friction "
-                "at constant speed: a motor board's, or that of points with all their columns."
+                "- Without a board with weights, it is judged on friction at constant speed: "
+                "that of "
+                "a motor board, or steady points that have all columns."
             )
         if not claim.about_these_data:
-            lines.append(
-                "- Rests on the paper's numbers or on priors, and says nothing of a recording."
-            )
+            lines.append("- It depends on the paper's numbers or on priors, not on a recording.")
     return "\n".join(lines) + "\n"
 
 
 def _cli() -> str:
-    lines = ["# Commands", "", "What `--help` prints of each."]
+    lines = ["# Commands", "", "The `--help` text of each command."]
     group = typer.main.get_command(app)
     with group.make_context("bayesfric", [], resilient_parsing=True) as parent:
         for name in group.list_commands(parent):

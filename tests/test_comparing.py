@@ -54,6 +54,24 @@ def test_a_shift_is_in_standard_deviations_of_both(runs):
     assert second.shift == 0.0
     (line,) = [one for one in comparison_text(found) if "pulleys.small.c1" in one]
     assert "(+1.50 sd)" in line
+    far = found.model_copy(
+        update={
+            "shifts": (
+                found.shifts[0].model_copy(
+                    update={
+                        "name": "no-stribeck.log10_bayes_factor",
+                        "a": -1036.0,
+                        "b": -829.9,
+                        "shift": 12494.18,
+                    }
+                ),
+            )
+        }
+    )
+    assert (
+        "no-stribeck.log10_bayes_factor: < -6 -> < -6  (more than 10 sd)"
+        in (comparison_text(far)[-2])
+    )
 
 
 def test_a_number_without_uncertainty_has_no_shift_and_says_why(runs):

@@ -4,16 +4,25 @@ Importance sampling says within seconds whether the reference is of this code; t
 repeated nightly.
 """
 
+import io
+
+import matplotlib.image
 import numpy as np
 import pytest
+import typst
+from typer.testing import CliRunner
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.campaign import processes
 from bayesfric.claims.entered import Entered
+from bayesfric.cli import app
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.report.assembly import build_document
+from bayesfric.report.stored import read_stored
+from bayesfric.report.typst import render_pdf
 from bayesfric.resources import bundled_recording, reference_folder
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
@@ -131,3 +140,28 @@ def test_no_gap_on_the_bundled_recording():
     assert now.verdict_probability == pytest.approx(then.verdict_probability, abs=1e-3)
     assert now.gap.before.q50 == pytest.approx(then.gap.before.q50, rel=1e-6)
     assert {e.effect for e in now.effects} == {e.effect for e in then.effects}
+
+
+def blank_at_the_foot(page):
+    """Return which part of the body of a page, a PNG of A4, has nothing from some row on."""
+    grey = matplotlib.image.imread(io.BytesIO(page))[..., :3].mean(axis=2)
+    body = grey[round(len(grey) * 27 / 297) : round(len(grey) * 272 / 297)]
+    return 1 - (np.flatnonzero((body < 0.98).any(axis=1))[-1] + 1) / len(body)
+
+
+@pytest.mark.nightly
+def test_the_report_of_the_bundled_recording_is_eleven_pages_without_holes(tmp_path, monkeypatch):
+    done = CliRunner().invoke(app, ["run", "-o", str(tmp_path), "--quiet"])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "report.html").stat().st_size < 8e6
+    files, compiled = {}, typst.compile_with_warnings
+
+    def remember(given, **options):
+        files.update(given)
+        return compiled(given, **options)
+
+    monkeypatch.setattr(typst, "compile_with_warnings", remember)
+    render_pdf(build_document(read_stored(tmp_path)))
+    pages, _ = compiled(files, format="png", ppi=40, ignore_system_fonts=True)
+    assert len(pages) <= 11
+    assert max(blank_at_the_foot(page) for page in pages[:-1]) < 1 / 3

@@ -5,6 +5,10 @@ from collections.abc import Iterator, Mapping
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.causes import Cause, LawNumber
 
+FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
+FAR_FROM_FRICTION = 0.5  # of friction, the same
+CALLED = {"inertia": "mass"}
+"""Names of numbers that are not told, by those that a reader knows."""
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 
@@ -18,8 +22,10 @@ def of_diagnosis(diagnosis: DiagnosisFile) -> tuple[str, ...]:
     diagnosis : DiagnosisFile
         As it is stored.
     """
+    untrusted = why_untrusted(diagnosis)
     lines = [
         *diagnosis.attention,
+        *([] if untrusted is None else [untrusted]),
         *_bent_by_the_loop(diagnosis),
         *_biased(diagnosis),
         *_held_out(diagnosis),
@@ -38,11 +44,34 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
         f"{number.ordinary:.3g}"
         for name, number in instrument.numbers.items()
+        if not {name, CALLED.get(name, name)} & set(diagnosis.untold)
     )
     yield (
         "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "
         f"an instrument (the {instrument.kind}) gives {numbers} (Durbin, Wu and Hausman: "
         f"p = {instrument.p_value:.1g}). What it gives are the numbers to use"
+    )
+
+
+def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
+    """Return why the numbers to enter are not to be relied on; None where they are.
+
+    Parameters
+    ----------
+    diagnosis : DiagnosisFile
+        Of one joint, as it is stored.
+    """
+    gap = diagnosis.gap
+    left, friction, scatter = gap.held_out_excess, gap.friction_rms, gap.floor.q50
+    if not diagnosis.enter or not left > 0 or left < diagnosis.practical_share * friction:
+        return None
+    is_far = left > FAR_FROM_SCATTER * scatter or left > FAR_FROM_FRICTION * friction
+    advice = "Do not enter these numbers yet" if is_far else "Enter these numbers with care"
+    of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
+    return (
+        f"{advice}{of}: the law with them misses data that the fit has not seen by {left:.3g} "
+        f"{gap.unit} rms more than scatter explains ({left / friction:.0%} of friction; scatter "
+        f"makes {scatter:.3g} {gap.unit}). Something that acts is not in them"
     )
 
 

@@ -32,7 +32,7 @@ def check(
 
     analysis = read_analysis(config)
     read = read_recording(recording)
-    with stage("looking at what can be told", quiet=quiet):
+    with stage("checking what the recording can tell", quiet=quiet):
         readiness = readiness_of(read, analysis, baseline=baseline)
     for line in readiness.lines():
         say(line)

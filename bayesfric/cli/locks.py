@@ -1,15 +1,17 @@
 """A lock on the folder that a verb writes into, so that two runs never mix their files."""
 
-import fcntl
+import importlib
 import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from bayesfric.errors import Fault, InputError
 
 LOCK = ".lock"
+BEHIND = 1 << 20  # byte that Windows locks: behind all that the file says, which stays readable
 
 
 @contextmanager
@@ -48,12 +50,37 @@ def hold(folder: Path, verb: str) -> Iterator[None]:
         os.write(descriptor, owner.encode())
         yield
     finally:
-        with suppress(OSError):
-            (folder / LOCK).unlink()
+        removed = _remove(folder / LOCK)
         os.close(descriptor)
+        if not removed:  # Windows removes no file that is open
+            _remove(folder / LOCK)
         with suppress(OSError):
             for parent in made:
                 parent.rmdir()
+
+
+def _remove(path: Path) -> bool:
+    """Remove a file, and return whether that was possible."""
+    try:
+        path.unlink()
+    except OSError:
+        return False
+    return True
+
+
+def _take(descriptor: int) -> None:
+    """Lock a file, or raise the error of the operating system where another process has."""
+    try:
+        posix: Any = importlib.import_module("fcntl")
+    except ModuleNotFoundError:
+        windows: Any = importlib.import_module("msvcrt")
+        os.lseek(descriptor, BEHIND, os.SEEK_SET)
+        try:
+            windows.locking(descriptor, windows.LK_NBLCK, 1)
+        finally:
+            os.lseek(descriptor, 0, os.SEEK_SET)
+    else:
+        posix.flock(descriptor, posix.LOCK_EX | posix.LOCK_NB)
 
 
 def _lock(path: Path) -> int:
@@ -61,8 +88,8 @@ def _lock(path: Path) -> int:
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
+            _take(descriptor)
+        except (BlockingIOError, PermissionError) as error:
             owner = os.read(descriptor, 300).decode(errors="replace") or "another process"
             os.close(descriptor)
             expected = f"a folder into which no other run writes, and {owner} does"

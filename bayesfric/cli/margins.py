@@ -152,7 +152,6 @@ def margins_into(
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
-            say(f"  misses its spec: {', '.join(believed.missed_specs)}")
         if not quiet:
             for warning in (line for line in loop.warnings if line not in loop.beyond):
                 say(f"warning: {loop.name}: {warning}", err=True)
@@ -179,9 +178,7 @@ def _say_loop(loop: "LoopMargins") -> None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"
         _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
     for metric in loop.metrics:
-        for shown in (metric, in_degrees_or_decibels(metric)):
-            if shown is not None:
-                _say_metric(shown)
+        _say_metric(in_degrees_or_decibels(metric) or metric)
     if (certificate := certificate_sentence(loop)) is not None:
         say(f"  {certificate}")
     if loop.tuning is not None:
@@ -212,8 +209,8 @@ def _say_metric(metric: "Metric") -> None:
     name = f"{metric.name} {metric.direction or ''}"
     say(
         f"  {name:<23} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
-        f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
-        f"  P(violates {metric.spec:.3g}): {chance}"
+        f"{metric.interval.q95:.3g}]{'' if metric.unit == '1' else f' {metric.unit}'}, asked "
+        f"{metric.sense} {metric.spec:.3g}: missed with probability {chance}"
     )
 
 

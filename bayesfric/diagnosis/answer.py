@@ -13,10 +13,11 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
+from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import by_the_instrument
+from bayesfric.diagnosis.instrumental import by_the_instrument, causes_by_the_instrument
 from bayesfric.diagnosis.judging import Judged
-from bayesfric.diagnosis.law import held_by_blocks, law_of_diagnosis, scatter_of_runs, widened
+from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
@@ -29,6 +30,12 @@ from bayesfric.diagnosis.undeclared import undeclared
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.widening import (
+    INERTIA,
+    held_by_blocks,
+    is_open,
+    widened,
+)
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN, Hypothesis, printed
 from bayesfric.recording.tables import Recording
@@ -40,6 +47,13 @@ from bayesfric.schemas.diagnosis import Axis, FrictionAsked
 
 NOTHING_TOLD = "these data tell no number of the model"
 PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis
+
+NOT_APART = (
+    "These data do not separate inertia from gravity: the acceleration goes with the position, as "
+    "the pull of gravity does, and gravity that nobody knows makes the error of the inertia "
+    "{factor:.2g} times larger. Move over a longer stroke and at several speeds, or give the "
+    "machine's model or the known force"
+)
 
 
 @dataclass(frozen=True)
@@ -109,8 +123,10 @@ def law_told(
     )
     if compared.data.rigs[0].along_path:
         law = widened(law, measured.gap, practical)
-        surely_there = judged.above >= RULES.sure
-        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and surely_there):
+        factor = gravity_hides_inertia(compared.model, judged.residuals.turns)
+        law = beside_gravity(law, factor, judged.named)
+        there = judged.above >= RULES.likely
+        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there):
             law = held_by_blocks(law, compared.model, judged.residuals.turns)
     return by_the_instrument(law, conclusion.instrument)
 
@@ -156,6 +172,7 @@ def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
 
     conclusion, named = answer.conclusion, answer.judged.named
     causes, present = causes_named(named), causes_named(conclusion.overruled.present)
+    causes = causes_by_the_instrument(causes, conclusion.instrument, answer.question.examined)
     considered: tuple[Cause, ...] = ()
     if conclusion.contradicted:
         considered = causes if named else causes_named(conclusion.rivals)
@@ -247,8 +264,11 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     """Return what a reader should know first, what the data contradict at its head."""
     question, conclusion, data = answer.question, answer.conclusion, answer.compared.data
     suspects = [*answer.judged.named, *conclusion.rivals, *conclusion.overruled.possible]
+    factor = gravity_hides_inertia(answer.compared.model, answer.judged.residuals.turns)
+    hidden = factor is not None and (INERTIA not in law or is_open(law[INERTIA].after))
     return (
         *(line for rig in data.rigs for line in rig.doubts(law)),
+        *([NOT_APART.format(factor=factor)] if hidden else []),
         *undeclared(
             question.recording.rig,
             conclusion.verdict,

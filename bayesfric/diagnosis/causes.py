@@ -89,7 +89,7 @@ def inclusion_of(
 def implausible(
     names: Sequence[str], model: LinearModel, search: Search, posterior: Posterior
 ) -> list[str]:
-    """Return the effects whose amplitude lies outside of what is plausible.
+    """Return the effects whose amplitude, or a wave's period, lies outside of what is plausible.
 
     Parameters
     ----------
@@ -98,12 +98,14 @@ def implausible(
     model, search, posterior
         As of :func:`known_of`.
     """
-    drawn = [name for name in names if name in posterior.amplitudes]
-    return [
-        name
-        for name in drawn
-        if not _is_plausible(_effect_of(name, model, search), posterior.amplitudes[name])
-    ]
+    beyond = []
+    for name in names:
+        if name not in posterior.amplitudes:
+            continue
+        effect, shape = _effect_of(name, model, search), posterior.shapes.get(name, np.empty(0))
+        if not _is_plausible(effect, posterior.amplitudes[name]) or _is_no_period(effect, shape):
+            beyond.append(name)
+    return beyond
 
 
 def _best_with(name: str, search: Search) -> Weighed | None:
@@ -121,6 +123,16 @@ def _effect_of(name: str, model: LinearModel, search: Search) -> Effect:
     if best is None:
         return model.analysed(name)
     return model.candidates[_law_of(name, best).places[0]].effect
+
+
+def _is_no_period(effect: Effect, shape: Array) -> bool:
+    """Return whether a wave is longer than the part of the travel that a period may be.
+
+    With a spring beside it such a wave is any curve along the path.
+    """
+    if effect.shape is None or "period" not in effect.needs or not shape.size:
+        return False
+    return bool(np.median(shape) > effect.shape.plausible[1])
 
 
 def _is_plausible(effect: Effect, amplitude: Array) -> bool:

@@ -20,6 +20,7 @@ from bayesfric.diagnosis.overruling import (
     Overruled,
     density_of,
     overruled,
+    tells_what_is_left,
     why_beyond_rivals,
     why_overruled,
 )
@@ -241,7 +242,7 @@ def _why_overruled(
     if model.data.rigs[0].along_path:
         beyond = implausible(judged.named, model, judged.search, judged.posterior)
     return why_overruled(
-        gap, practical, told_as_remainder=remainder.significant, implausible=beyond
+        gap, practical, told_as_remainder=tells_what_is_left(remainder, gap), implausible=beyond
     )
 
 

@@ -71,12 +71,12 @@ def other_forms(
     rows : sequence of LinearRows
         The rigs.
     acting : sequence of (Candidate, float)
-        Effects that act, with their amplitudes. Errors of readings that go to and fro have
-        none: there is no equivalent force to take a share of.
+        Effects that act, with their amplitudes. Errors of readings that go to and fro have no
+        other form, for there is no equivalent force to take a share of; exact laws have none.
     """
     forms: list[Form] = []
     for candidate, amplitude in acting:
-        if goes_to_and_fro(candidate.effect) or amplitude == 0:
+        if candidate.effect.is_exact or goes_to_and_fro(candidate.effect) or amplitude == 0:
             continue
         places = _places(rows, candidate)
         for axis in AXES[candidate.effect.acts_on]:

@@ -10,15 +10,16 @@ A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach
 robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from bayesfric.diagnosis.law import wider
+from bayesfric.diagnosis.widening import wider
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.effects import Effect
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.causes import Cause, LawNumber
 from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
@@ -130,6 +131,34 @@ def by_the_instrument(
         name: number if (value := values[name]) is None else widened(name, number, value)
         for name, number in law.items()
     }
+
+
+def causes_by_the_instrument(
+    causes: Sequence[Cause], instrument: Instrument | str, examined: Mapping[str, Effect]
+) -> tuple[Cause, ...]:
+    """Return causes, their amplitudes as an instrument tells them if it alarms.
+
+    Parameters
+    ----------
+    causes : sequence of Cause
+        By least squares.
+    instrument : Instrument or str
+        Beside them, or why there is none.
+    examined : mapping of str to Effect
+        All effects that are examined.
+    """
+    if isinstance(instrument, str) or not instrument.alarms:
+        return tuple(causes)
+    amended: list[Cause] = []
+    for cause in causes:
+        value, name = instrument.effects.get(cause.effect), examined[cause.effect].amplitude.name
+        if value is None or name not in cause.parameters:
+            amended.append(cause)
+            continue
+        amplitude = Interval.of_normal(value.instrumental, value.instrumental_se)
+        number = cause.parameters[name].model_copy(update=amplitude.model_dump())
+        amended.append(cause.model_copy(update={"parameters": cause.parameters | {name: number}}))
+    return tuple(amended)
 
 
 def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNumber:

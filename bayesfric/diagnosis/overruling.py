@@ -12,6 +12,7 @@ from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Remainder
 from bayesfric.schemas.diagnosis import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
@@ -173,15 +174,35 @@ def leaves_too_much(gap: Gap, practical: float) -> bool:
 def why_beyond_rivals(gap: Gap) -> str | None:
     """Return why none of some rivals may make a gap; None where one of them may.
 
-    Data held out are then missed by more than all that any of them would explain.
+    Data held out are then missed by more than all that any of them would explain, by more than
+    causes that are named may miss them by.
     """
     explained = float(np.hypot(gap.systematic.q95, gap.floor.q95))
-    if gap.before.q05 <= explained:
+    if explained**2 >= (1 - RULES.shrink_missed) * gap.before.q05**2:
         return None
     return (
         f"data held out are missed by {gap.before.q05:.3g} {gap.unit} rms or more, and effects "
         f"with scatter explain {explained:.3g} {gap.unit} at most"
     )
+
+
+def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
+    """Return whether a remainder tells what the causes leave of held-out data.
+
+    One that is a small part of what they leave does not: the rest is a force of another kind, or
+    numbers that hold for these data alone.
+
+    Parameters
+    ----------
+    remainder : Remainder
+        Beside the causes.
+    gap : Gap
+        Of data held out.
+    """
+    if not remainder.significant or remainder.share_of_gap is None:
+        return remainder.significant
+    explained = float(np.sqrt(remainder.share_of_gap.q95)) * gap.systematic.q95
+    return gap.held_out_excess <= RULES.remainder_tells * explained
 
 
 def _share(shrink: Interval) -> str:

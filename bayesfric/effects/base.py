@@ -123,6 +123,8 @@ class Effect:
     odds : float
         How much likelier it is than any other effect, where a rig offers what it needs, before
         the data.
+    is_exact : bool
+        Whether its law is one of mechanics, as a weight's is: it has no other form.
     ladder : str
         Name of a ladder of models, or empty. Effects of one ladder are rungs of it: each is a
         limit or a part of a richer one, so that no two of them act together.
@@ -142,6 +144,7 @@ class Effect:
     turning: Mapping[str, Law] = field(default_factory=dict)
     two_ends: str | None = None
     axes: frozenset[str] = frozenset()
+    is_exact: bool = False
     odds: float = 1.0
     ladder: str = ""
 

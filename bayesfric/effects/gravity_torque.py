@@ -43,5 +43,6 @@ EFFECT = Effect(
     along_path=True,
     needs=frozenset({"angle", "position"}),
     axes=frozenset({"direction", "displacement", "rotation_angle"}),
+    is_exact=True,
     odds=10.0,  # argued: of joints pulled to a place ten have a weight where one has a spring
 )

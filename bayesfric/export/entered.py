@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from bayesfric.attention.diagnosis import why_untrusted
 from bayesfric.export.digits import by_error
 from bayesfric.rigs.rotary import is_relative
 from bayesfric.schemas import DiagnosisFile
@@ -75,24 +76,6 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     )
 
 
-def held_out_warning(diagnosis: DiagnosisFile) -> str:
-    """Return that the numbers miss held-out data by more than chance makes; else nothing.
-
-    Parameters
-    ----------
-    diagnosis : DiagnosisFile
-        Of one joint.
-    """
-    gap = diagnosis.gap
-    if gap.held_out_excess <= diagnosis.practical_share * gap.friction_rms:
-        return ""
-    return (
-        f"On data that the fit has not seen these numbers leave {gap.after.q50:.2g} {gap.unit} "
-        f"rms, where scatter makes {gap.floor.q50:.2g} {gap.unit}. Check them on new data before "
-        "you rely on them."
-    )
-
-
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
     """Yield what must be known before the numbers are entered, a sentence each."""
     if ratios := [number for number in enter if is_relative(number.unit)]:
@@ -152,7 +135,9 @@ def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:
         return
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
     yield f"To enter in a simulator{of} (diagnosis.json has the fields of all simulators):"
-    yield from (f"  {said}" for said in (held_out_warning(diagnosis), off_now(diagnosis)) if said)
+    for remark in (why_untrusted(diagnosis), off_now(diagnosis)):
+        if remark:
+            yield f"  {remark}"
     table = [COLUMNS[:-1], *(row[:-1] for row in entered_rows(diagnosis.enter))]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:

@@ -16,9 +16,8 @@ from bayesfric.fitting.inference_data import flat_attributes
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, Population, draw_pooled
 from bayesfric.fitting.posterior import model_of_law, opened
 from bayesfric.fitting.result import Fit
-from bayesfric.fitting.summary import parameter_summary
+from bayesfric.fitting.summary import parameter_summaries
 from bayesfric.inference.diagnostics import diagnose_all
-from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.observation.coefficients import coefficient_name, sizes_of
@@ -180,17 +179,7 @@ def _summary(
     """Return what ``fit.json`` says."""
     population, theta = drawn.population, drawn.theta
     convergence = dict(zip(population.names, diagnose_all(theta[:, :, None]), strict=True))
-    informed = informed_by_data(population, theta.reshape(-1, theta.shape[-1]))
-    entries = {
-        parameter.name: parameter_summary(
-            parameter,
-            theta[..., k],
-            convergence[parameter.name],
-            theta[..., k],  # all are stored
-            bool(informed[k]),
-        )
-        for k, parameter in enumerate(population.parameters)
-    }
+    entries = parameter_summaries(population, theta, convergence, theta)  # all are stored
     chains, draws, _ = theta.shape
     least = min(figures.ess_bulk for figures in convergence.values())
     reliable = drawn.pareto_k <= SAMPLING_RULES.pareto_k

@@ -69,17 +69,7 @@ def summarise(
         Shares of trials inside their predictive intervals, rig by rig.
     """
     convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
-    informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
-    entries = {
-        parameter.name: parameter_summary(
-            parameter,
-            theta[..., place],
-            convergence[parameter.name],
-            chains[..., place],
-            bool(informed[place]),
-        )
-        for place, parameter in enumerate(model.parameters)
-    }
+    entries = parameter_summaries(model, theta, convergence, chains)
     for name, moved in _sensitivity(model, draws, theta).items():
         entries[name] = entries[name].model_copy(update=moved)
     quality = _quality(recording, data)
@@ -193,10 +183,34 @@ def _of_kind(
     return {p.name: entries[p.name] for p in model.parameters if p.kind == kind}
 
 
-def parameter_summary(
+def parameter_summaries(
+    model: Model, theta: Array, convergence: Mapping[str, Convergence], chains: Array
+) -> dict[str, ParameterSummary]:
+    """Return what is said of each parameter of a model.
+
+    Parameters
+    ----------
+    model : Model
+        D parameters.
+    theta : ndarray, shape (…, D)
+        Their draws.
+    convergence : mapping of str to Convergence
+        Of each.
+    chains : ndarray, shape (chains, draws, D)
+        Draws that are stored.
+    """
+    informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
+    return {
+        parameter.name: _summarised(
+            parameter, theta[..., k], convergence[parameter.name], chains[..., k], bool(informed[k])
+        )
+        for k, parameter in enumerate(model.parameters)
+    }
+
+
+def _summarised(
     parameter: Parameter, draws: Array, figures: Convergence, chains: Array, informed: bool
 ) -> ParameterSummary:
-    """Summarise draws of a parameter, in any shape, and the chains of them that are stored."""
     sd = parameter.sd()
     return ParameterSummary(
         **Interval.of_draws(draws).model_dump(),

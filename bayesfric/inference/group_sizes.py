@@ -107,7 +107,7 @@ def drawn_in_groups(
 
     for _ in range(BURN_IN):
         sweep()
-    draws = []
+    draws = [np.empty((0, sd.size))]
     for start in range(0, count, DRAWS_A_SWEEP):
         sweep()
         shape = (min(DRAWS_A_SWEEP, count - start), sd.size)

@@ -15,6 +15,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
+from bayesfric.arrays import Array
 from bayesfric.families import (
     Beta,
     Gamma,
@@ -220,6 +221,12 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
             return np.asarray(mean + sd * z)
         case Uniform(low=lowest, high=highest):
             return np.asarray(lowest + (highest - lowest) * special.ndtr(z))
+        case TruncatedNormal(mean=mean, sd=sd):  # SciPy's takes fifty times as long
+            sign, first, last = _between(prior)
+            u = sign * z
+            tail = special.ndtr(-np.abs(u)) * (last - first)
+            inside = np.where(u < 0, first + tail, last - tail)
+            return np.asarray(mean + sign * sd * special.ndtri(inside))
         case _:
             # Each tail from its own side: a probability near 1 has lost the digits that it lacks.
             tail, density = special.ndtr(-np.abs(z)), _frozen(prior)
@@ -251,9 +258,27 @@ def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
             return np.asarray((x - mean) / sd)
         case Uniform(low=lowest, high=highest):
             return np.asarray(special.ndtri(np.clip((x - lowest) / (highest - lowest), 0.0, 1.0)))
+        case TruncatedNormal(mean=mean, sd=sd):
+            sign, first, last = _between(prior)
+            inside = np.clip(special.ndtr(sign * (x - mean) / sd), first, last)
+            below, above = (inside - first) / (last - first), (last - inside) / (last - first)
+            return sign * _nearer_tail(below, above)
         case _:
-            below, above = _frozen(prior).cdf(x), _frozen(prior).sf(x)
-            return np.asarray(np.where(below < above, special.ndtri(below), -special.ndtri(above)))
+            return _nearer_tail(_frozen(prior).cdf(x), _frozen(prior).sf(x))
+
+
+def _nearer_tail(below: Array, above: Array) -> Array:
+    """Return normal quantiles by the smaller of the probabilities below and above."""
+    return np.asarray(np.where(below < above, special.ndtri(below), -special.ndtri(above)))
+
+
+def _between(prior: TruncatedNormal) -> tuple[int, float, float]:
+    """Return normal probabilities of the bounds, turned round where both are above the mean."""
+    low = (prior.lowest - prior.mean) / prior.sd
+    high = np.inf if prior.high is None else (prior.high - prior.mean) / prior.sd
+    sign = -1 if low > 0 else 1
+    ends = (low, high) if sign > 0 else (-high, -low)
+    return sign, float(special.ndtr(ends[0])), float(special.ndtr(ends[1]))
 
 
 def prior_sd(prior: Prior) -> float:

@@ -23,15 +23,15 @@ class Section(BaseModel):
 class CableRun(Section):
     """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load."""
 
-    pulley_size: str = Field(description="A size of the draws.")
+    pulley_size: str = Field(description="A pulley size that the draws have.")
     count: Annotated[int, Field(ge=1, le=200)] = Field(
-        description="Pulleys; of an antagonist pair, those on one side."
+        description="Number of pulleys, for an antagonist pair on one side."
     )
     wrap_angle_deg: Angle | list[Angle] = Field(
-        description="Of every pulley, or a list from the motor to the load."
+        description="Wrap angle of every pulley, or a list from the motor to the load."
     )
     tension_n: Positive = Field(
-        description="Known tension; of an antagonist pair, that of each side."
+        description="Known tension, for an antagonist pair that of each side."
     )
     tension_known_at: Literal["mean", "motor", "load"] = Field(
         description="Where that tension is known: the mean of both ends, or one end. It has no "
@@ -45,7 +45,8 @@ class CableRun(Section):
     )
     distance_m: list[Annotated[float, Field(ge=0)]] | None = Field(
         None,
-        description="Cable from the motor to each pulley; absent: spread evenly along the run.",
+        description="Length of cable from the motor to each pulley. Absent: pulleys are spread "
+        "evenly.",
     )
 
     @model_validator(mode="after")
@@ -69,9 +70,9 @@ class Cable(Section):
     axial_stiffness_n: Positive = Field(
         description="EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm."
     )
-    length_m: Positive = Field(description="Between motor and joint, on one side.")
+    length_m: Positive = Field(description="Length between motor and joint, on one side.")
     diameter_mm: Annotated[float, Field(gt=0)] = Field(
-        0.61, description="Friction was measured with 0.61 mm; other cable is warned about."
+        0.61, description="Friction was measured with 0.61 mm. Other cable gives a warning."
     )
     damping_ratio: Positive = Field(
         0.05, description="Of joint and motor ringing on the cable, over the critical."
@@ -119,8 +120,8 @@ class OtherJoint(Section):
     friction_n_m: NonNegative = Field(0.0, description="Coulomb friction of its own bearings.")
     viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
     load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
-    peak_velocity_rad_s: NonNegative = Field(0.0, description="Of the fastest motion.")
-    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_velocity_rad_s: NonNegative = Field(0.0, description="Speed of the fastest motion.")
+    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Its acceleration.")
 
 
 class Coupling(Section):

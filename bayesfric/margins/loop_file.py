@@ -34,8 +34,8 @@ class RevoluteJoint(Section):
     viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
     load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
     transmission_rad_per_rad: Positive = Field(description="Motor angle per joint angle.")
-    peak_velocity_rad_s: NonNegative = Field(0.0, description="Of the fastest motion.")
-    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_velocity_rad_s: NonNegative = Field(0.0, description="Speed of the fastest motion.")
+    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Its acceleration.")
 
 
 class PrismaticJoint(Section):
@@ -49,8 +49,8 @@ class PrismaticJoint(Section):
     viscous_n_s_per_m: NonNegative = Field(0.0, description="Viscous friction of the joint.")
     load_n: Quantity = Field(0.0, description="Steady force on the joint: gravity, contact.")
     transmission_rad_per_m: Positive = Field(description="Motor angle per travel of the joint.")
-    peak_velocity_m_s: NonNegative = Field(0.0, description="Of the fastest motion.")
-    peak_acceleration_m_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_velocity_m_s: NonNegative = Field(0.0, description="Speed of the fastest motion.")
+    peak_acceleration_m_s2: NonNegative = Field(0.0, description="Its acceleration.")
 
 
 class Drive(Section):
@@ -62,16 +62,18 @@ class Drive(Section):
     friction_n_m: NonNegative = Field(
         description="Coulomb friction of motor and gearbox, at the motor."
     )
-    inertia_kg_m2: Positive = Field(description="Of rotor, gearbox and capstan, at the motor.")
+    inertia_kg_m2: Positive = Field(
+        description="Inertia of rotor, gearbox and capstan, at the motor."
+    )
     viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction at the motor.")
     backlash_rad: NonNegative = Field(
         0.0,
-        description="Play of the gearbox, its whole width, at the motor: that at the output times "
+        description="Whole width of the gearbox play, at the motor: the play at the output times "
         "`gearbox_ratio`.",
     )
-    current_limit_a: Positive = Field(description="Where the drive clips the current.")
+    current_limit_a: Positive = Field(description="Current at which the drive clips.")
     continuous_current_a: Positive | None = Field(
-        None, description="What the motor bears for ever."
+        None, description="Current that the motor bears continuously."
     )
 
 
@@ -79,8 +81,8 @@ class Controller(Section):
     """A sampled PD or PI·D loop on one encoder."""
 
     kp_n_m_per_rad: Positive = Field(description="Proportional gain, in the frames below.")
-    kd_n_m_s_per_rad: NonNegative = Field(0.0, description="Derivative gain, likewise.")
-    ki_n_m_per_rad_s: NonNegative = Field(0.0, description="Integral gain, likewise.")
+    kd_n_m_s_per_rad: NonNegative = Field(0.0, description="Derivative gain, in the frames below.")
+    ki_n_m_per_rad_s: NonNegative = Field(0.0, description="Integral gain, in the frames below.")
     gravity_compensation: NonNegative = Field(
         0.0,
         description="What is fed forward against the joint's load, as a share of the load's "
@@ -94,9 +96,10 @@ class Controller(Section):
         description="Which angle the gains multiply; of a prismatic joint the joint's is a "
         "travel [m]."
     )
-    sample_time_s: Positive = Field(description="Of the loop.")
+    sample_time_s: Positive = Field(description="Sample time of the loop.")
     delay_s: NonNegative = Field(
-        description="From reading the encoder to the torque; the hold's half sample is added."
+        description="Delay from reading the encoder to the torque. Half a sample of the hold is "
+        "added."
     )
     encoder_at: Literal["motor", "joint"] = Field(
         "motor",
@@ -104,7 +107,7 @@ class Controller(Section):
         "which sees what cable and play do and gives the loop their resonance.",
     )
     encoder_counts_per_revolution: Positive = Field(
-        description="Of the motor's shaft, or of the joint where the encoder is there."
+        description="Counts per revolution of the shaft that the encoder is on."
     )
     position_cutoff_hz: Positive | None = Field(
         None,
@@ -114,10 +117,10 @@ class Controller(Section):
     )
     velocity_filter: Literal["first-difference", "low-pass"] = Field(
         "first-difference",
-        description="Of the derivative: raw, or through a first-order low-pass as well.",
+        description="Filter of the derivative: none, or a first-order low-pass.",
     )
     velocity_cutoff_hz: Positive | None = Field(
-        None, description="Corner of the low-pass; required with it."
+        None, description="Corner of that low-pass, required with it."
     )
 
     relies_on_friction: bool = Field(
@@ -138,12 +141,13 @@ class Compensation(Section):
 
     signal: Literal["none", "reference", "measured", "error"] = Field(
         "none",
-        description="What the sign is taken of: the reference's velocity, the measured velocity, "
+        description="Signal whose sign is taken: the reference's velocity, the measured velocity, "
         "or the position error. It decides whether the loop can hunt.",
     )
     gain: NonNegative = Field(1.0, description="γ, the share of the estimate that is fed forward.")
     estimate_n_m: Positive | None = Field(
-        None, description="F̂ at the motor; absent: the mean friction of the draws."
+        None,
+        description="Estimated friction F̂ at the motor. Absent: the mean friction of the draws.",
     )
     boundary_rad_s: NonNegative = Field(
         0.0, description="Half width of a linear piece of the sign of a velocity, at the motor."
@@ -152,7 +156,7 @@ class Compensation(Section):
         0.0, description="ε, the same for the sign of the error; required above 0 there."
     )
     at_rest: Literal["off", "hold"] = Field(
-        "off", description="At zero speed: nothing, or the last sign."
+        "off", description="What is fed forward at zero speed: nothing, or the last sign."
     )
 
     @model_validator(mode="after")
@@ -169,12 +173,13 @@ class Kick(Section):
         2.0, description="Kick over the stuck band F/kp; hunting needs more than 1."
     )
     reference_speed_rad_s: Quantity = Field(
-        0.0, description="Of the reference, at the motor; looked at besides the range."
+        0.0,
+        description="A speed of the reference, at the motor, that is examined besides the range.",
     )
     reference_range_rad_s: tuple[Speed, Speed] | None = Field(
         None,
         strict=False,  # a file has lists
-        description="Slowest and fastest reference at the motor that hunting is looked for at, "
+        description="Slowest and fastest reference, at the motor, at which hunting is examined, "
         "besides rest; both 0 is rest alone. Absent: 0.1 to 10 encoder counts a sample, as far "
         "as the joint's peak velocity goes.",
     )
@@ -191,43 +196,53 @@ class Tool(Section):
     """From the joint to the tool tip."""
 
     lever_m: Positive | None = Field(
-        None, description="Of a revolute joint: distance from its axis to the tip."
+        None, description="Distance from the axis of a revolute joint to the tip."
     )
 
 
 class Spec(Section):
     """What the joint must meet; a key that is absent is not judged."""
 
-    steady_error_max_m: Bound = Field(None, description="At the tool tip, servo alone.")
-    lost_motion_max_m: Bound = Field(None, description="At the tool tip.")
-    smallest_step_max_m: Bound = Field(None, description="At the tool tip.")
-    reversal_error_max_m: Bound = Field(None, description="At the tool tip.")
-    backdrive_force_max_n: Bound = Field(None, description="At the tool tip.")
+    steady_error_max_m: Bound = Field(
+        None, description="Steady error of the servo alone, at the tip."
+    )
+    lost_motion_max_m: Bound = Field(None, description="Lost motion, at the tip.")
+    smallest_step_max_m: Bound = Field(None, description="Smallest step, at the tip.")
+    reversal_error_max_m: Bound = Field(None, description="Reversal error, at the tip.")
+    backdrive_force_max_n: Bound = Field(None, description="Backdrive force, at the tip.")
     headroom_clip_min: Bound = Field(None, description="Share of the clipped torque left.")
     headroom_continuous_min: Bound = Field(None, description="Share of the continuous torque left.")
     gain_margin_min: Annotated[float, Field(gt=1)] | None = Field(
-        None, description="As a factor, up or down."
+        None, description="Gain margin as a factor, up or down."
     )
     phase_margin_min_rad: Bound = Field(None, description="Phase margin.")
-    delay_margin_min_s: Bound = Field(None, description="Further delay.")
-    disk_margin_min: Bound = Field(None, description="Diameter of the disk, 2 at most.")
-    amplitude_margin_min_rad: Bound = Field(None, description="At the motor.")
+    delay_margin_min_s: Bound = Field(
+        None, description="Delay margin: further delay that the loop bears."
+    )
+    disk_margin_min: Bound = Field(
+        None, description="Disk margin: diameter of the disk, 2 at most."
+    )
+    amplitude_margin_min_rad: Bound = Field(None, description="Amplitude margin, at the motor.")
     limit_cycle_probability_max: Share = Field(
-        0.05, description="P(limit cycle) that decides the largest compensation gain."
+        0.05, description="Probability of hunting that the largest safe compensation gain may have."
     )
     violation_probability_max: Share = Field(
-        0.05, description="P(violates) above which any other spec counts as missed."
+        0.05,
+        description="Any other spec counts as missed if its probability of being missed is above "
+        "this.",
     )
 
 
 class Loop(Section):
     """The whole of ``LOOP.toml``."""
 
-    name: Annotated[str, Field(min_length=1, max_length=60)] = Field(description="Of the loop.")
-    title: str = Field("", description="What it is, in a sentence.")
+    name: Annotated[str, Field(min_length=1, max_length=60)] = Field(
+        description="Name of the loop."
+    )
+    title: str = Field("", description="A sentence on what it is.")
     assumptions: list[str] = Field(
         default_factory=list,
-        description="What in the file is assumed, a sentence each; carried to the warnings.",
+        description="Assumptions of the file, a sentence each. They become warnings.",
     )
     extrapolate: list[Literal["wrap_angle", "tension"]] = Field(
         default_factory=list,
@@ -236,7 +251,7 @@ class Loop(Section):
     )
     stiction_ratio: Positive = Field(
         1.0,
-        description="Breakaway over moving friction, 1 at least; the paper says 1.",
+        description="Breakaway friction over moving friction, 1 or more. The paper says 1.",
     )
     joint: Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="kind")] = Field(
         description="The joint."

@@ -25,6 +25,7 @@ UNTOLD = "these data leave every number of the law to its prior"
 
 
 MOST_SHOWN = 3  # conditions to record next, those that help most
+SHORT_CELL = 38  # characters of a cell, of which two stand on a line
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Part:
                 unseen[effect] = min(float(row["unseen"]), unseen.get(effect, np.inf))
         can = {
             name: f"{size:.2g}{'' if unit == '1' else ' ' + unit}"
-            + (f", and not below {unseen[name]:.2g}" if unseen.get(name) else "")
+            + (f" (none below {unseen[name]:.2g})" if unseen.get(name) else "")
             for name, (size, unit) in smallest.items()
             if size <= self.largest.get(name, size)
         }
@@ -93,26 +94,26 @@ class Part:
             yield f"Nothing can be told{of}:"
             yield from (f"  {fault}" for fault in self.why_not)
             return
-        yield f"What can be told{of}"
+        yield f"Expected errors{of}"
         for name, row in self.power.coefficients.iterrows():
-            text = f"± {row['sd']:.2g}"
-            if "sd_where_law_is_off" in row:
-                text += f" by noise alone, {row['sd_where_law_is_off']:.2g} where the law is off"
             unit = "" if row["unit"] == "1" else f" {row['unit']}"
-            text += f"{unit}, of about {row['value']:.3g}"
-            said = text if row["informed"] else "left to its prior"
+            text = f"{row['value']:.3g} ± {row['sd']:.2g}{unit}"
+            if "sd_where_law_is_off" in row:
+                off = row["sd_where_law_is_off"]
+                text += f" by noise alone, ± {off:.2g}{unit} if the law is slightly wrong"
+            said = text if row["informed"] else "decided by its prior"
             yield f"  {self._called(str(name)):<24} {said}"
         if self.power.beside:
             names = ", ".join(self.power.beside)
-            yield f"  these errors are beside {names}, which a first look shows"
+            yield f"  These errors hold together with {names}, which a first look shows."
         can, cannot = self.effects
         if can:
-            yield "Effects that would be found, and from which size on"
+            yield "Effects that a diagnosis would find, with the size from which on"
             yield from _in_two_columns([f"{name:<23} {size}" for name, size in can.items()])
         if cannot:
-            yield f"Effects that cannot be told: {', '.join(cannot)}"
+            yield f"Effects that these data cannot show: {', '.join(cannot)}"
         if not self.power.pairs.empty:
-            yield "Pairs that cannot be told apart"
+            yield "Pairs of effects that these data cannot tell apart"
             for _, row in self.power.pairs.iterrows():
                 yield f"  {row['effect']} and {row['other']} (correlation {row['correlation']:.2f})"
         yield from self._next()
@@ -138,8 +139,8 @@ class Part:
                 for key, value in row.items()
                 if key != "factor" and value == value
             )
-            better = f"{1 - row['factor']:.0%} better by: {setting}"
-            yield f"  {self._called(str(name))} would be known {better}"
+            error = f"the error of {self._called(str(name))} falls by {1 - row['factor']:.0%}"
+            yield f"  {setting}: {error}"
 
 
 def _setting(name: str, value: object) -> str:
@@ -150,10 +151,13 @@ def _setting(name: str, value: object) -> str:
 
 
 def _in_two_columns(cells: list[str]) -> Iterator[str]:
-    """Yield lines of two cells, the first half of them on the left."""
+    """Yield lines of two cells, the first half of them on the left; of one where cells are long."""
+    if max(map(len, cells)) > SHORT_CELL:
+        yield from (f"  {cell}" for cell in cells)
+        return
     half = (len(cells) + 1) // 2
     for left, right in zip_longest(cells[:half], cells[half:], fillvalue=""):
-        yield f"  {left:<38} {right}".rstrip()
+        yield f"  {left:<{SHORT_CELL}} {right}".rstrip()
 
 
 @dataclass(frozen=True)
@@ -255,7 +259,8 @@ def _part(
         return Part(name, None, tuple(reasons))
     numbers = power.coefficients
     if len(numbers) and not numbers["informed"].any():
-        return Part(name, None, (Fault(recording.name, f"data that tell a number; {UNTOLD}"),))
+        why = "; ".join((UNTOLD, *question.data.rigs[0].doubts({})))
+        return Part(name, None, (Fault(recording.name, f"data that tell a number; {why}"),))
     lacking, in_law = question.lacking, {*map(str, power.coefficients.index)}
     return Part(
         name,

@@ -34,7 +34,7 @@ from bayesfric.inference.power import (
     smallest_found,
     smallest_told_apart,
 )
-from bayesfric.planning import Power, model_of_middles, power_of_model
+from bayesfric.planning import Power, model_of_middles, power_of_model, share_of_friction
 
 HIDDEN_WITH = 0.01  # the probability with which an effect is found below which none is expected
 USUAL_SHAPES = 1.0  # normal quantiles of a shape's prior, within which rivals and doubles lie
@@ -256,7 +256,7 @@ def _effects(look: _Look, chances: Mapping[str, float]) -> pd.DataFrame:
             "smallest": smallest,
             "unseen": unseen,
             "unit": amplitude.unit,
-            "share": _share(model, model.candidate(law, at), smallest),
+            "share": share_of_friction(model, model.candidate(law, at), smallest),
         }
     return pd.DataFrame.from_dict(rows, orient="index")
 
@@ -310,11 +310,3 @@ def _told_from(amplitude: float, chance: float, odds: float) -> float:
     gained = odds - SURE_ODDS + log(bounded / (1 - bounded))
     error = amplitude / float(np.sqrt(2 * max(gained, LEAST_GAINED)))
     return smallest_told_apart(error, odds, FOUND_WITH)
-
-
-def _share(model: LinearModel, candidate: Candidate, amplitude: float) -> float | None:
-    """Return the rms of an amplitude as a share of friction; None of what is no friction."""
-    if candidate.effect.acts_on != "friction":
-        return None
-    sizes = [rig.rows.size_of(candidate) ** 2 for rig in model.rigs]
-    return amplitude * float(np.sqrt(np.mean(sizes)))

@@ -1,8 +1,8 @@
 """A robot's rigid-body model: what it says of the torque of each joint along a recorded motion.
 
-:mod:`.model_file` reads a URDF or MJCF file, :mod:`.kinematics` lays its links along a motion,
-:mod:`.dynamics` gives momentum and pull of each joint and how both depend on masses, and
-:mod:`.model_errors` gives what errors of the model may add.
+:mod:`.model_file` reads a URDF or MJCF file, :mod:`.dynamics` lays its links along a motion and
+gives momentum and pull of each joint and how both depend on masses, and :mod:`.model_errors` gives
+what errors of the model may add.
 """
 
 from bayesfric.robots.dynamics import PARAMETERS as PARAMETERS

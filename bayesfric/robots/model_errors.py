@@ -11,50 +11,33 @@ M. Gautier, W. Khalil, "Direct calculation of minimum set of inertial parameters
 robots", IEEE Trans. Robotics and Automation 6 (1990).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.robots.dynamics import PARAMETERS, RigidBodies, six_moments
 
-
-@dataclass(frozen=True)
-class ErrorShares:
-    """How well a model is known: prior standard deviations of its errors.
-
-    Parameters
-    ----------
-    mass, inertia : float
-        Relative, of each link's mass and of its moments of inertia about its centre of mass.
-    centre_m : float
-        Of each coordinate of its centre of mass [m].
-    """
-
-    mass: float = 0.15
-    centre_m: float = 0.02
-    inertia: float = 0.3
+# How well a model is known, as prior standard deviations: of each link's mass and of its moments of
+# inertia about its centre of mass, relative; of each coordinate of that centre [m].
+MASS_SD, INERTIA_SD, CENTRE_SD_M = 0.15, 0.3, 0.02
 
 
-def root_of_errors(bodies: RigidBodies, shares: ErrorShares | None = None) -> Array:
+def root_of_errors(bodies: RigidBodies) -> Array:
     """Return how independent N(0, 1) amounts move the links' numbers, shape (10 × links,) twice.
 
     Parameters
     ----------
     bodies : RigidBodies
         The model.
-    shares : ErrorShares or None
-        How well the model is known; None is the default.
     """
     count = len(PARAMETERS)
     root = np.zeros((count * len(bodies.links),) * 2)
     for link, numbers in enumerate(bodies.parameters):
         block = slice(link * count, (link + 1) * count)
-        root[block, block] = _root_of_link(numbers, shares or ErrorShares())
+        root[block, block] = _root_of_link(numbers)
     return root
 
 
-def _root_of_link(numbers: Array, shares: ErrorShares) -> Array:
+def _root_of_link(numbers: Array) -> Array:
     """Return how ten independent N(0, 1) move a link's numbers, shape (10, 10)."""
     mass, moments = numbers[0], numbers[1:4]
     root = np.zeros((10, 10))
@@ -64,14 +47,14 @@ def _root_of_link(numbers: Array, shares: ErrorShares) -> Array:
     about_origin = _steiner(centre)
     central = numbers[4:] - mass * about_origin
     # A larger mass: all numbers but the inertia about the centre grow with it.
-    root[:, 0] = shares.mass * mass * np.concatenate([[1.0], centre, about_origin])
+    root[:, 0] = MASS_SD * mass * np.concatenate([[1.0], centre, about_origin])
     for axis in range(3):  # the centre moves: first moments, and inertia about the origin
         step = np.zeros(3)
         step[axis] = 1.0
         turned = 2 * centre @ step * np.eye(3) - np.outer(centre, step) - np.outer(step, centre)
-        root[1:4, 1 + axis] = shares.centre_m * mass * step
-        root[4:, 1 + axis] = shares.centre_m * mass * six_moments(turned)
-    scale = shares.inertia * np.abs(central[:3]).max()
+        root[1:4, 1 + axis] = CENTRE_SD_M * mass * step
+        root[4:, 1 + axis] = CENTRE_SD_M * mass * six_moments(turned)
+    scale = INERTIA_SD * np.abs(central[:3]).max()
     root[4:, 4:] = scale * np.eye(6)
     return root
 

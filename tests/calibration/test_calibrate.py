@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bayesfric.analysis import Analysis, CalibrationRules, Scatter
-from bayesfric.calibration import case as one_case
+from bayesfric.calibration import running as one_case
 from bayesfric.calibration.generating import SCATTER_AND_NOISE, draw_truth, generating_analysis
 from bayesfric.cli import app
 from bayesfric.errors import InputError

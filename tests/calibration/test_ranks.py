@@ -5,9 +5,8 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis
-from bayesfric.calibration.case import RANKED_DRAWS
 from bayesfric.calibration.ranks import band_of, rank_of
-from bayesfric.calibration.running import calibration_of
+from bayesfric.calibration.running import RANKED_DRAWS, calibration_of
 
 CASES = 500
 

@@ -23,7 +23,7 @@ from bayesfric.export.into import filled_model
 from bayesfric.export.joints import joints_of
 from bayesfric.recording.tables import Axis
 from bayesfric.replaying import held_out_parts, with_replay
-from bayesfric.robots.model_errors import ErrorShares
+from bayesfric.robots.model_errors import CENTRE_SD_M, INERTIA_SD, MASS_SD
 
 FINGERPRINT = ("likelihood.axis", "diagnosis.axis", "whole.axis")
 SEEDS = range(30000, 30050)
@@ -39,7 +39,7 @@ SDF = """<sdf version="1.9"><model name="one"><link name="base"/><link name="rod
 """
 
 
-ERRORS = (ErrorShares.mass, ErrorShares.centre_m, ErrorShares.inertia)
+ERRORS = (MASS_SD, CENTRE_SD_M, INERTIA_SD)
 MOST = 2.0  # of these, by which a rod is off
 
 

@@ -11,8 +11,8 @@ from campaigns.evidence import Gathered
 from campaigns.promises import Outcome
 
 from bayesfric.analysis import Analysis
-from bayesfric.calibration.case import true_value
 from bayesfric.calibration.generating import draw_truth, generating_analysis
+from bayesfric.calibration.running import true_value
 from bayesfric.campaign import run_on_processes
 from bayesfric.inference.model import Model
 from bayesfric.physics.laws import BASELINES

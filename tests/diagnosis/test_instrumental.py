@@ -4,11 +4,18 @@ import pytest
 from rigs.looped_joint import LoopedJoint
 
 import bayesfric as bf
-from bayesfric.diagnosis.instrumental import by_the_instrument, not_held, why_bent, why_unsettled
+from bayesfric.diagnosis.instrumental import (
+    by_the_instrument,
+    causes_by_the_instrument,
+    not_held,
+    why_bent,
+    why_unsettled,
+)
 from bayesfric.diagnosis.verdict import decide
+from bayesfric.effects import all_effects
 from bayesfric.hypothesis import NONE
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.causes import Cause, EffectNumber, LawNumber
 from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 
@@ -140,3 +147,21 @@ def test_a_joint_that_is_pushed_in_its_loop_is_told_by_the_instrument():
         assert abs(told.mean - number.instrumental) < 0.5 * number.instrumental_se
         assert abs(told.mean - value) < 3 * told.sd
         assert found.law[name].least_squares is not None
+
+
+@pytest.mark.parametrize(("alarms", "expected"), [(True, (0.489, 0.012)), (False, (0.461, 0.013))])
+def test_a_cause_is_as_strong_as_the_instrument_tells_that_alarms(alarms, expected):
+    number = EffectNumber(
+        mean=0.461, sd=0.013, q05=0.44, q50=0.461, q95=0.482, unit="N·m", prior="normal"
+    )
+    cause = Cause.model_construct(effect="gravity-torque", parameters={"torque": number})
+    value = InstrumentNumber(
+        unit="N·m", ordinary=0.47, ordinary_se=0.01, instrumental=0.489, instrumental_se=0.012
+    )
+    beside = instrument(alarms=alarms).model_copy(update={"effects": {"gravity-torque": value}})
+    (told,) = causes_by_the_instrument([cause], beside, all_effects(None))
+    torque = told.parameters["torque"]
+    assert (torque.mean, torque.sd) == expected
+    assert torque.unit == "N·m"
+    if alarms:
+        assert torque.q95 == pytest.approx(0.489 + 1.6449 * 0.012, abs=1e-6)

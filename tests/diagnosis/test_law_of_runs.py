@@ -8,11 +8,12 @@ import pytest
 from report.diagnosis_sample import diagnosis
 from scipy.stats import truncnorm
 
-from bayesfric.diagnosis.law import (
+from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
+from bayesfric.diagnosis.law import scatter_of_runs
+from bayesfric.diagnosis.widening import (
     block_errors,
     errors_by_pace,
     held_by_blocks,
-    scatter_of_runs,
     widened,
     wider,
 )
@@ -180,3 +181,42 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     assert (held.sd > 0.02) is pushed
     if not pushed:
         assert held == numbers["inertia"].after
+
+
+def joint_that_swings(stroke, *frequencies_hz, known=0.0):
+    """Return a model whose joint runs along a sum of sines, of which nothing but that is asked."""
+    rate = 2 * np.pi * np.array(frequencies_hz)
+    turned = np.multiply.outer(np.linspace(0.0, 20.0, 400), rate)
+    place, speed = np.sin(turned).sum(axis=1) * stroke, np.cos(turned) @ rate * stroke
+    way = np.sign(speed)
+    columns = [-way * (np.sin(turned) @ rate**2) * stroke, np.ones(400), np.abs(speed)]
+    readings = SimpleNamespace(
+        position=place[:, None],
+        weights=np.ones(1),
+        way=way,
+        beside=np.zeros((400, 0)),
+        simulated=np.zeros((400, 0)),
+        known_held=np.full((400, 1), known),
+        known_moved=np.zeros((400, 1)),
+    )
+    law = np.stack(columns, axis=1)
+    rows = SimpleNamespace(readings=readings, coefficient_columns=lambda: law)
+    return SimpleNamespace(
+        rigs=[SimpleNamespace(rows=rows)],
+        free=np.ones((1, 3), dtype=bool),
+        data=SimpleNamespace(rigs=[SimpleNamespace(along_path=True)]),
+    )
+
+
+def test_a_short_stroke_of_one_frequency_hides_inertia_behind_gravity():
+    factor = gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=True)
+    assert factor > 100
+    assert gravity_hides_inertia(joint_that_swings(0.1, 0.2, 0.9), turns=True) is None
+    assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, known=1.0), turns=True) is None
+    assert gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=False) is None
+    told = interval(0.06, 0.001)
+    law = {name: LawNumber(unit="1", before=told, after=told) for name in ("inertia", "coulomb")}
+    wide = beside_gravity(law, 20.0, [])
+    assert wide["inertia"].after.q95 == pytest.approx(0.06 + 1.6 * 0.02)
+    assert wide["coulomb"] == law["coulomb"]
+    assert beside_gravity(law, 20.0, ["gravity-torque"]) == law

@@ -18,6 +18,7 @@ from bayesfric.diagnosis.overruling import (
     contradicts,
     density_of,
     overruled,
+    tells_what_is_left,
     why_beyond_rivals,
     why_overruled,
 )
@@ -27,6 +28,7 @@ from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import Remainder
 from bayesfric.schemas.diagnosis import HeldOutDensity
 
 PRACTICAL = 0.02
@@ -114,10 +116,13 @@ def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told
     assert said is None or "hysteresis would be larger or smaller" in said
 
 
-@pytest.mark.parametrize(("missed", "expected"), [(0.05, False), (1.0, True)])
+@pytest.mark.parametrize(
+    ("missed", "expected"), [(0.05, False), (0.102, False), (0.106, True), (1.0, True)]
+)
 def test_rivals_that_would_explain_far_less_than_is_missed_are_open(missed, expected):
+    """They explain 0.1 N with what scatters, nine tenths of the square of 0.1043 N."""
     gap = diagnosis().gap
-    size = {"q05": 0.05, "q50": 0.06, "q95": 0.07}
+    size = {"q05": 0.05, "q50": 0.06, "q95": 0.0707}
     gap = gap.model_copy(
         update={
             "before": gap.before.model_copy(update={"q05": missed}),
@@ -127,7 +132,7 @@ def test_rivals_that_would_explain_far_less_than_is_missed_are_open(missed, expe
     )
     said = why_beyond_rivals(gap)
     assert (said is not None) == expected
-    assert said is None or "missed by 1 N rms or more" in said
+    assert said is None or f"missed by {missed:.3g} N rms or more" in said
 
 
 def test_what_is_left_beyond_chance_is_a_root_of_squares():
@@ -220,3 +225,19 @@ def test_the_sentence_says_how_much_better_held_out_data_are_predicted(shrink):
     assert one.endswith(" rises by 157 ± 19 (natural logarithm) with it.")
     two = held_out_words(gap, [cause("viscous"), cause("slip")])
     assert two.endswith(" rises by 157 ± 19 (natural logarithm) with them.")
+
+
+@pytest.mark.parametrize(("left", "is_told"), [(0.01, True), (0.5, False)])
+def test_a_small_remainder_does_not_tell_what_is_many_times_larger(left, is_told):
+    """Of a gap of 0.1 N it is a quarter of the squares: 0.05 N."""
+
+    def sure(value):
+        return Interval(mean=value, sd=0.0, q05=value, q50=value, q95=value)
+
+    gap = diagnosis().gap.model_copy(update={"held_out_excess": left, "systematic": sure(0.1)})
+    remainder = Remainder(
+        significant=True, log10_bayes_factor=3.0, share_of_gap=sure(0.25), axis="velocity"
+    )
+    assert tells_what_is_left(remainder, gap) is is_told
+    nothing = remainder.model_copy(update={"significant": False})
+    assert not tells_what_is_left(nothing, gap)

@@ -50,7 +50,13 @@ def test_a_number_below_zero_is_not_passed_over():
 
 def joint(**gap):
     """Return a joint with a number to enter, that misses held-out data by as much as scatter."""
-    gap = {"as_shipped": None, "held_out_excess": 0.0, "no_share": None, **gap}
+    gap = {
+        "as_shipped": None,
+        "held_out_excess": 0.0,
+        "no_share": None,
+        "floor": middle(0.1),
+        **gap,
+    }
     return DiagnosisFile.model_construct(
         joint="elbow",
         joints=(),
@@ -100,7 +106,7 @@ def test_numbers_that_miss_held_out_data_carry_a_warning():
     warning, *_ = numbers_to_enter(loud)
     assert isinstance(warning, Notice)
     assert warning.text.startswith(
-        "On data that the fit has not seen these numbers leave 0.3 N·m rms, where scatter makes "
-        "0.1 N·m."
+        "Enter these numbers with care for the joint elbow: the law with them misses data that the "
+        "fit has not seen by 0.017 N·m rms more than scatter explains"
     )
-    assert any(warning.text in line for line in entered_lines(loud))
+    assert any(line.strip() in warning.text for line in entered_lines(loud))

@@ -90,3 +90,10 @@ def test_what_no_data_tell_of_is_drawn_from_its_prior():
     assert np.mean(drawn[:, 0] == 0) == pytest.approx(0.5, abs=0.06)
     assert drawn[:, 0].var() == pytest.approx(0.5, abs=0.06)
     assert drawn[:, 1].var() == pytest.approx(1 / 51, rel=0.1)
+
+
+def test_a_hypothesis_that_gets_no_draw_has_none():
+    """Of draws that are shared over hypotheses, a rare one may get none."""
+    groups = [group([0], [1.0])]
+    drawn = drawn_in_groups(np.eye(1), np.zeros(1), np.eye(1), groups, 0, np.random.default_rng(1))
+    assert drawn.shape == (0, 1)

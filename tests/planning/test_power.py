@@ -205,5 +205,5 @@ def test_the_verb_prints_it(tmp_path):
     assert "Effects: the smallest found with probability 0.9" in lines
     (row,) = (line.split() for line in lines if line.startswith("viscous/constant"))
     assert float(row[1]) == pytest.approx(plan_by_default.effects["smallest"][row[0]], rel=5e-3)
-    nothing = lines[lines.index("Nothing is said of") + 1 :]
+    nothing = lines[lines.index("Effects that are not computed") + 1 :]
     assert sum("runout" in line for line in nothing) == 1

@@ -5,7 +5,7 @@ import pytest
 
 from bayesfric.analysis import Analysis
 from bayesfric.calibration.running import calibration_of
-from bayesfric.plots.calibration import rank_differences
+from bayesfric.plots.ranks import rank_differences
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.calibration import calibration, calibration_line
 from bayesfric.report.content import Notice, Table, inlines

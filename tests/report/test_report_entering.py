@@ -1,17 +1,20 @@
 """What to enter and its replay, as the report shows it."""
 
 import numpy as np
+import pytest
 import xarray as xr
-from report.diagnosis_sample import PROVENANCE
+from report.diagnosis_sample import PROVENANCE, diagnosis
 
+from bayesfric.attention.diagnosis import of_diagnosis
+from bayesfric.export.entered import entered_lines
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
-from bayesfric.report.content import Figure, Paragraph, inlines
+from bayesfric.report.content import Figure, Notice, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import Gap, Replay, ReplayedError
+from bayesfric.schemas.diagnosis import Replay, ReplayedError
 
 LOWER = Interval(mean=-0.2, sd=0.01, q05=-0.22, q50=-0.2, q95=-0.18)
 ERROR = ReplayedError(as_is=0.214, proposed=0.009, difference=LOWER)
@@ -26,7 +29,7 @@ REPLAY = Replay(
 
 
 def stored(replay=REPLAY, curves=None):
-    gap = Gap.model_construct(unit="N·m", as_shipped=None, held_out_excess=0.0, friction_rms=1.0)
+    gap = diagnosis().gap.model_copy(update={"unit": "N·m", "held_out_excess": 0.0})
     block = DiagnosisFile.model_construct(
         **PROVENANCE,
         verdict="no-gap",
@@ -88,11 +91,39 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
         block = stored().record.model_copy(update={"enter": (COULOMB,), "verdict": verdict})
         captions[verdict] = next(iter(numbers_to_enter(block))).caption
     assert "They may be biased" in captions["unknown"]
-    assert captions["no-gap"] == (
-        "Enter these numbers in your simulator for the joint elbow. "
-        "Its own coulomb lies outside of the 90 % interval."
+    assert captions["no-gap"].startswith(
+        "Enter these numbers in your simulator for the joint elbow."
     )
+    assert captions["no-gap"].endswith("Its own coulomb lies outside of the 90 % interval.")
+    assert "biased" not in captions["no-gap"]
     own = COULOMB.model_copy(update={"in_your_simulator": COULOMB.value.q50})
     block = stored().record.model_copy(update={"enter": (own,), "verdict": "no-gap"})
     (table, *_) = numbers_to_enter(block)
-    assert table.caption == "Enter these numbers in your simulator for the joint elbow."
+    assert "Its own" not in table.caption
+
+
+@pytest.mark.parametrize(
+    ("left", "advice"), [(0.0, None), (0.05, "Enter these numbers with care"), (0.6, "Do not")]
+)
+def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, advice):
+    """Left of friction of 1 N; scatter makes 0.04."""
+    from export.test_entered import COULOMB
+
+    record = diagnosis()
+    floor = record.gap.floor.model_copy(update={"q50": 0.04})
+    gap = record.gap.model_copy(
+        update={"held_out_excess": left, "friction_rms": 1.0, "floor": floor}
+    )
+    block = record.model_copy(update={"enter": (COULOMB,), "gap": gap, "verdict": "no-gap"})
+    first = next(iter(numbers_to_enter(block)))
+    lines = list(entered_lines(block))
+    said = [line for line in of_diagnosis(block) if "with them misses data" in line]
+    if advice is None:
+        assert isinstance(first, Table)
+        assert not said
+        assert not any("with them misses data" in line for line in lines)
+    else:
+        assert first == Notice("attention", f"{said[0]}.", title="Not confirmed")
+        assert said[0].startswith(advice)
+        assert f"by {left:.3g}" in said[0]
+        assert said[0] in lines[1]

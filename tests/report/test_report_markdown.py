@@ -1,3 +1,5 @@
+import re
+
 import pytest
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
@@ -11,10 +13,12 @@ from bayesfric.report.content import (
     Figure,
     Listing,
     Math,
+    Notice,
     Paragraph,
     Strong,
     Table,
 )
+from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
 
 
@@ -93,3 +97,14 @@ def test_what_page_one_cannot_hold_is_an_error_not_a_gap() -> None:
 def test_bold_words_with_blanks_at_their_ends_are_bold() -> None:
     blocks = [Paragraph([Strong("Where. "), "Here", Emphasis(" or there")])]
     assert "**Where.** Here *or there*" in render_summary(Document("t", "", blocks))
+
+
+def test_points_of_a_notice_stand_inside_of_its_box():
+    notice = Notice("attention", "2 remarks:", points=["c2 is biased.", "1 trial left out."])
+    page = Document("Page one", "", (notice, Paragraph("After it.")))
+    assert (
+        "> **Attention.** 2 remarks:\n> \n> - c2 is biased.\n> - 1 trial left out.\n\nAfter it."
+    ) in render_summary(page)
+    box = re.search(r'<div class="notice attention".*?</div>', render_html(page), re.DOTALL)
+    assert box is not None
+    assert box[0].count("<li>") == 2

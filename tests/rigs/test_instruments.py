@@ -5,7 +5,7 @@ import pytest
 from rigs.looped_joint import LoopedJoint
 
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.instruments import compared
+from bayesfric.rigs.single_axis.instruments import compared, without_clock
 
 AXIS = all_rigs()["single-axis"]
 TRUTH = {"inertia": 0.06, "viscous": 0.05, "coulomb": 0.2}
@@ -62,3 +62,11 @@ def test_a_looped_joint_has_its_figure():
     assert found.strength > 10
     number = found.numbers["inertia"]
     assert abs(number.instrumental - joint.inertia) < 3 * number.instrumental_se
+
+
+def test_a_delay_that_acts_takes_the_place_of_the_clocks():
+    """A cause that only clocks seemed to make was overruled as not told by the instrument."""
+    nuisances = np.random.default_rng(1).normal(size=(50, 3))
+    assert without_clock(nuisances, {"delay": -0.02 * nuisances[:, 0]}).shape == (50, 2)
+    other = {"actuator-lag": nuisances[:, 0] + 0.01 * nuisances[:, 1]}
+    assert without_clock(nuisances, other) is nuisances

@@ -2,7 +2,7 @@
 
 from numpy.random import Generator
 
-from bayesfric.blind.engines import condition_forms, speed_forms, travel_forms
+from bayesfric.blind.engines import condition_forms, travel_forms
 from bayesfric.blind.engines.measuring_forms import MEASURING_KINDS
 from bayesfric.blind.engines.outsiders import OUTSIDERS
 from bayesfric.blind.engines.state import Form, ImposedEffect, Kind
@@ -10,9 +10,9 @@ from bayesfric.blind.engines.state import Form, ImposedEffect, Kind
 EFFECTS = {
     kind.name: kind
     for kind in (
-        speed_forms.VISCOUS,
-        speed_forms.AIR_DRAG,
-        speed_forms.STRIBECK,
+        travel_forms.VISCOUS,
+        travel_forms.AIR_DRAG,
+        travel_forms.STRIBECK,
         travel_forms.PRESLIDING,
         travel_forms.HYSTERESIS,
         condition_forms.TENSION_CURVATURE,

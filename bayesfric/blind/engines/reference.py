@@ -11,23 +11,21 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from bayesfric.blind.engines.awkward import (
-    Awkward,
-    background_of,
-    draw_awkward,
-    nearly_stalling,
-    spoiled,
-)
 from bayesfric.blind.engines.boards import SPACING_M, board_of, motor_state
 from bayesfric.blind.engines.catalogue import EFFECTS, OUTSIDERS_BY_NAME, drawn, forms_of
 from bayesfric.blind.engines.design import TRAVEL_M, Trials, bench_of, trials_of, unbalanced
 from bayesfric.blind.engines.law import SIZES, TYPICAL, Nature, draw_nature
 from bayesfric.blind.engines.motion import move
 from bayesfric.blind.engines.nuisances import (
+    Awkward,
     Nuisances,
+    background_of,
     disturbed,
     disturbed_trains,
+    draw_awkward,
     draw_nuisances,
+    nearly_stalling,
+    spoiled,
 )
 from bayesfric.blind.engines.recorder import (
     event_trains,

@@ -14,7 +14,7 @@ import xarray as xr
 from scipy.special import ndtr, ndtri
 
 from bayesfric.arrays import Array
-from bayesfric.fitting.predictive.left_out import LeftOut, Uniformity, scores, uniformity
+from bayesfric.fitting.predictive.left_out import FromUniform, LeftOut, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
 
 FAR_SD = 3.0  # standard deviations; an assembly beyond is named
@@ -32,13 +32,13 @@ class Assemblies:
         Of J assemblies.
     pit : ndarray, shape (J,)
         Probability of less friction of each, had all its trials been left out.
-    uniformity : Uniformity
+    uniformity : FromUniform
         Of these.
     """
 
     names: tuple[str, ...]
     pit: Array
-    uniformity: Uniformity
+    uniformity: FromUniform
 
     @property
     def z(self) -> Array:

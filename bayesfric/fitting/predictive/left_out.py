@@ -72,8 +72,8 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
-class Uniformity:
-    """Whether leave-one-out probabilities are uniform.
+class FromUniform:
+    """How far leave-one-out probabilities are from uniform ones.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def leave_setups_out(densities: Sequence[Array]) -> ELPD:
     )
 
 
-def uniformity(pit: Array, again: Array) -> Uniformity:
+def uniformity(pit: Array, again: Array) -> FromUniform:
     """Compare leave-one-out probabilities with those of recordings made again.
 
     Trials of an assembly depend on one another, so their probabilities do not scatter as
@@ -220,7 +220,7 @@ def uniformity(pit: Array, again: Array) -> Uniformity:
 
     Returns
     -------
-    Uniformity
+    FromUniform
         Of the distribution function, and of the spread.
 
     References
@@ -237,7 +237,7 @@ def uniformity(pit: Array, again: Array) -> Uniformity:
     farthest = np.abs(apart / unit).max(axis=1)
     limit = float(np.quantile(farthest, BAND)) * sd
     beyond = int((farthest >= np.abs(difference / unit).max()).sum())
-    return Uniformity(
+    return FromUniform(
         GRID,
         difference,
         -limit,

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from bayesfric.fitting.predictive.assemblies import FAR_SD, Assemblies
-from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
+from bayesfric.fitting.predictive.left_out import FromUniform, LeftOut, uniformity
 from bayesfric.inference.evidence.leave_out import ELPD
 from bayesfric.schemas.fit import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
 
@@ -65,15 +65,11 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
             for name, z in zip(checked.names, checked.z, strict=True)
             if abs(z) > FAR_SD
         ]
-        low, _, high = checked.uniformity.spread_expected
         entries.append(
             AssemblyCheck(
                 rig=rig,
                 assemblies=checked.pit.size,
-                p_value=checked.uniformity.p_value,
-                spread=checked.uniformity.spread,
-                spread_q05=float(low),
-                spread_q95=float(high),
+                **_spread_of(checked.uniformity),
                 outlying=tuple(sorted(far, key=lambda outlier: -abs(outlier.z))),
             )
         )
@@ -93,15 +89,22 @@ def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
         if left.trials is None:
             continue
         uniform = uniformity(left.pit, left.again)
-        low, _, high = uniform.spread_expected
         entries.append(
             Uniformity(
                 rig=rig,
                 trials=left.pit.size,
-                p_value=uniform.p_value,
-                spread=uniform.spread,
-                spread_q05=float(low),
-                spread_q95=float(high),
+                **_spread_of(uniform),
             )
         )
     return tuple(entries)
+
+
+def _spread_of(checked: FromUniform) -> dict[str, float]:
+    """Return how far probabilities are from uniform ones, as it is stored."""
+    low, _, high = map(float, checked.spread_expected)
+    return {
+        "p_value": checked.p_value,
+        "spread": checked.spread,
+        "spread_q05": low,
+        "spread_q95": high,
+    }

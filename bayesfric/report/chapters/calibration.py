@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bayesfric.plots.calibration import rank_differences
+from bayesfric.plots.ranks import rank_differences
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.provenance import made_again
 from bayesfric.report.content import (

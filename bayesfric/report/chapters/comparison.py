@@ -57,7 +57,7 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
         )
     if compared.settings:
         yield Table(
-            "What went in and differs.",
+            "Inputs and settings that differ.",
             ["setting", "before", "now", "result"],
             [
                 [Code(changed.key), changed.a or MISSING, changed.b or MISSING, Code(changed.file)]

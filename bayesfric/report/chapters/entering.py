@@ -3,14 +3,8 @@
 import re
 from collections.abc import Iterator
 
-from bayesfric.export.entered import (
-    CALLED,
-    COLUMNS,
-    entered_remarks,
-    entered_rows,
-    held_out_warning,
-    off_now,
-)
+from bayesfric.attention.diagnosis import why_untrusted
+from bayesfric.export.entered import CALLED, COLUMNS, entered_remarks, entered_rows, off_now
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Block, BulletList, Figure, Notice, Paragraph, Table
@@ -28,10 +22,11 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             continue
         of = "" if joint.joint is None else f" for the joint {joint.joint}"
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
-        if joint.verdict in ("unknown", "unseparated"):
+        untrusted = why_untrusted(joint)
+        if untrusted is not None:
+            yield Notice("attention", f"{untrusted}.", title=f"Not confirmed{of}")
+        elif joint.verdict in ("unknown", "unseparated"):
             after += " They may be biased, since the law misses a force that has no cause yet."
-        if warned := held_out_warning(joint):
-            yield Notice("attention", warned, title=f"Not confirmed{of}")
         said = f" {off}" if (off := off_now(joint)) else ""
         yield Table(
             f"Enter these numbers in your simulator{of}.{said}{_wrong(joint)}{after}",

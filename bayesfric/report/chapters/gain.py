@@ -191,7 +191,7 @@ def _specs(loops: Sequence[LoopMargins]) -> Iterator[Table]:
             [
                 *([] if len(loops) == 1 else ["loop"]),
                 "figure",
-                *right_columns("asked for", "5 % to 95 % of the draws", "misses with probability"),
+                *right_columns("misses with probability", "asked for", "5 % to 95 % of the draws"),
             ],
             rows,
             label="specs",
@@ -212,9 +212,9 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
         )
         row = [
             _called(metric),
+            chance_of_missing(metric) or MISSING,
             f"{metric.sense} {scale * metric.spec:g}\u202f{unit}".rstrip(),
             f"{low} to {high}\u202f{unit}".rstrip(),
-            chance_of_missing(metric) or MISSING,
         ]
         yield [Strong(cell) if metric in missing else cell for cell in row]
 

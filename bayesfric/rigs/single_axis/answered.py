@@ -19,6 +19,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial
 
 TAPS = 4  # samples over which a controller answers a count
 DIFFERENCED = 3  # times, which leaves errors of samples and no motion
+TO_AND_FRO = 0.5  # correlation of neighbours, at the least; of errors it is 0.75
 WINDOWS = 2  # whose positions the parabola goes through
 
 
@@ -45,14 +46,16 @@ def without_answers(log: EvenLog, half: int, limit: float) -> EvenLog:
 def _answer(log: EvenLog) -> Array | None:
     """Return what the force answers to a position of this sample and of each of the last, (L,).
 
-    None where quick changes of the force are not made by those of the position.
+    None where quick changes of the force are not made by those of the position, or where these
+    are motion: errors of samples, so differenced, go to and fro.
     """
     if log.sent is not None or log.force.size < 10 * TAPS:
         return None
     force, position = (np.diff(values, DIFFERENCED) for values in (log.force, log.position))
     size, scale = position.size, float(np.abs(position).max())
     force, whole = force[TAPS - 1 :], float(force @ force)
-    if scale == 0 or whole == 0:
+    to_and_fro = position[1:] @ position[:-1] < -TO_AND_FRO * (position @ position)
+    if scale == 0 or whole == 0 or not to_and_fro:
         return None
     lagged = [position[TAPS - 1 - lag : size - lag] / scale for lag in range(TAPS)]
     columns = np.stack(lagged, axis=1)

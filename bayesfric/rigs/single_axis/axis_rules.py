@@ -63,6 +63,15 @@ class AxisRules:
     pulled: float = rule(
         0.02, "1", "something pulls to a place where it takes this share of the squares", WINDOWS
     )
+    like_a_curve: float = rule(
+        0.05, "1", "the acceleration is a curve over the place but for this part of it", WINDOWS
+    )
+    acceleration_shows: float = rule(
+        0.5, "1", "inertia is told beside a pull where no error makes this part of its own", WINDOWS
+    )
+    one_speed: float = rule(
+        0.05, "1", "speeds that differ by less than this part are one speed", WINDOWS
+    )
     own_length: float = rule(
         1.05, "1", "a load has shares of its own where these take so much more off", WINDOWS
     )

@@ -68,6 +68,7 @@ class Entering(NamedTuple):
     constants: RigConstants
     spikes: float
     lever_n: float
+    stamps_sd_s: float
 
 
 class _Logs(NamedTuple):
@@ -130,9 +131,7 @@ def entering(
     measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
     is_free = turns < SHOWS_PLACE and servo is None and beside is None
     lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
-    if lever_n:
-        readings = with_lever(readings, lever_n)
-        measures = replace(measures, carried=carried.beside_more(LEVER))
+    readings, measures = _with_lever(readings, measures, lever_n)
     sensed = constants.force_is in MEASURED
     moving = np.unique(readings.trial)
     still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
@@ -152,7 +151,19 @@ def entering(
         constants,
         max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
         lever_n,
+        max(log.stamps_sd_s for log in recorded.logs),
     )
+
+
+def _with_lever(
+    readings: Readings, measures: Measures, lever_n: float
+) -> tuple[Readings, Measures]:
+    """Return rows beside which a weight may pull, and measures that know of it."""
+    if not lever_n:
+        return readings, measures
+    assert measures.carried is not None
+    carried = measures.carried.beside_more(LEVER)
+    return with_lever(readings, lever_n), replace(measures, carried=carried)
 
 
 def _may_have_weight(machine: Machine, logs: Sequence[EvenLog]) -> bool:

@@ -15,6 +15,8 @@ NORMAL = 1.4826  # from the median of absolute deviations to a standard deviatio
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
 FINE = 0.005  # of the top speed, to which a speed is told well
 QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
+MOST_OFF = 2.0  # intervals, by which a stamp of an even clock is off at most
+SMOOTHER = 2.0  # times, that positions are over an even clock where stamps jitter about it
 AROUND = 3  # samples on either side of a reading that may be a spike
 SPIKE = (5.0, 4.0)  # times the spread about it, and times that of the run, by which it is off
 
@@ -50,6 +52,8 @@ class EvenLog:
     moment : ndarray, shape (N,), or None
         Of a force that acts as it is until the next: that of an interval about its middle, over
         the interval; None of one that does not.
+    stamps_sd_s : float
+        By how much stamps were off from the even clock that was taken for them; 0 where they stand.
     """
 
     time_s: Array
@@ -65,6 +69,7 @@ class EvenLog:
     dithers: Flags | None = None
     sent: WeakForce | None = None
     moment: Array | None = None
+    stamps_sd_s: float = 0.0
 
     @property
     def delayed(self) -> "EvenLog":
@@ -99,6 +104,7 @@ def even_grid(
     """
     if time_s.size < AXIS_RULES.least_samples:
         return None
+    time_s, stamps_sd = even_clock(time_s, columns["position"])
     between = np.diff(time_s)
     interval = float(np.median(between))
     is_logged = np.ones(time_s.size, dtype=np.bool_)
@@ -119,7 +125,44 @@ def even_grid(
     elif force_time_s is not None or grid is not time_s:
         force = np.interp(grid, own, force)
     position = on_grid.pop("position")
-    return EvenLog(grid, position, force, is_logged, interval, on_grid, moment=moment)
+    return EvenLog(
+        grid, position, force, is_logged, interval, on_grid, moment=moment, stamps_sd_s=stamps_sd
+    )
+
+
+def even_clock(time_s: Array, position: Array) -> tuple[Array, float]:
+    """Return an even clock where stamps jitter about it, and their rms from it; else the stamps.
+
+    A host that stamps readings as they arrive is now early, now late; the readings were taken
+    evenly. Positions are then smoother over the even clock than over the stamps.
+
+    Parameters
+    ----------
+    time_s, position : ndarray, shape (N,)
+        The stamps, increasing [s], and what was read.
+    """
+    number = np.arange(time_s.size, dtype=np.float64)
+    even = np.polynomial.Polynomial.fit(number, time_s, 1)(number)
+    off, interval = time_s - even, float(even[1] - even[0])
+    size = float(np.sqrt(np.mean(off**2)))
+    jitters = size > AXIS_RULES.uneven * interval and np.abs(off).max() < MOST_OFF * interval
+    if not jitters or _roughness(even, position) * SMOOTHER > _roughness(time_s, position):
+        return time_s, 0.0
+    return np.asarray(even), size
+
+
+def _roughness(time_s: Array, position: Array) -> float:
+    """Return the rms of readings less the cubics through two neighbours on either side."""
+    times, values = (sliding_window_view(x, 5) for x in (time_s, position))
+    around = [0, 1, 3, 4]
+    cubic = np.zeros(len(times))
+    for k in around:
+        others = [j for j in around if j != k]
+        weight = np.prod(
+            [(times[:, 2] - times[:, j]) / (times[:, k] - times[:, j]) for j in others], axis=0
+        )
+        cubic += weight * values[:, k]
+    return float(np.sqrt(np.mean((values[:, 2] - cubic) ** 2)))
 
 
 def _steps_of(grid: Array, interval: float, time_s: Array, sent: Array) -> tuple[Array, Array]:

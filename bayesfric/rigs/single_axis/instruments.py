@@ -150,6 +150,27 @@ def instruments_of(log: EvenLog, test: TestFunction, centres: NDArray[np.intp]) 
     return instruments
 
 
+def without_clock(nuisances: Array, acting: Mapping[str, Array]) -> Array:
+    """Return the columns of nuisances, the clocks' own not where a cause is told by it.
+
+    A drive that acts late does what clocks do that differ, and by more than they may.
+
+    Parameters
+    ----------
+    nuisances : ndarray, shape (W, m)
+        The clocks' column first.
+    acting : mapping of str to ndarray, shape (W,)
+        What each effect that acts adds.
+    """
+    clock = nuisances[:, 0]
+    for column in acting.values():
+        size = float(column @ column)
+        rest = clock - column * (float(column @ clock) / size if size else 0.0)
+        if np.linalg.norm(rest) < ALIKE * np.linalg.norm(clock):
+            return nuisances[:, 1:]
+    return nuisances
+
+
 def compared(
     force: Array,
     columns: Array,

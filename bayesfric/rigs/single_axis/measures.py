@@ -207,6 +207,9 @@ def measures_of(
     acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
     pulled_unmodelled = readings.beside.shape[1] > 0 and constants.robot is None
     least = readings.position_sd / readings.half_s**2  # what the positions would not show
+    pull = rough.pull
+    if constants.rotary and not pulled_unmodelled and readings.swings_alike:
+        pull = max(pull, force, readings.weight_pulls)  # inertia stands for it in the rough law
     return Measures(
         stroke=max(float(np.ptp(log.position)) for log in logs),
         speed=float(speed.max()),
@@ -219,7 +222,7 @@ def measures_of(
         rotary=constants.rotary,
         wave=strongest_wave(readings, BESIDE_JOINTS if pulled_unmodelled else LEAST),
         limit=limit,
-        pull=rough.pull,
+        pull=pull,
         rough_mass=rough.mass,
         both_ways=bool((readings.way > 0).any() and (readings.way < 0).any()),
         relative=constants.command_gain is None and any(log.sent is not None for log in logs),

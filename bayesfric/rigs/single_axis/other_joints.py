@@ -121,9 +121,9 @@ class Machine:
             log = replace(log, beside=tuple(coupling(nearest, own, log, self._scales, rotary)))
         elif log.known_force is not None and self.constants.known_force_sd is not None:
             log = replace(log, beside=(known_to(log.known_force, self._scales),))
-        if log.forces:  # a simulator in the place of the law says the whole force
-            return log
         shares = self._payloads.get(run, ())
+        if log.forces or not shares:  # a simulator in the law's place says the whole force
+            return log
         more = payload_forces(paths[self.joint], log, shares, self._scales, self.constants.rotary)
         return replace(log, beside=(*log.beside, *more))
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
-from bayesfric.rigs.single_axis.rough import RoughLaw, pull_columns, rough_law
+from bayesfric.rigs.single_axis.rough import SINGULAR, RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 from bayesfric.rigs.single_axis.windows import half_samples, late_by, position_sd, window_width
@@ -116,6 +117,45 @@ class Readings:
     def weights(self) -> Array:
         """Of the places inside a window, shape (P,)."""
         return node_weights()[1]
+
+    @property
+    def acceleration_sd(self) -> float:
+        """Rms error of the acceleration by those of the positions."""
+        return float(self.position_sd * np.sqrt(np.mean(self.position_lag[:, 0])))
+
+    @property
+    def acceleration_of_its_own(self) -> float:
+        """Part of the square of what only the acceleration has that is no error of positions.
+
+        A weight on a lever, the speed and the way have the rest; in part of a swing, nearly all.
+        """
+        square = self._square_of_its_own
+        return 1 - self.acceleration_sd**2 / square if square > 0 else 0.0
+
+    @property
+    def swings_alike(self) -> bool:
+        """Whether the acceleration is nearly a curve over the place, as in one sine's swings."""
+        whole = float(np.mean(self.acceleration**2))
+        return bool(self._square_of_its_own < AXIS_RULES.like_a_curve * whole)
+
+    @property
+    def _square_of_its_own(self) -> float:
+        place, speed = self.position @ self.weights, self.speed @ self.weights
+        ones = np.ones(self.count)
+        pulls = self.way[:, None] * np.column_stack([ones, np.sin(place), np.cos(place)])
+        others = np.column_stack([ones, speed, pulls])
+        fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
+        left = self.acceleration - others @ fitted
+        return float(left @ left / max(self.count - others.shape[1], 1))
+
+    @property
+    def weight_pulls(self) -> float:
+        """Rms of what a weight on a lever pulls with by least squares, beside the law [N·m]."""
+        place, speed = self.position @ self.weights, self.speed @ self.weights
+        pulls = self.way[:, None] * np.column_stack([np.sin(place), np.cos(place)])
+        law = np.column_stack([self.acceleration, np.ones(self.count), speed, self.way])
+        fitted = np.linalg.lstsq(np.hstack([law, pulls]), self.force, rcond=SINGULAR)[0]
+        return float(np.sqrt(np.mean((pulls @ fitted[-2:]) ** 2)))
 
     def of(self, trials: Whole) -> "Readings":
         """Return the rows of some trials, which are numbered anew in that order."""
@@ -263,9 +303,11 @@ def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> Roug
     """
     speed = viscous * (rows.speed @ rows.weights)
     pull = pull_columns(rows.position @ rows.weights, rows.way)
-    columns = np.column_stack([rows.acceleration, np.ones(rows.count), speed])
+    # What the errors of positions make alone tells no mass.
+    acceleration = rows.acceleration * (rows.acceleration_sd < np.std(rows.acceleration))
+    columns = np.column_stack([acceleration, np.ones(rows.count), speed])
     force = rows.force - rough_amounts(columns, rows.beside, rows.force, inside)
-    return rough_law(force[inside], rows.acceleration[inside], speed[inside], pull[inside])
+    return rough_law(force[inside], acceleration[inside], speed[inside], pull[inside])
 
 
 def _pieces(place: Array, trial: Array) -> Array:

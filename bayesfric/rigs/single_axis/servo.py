@@ -330,8 +330,8 @@ def _known_forces(
     log: EvenLog, run: str, machine: Machine, constants: RigConstants, mass: float
 ) -> Iterator[WeakForce]:
     """Yield what is known of the force of a run [N or N·m], a payload's in parts by its phase."""
-    around = machine.around(log, run)
-    if machine.bodies is not None and around is not None and around.known_force is not None:
+    around = None if machine.bodies is None else machine.around(log, run)
+    if around is not None and around.known_force is not None:
         yield around.known_force
     elif (value := log.further.get("known_force")) is not None:
         yield WeakForce(value)

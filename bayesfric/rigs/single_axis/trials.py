@@ -27,10 +27,11 @@ from bayesfric.rigs.single_axis.carried import Carried, shows_both_ways
 from bayesfric.rigs.single_axis.declared import MEASURED, beyond_limit, contradicts, doubts
 from bayesfric.rigs.single_axis.dither import Dither
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SHOWS_PLACE, SIZE, entering
-from bayesfric.rigs.single_axis.instruments import compared
+from bayesfric.rigs.single_axis.instruments import compared, without_clock
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
+from bayesfric.rigs.single_axis.mistakes import likely_mistakes
 from bayesfric.rigs.single_axis.next_runs import lay_out, settings_of
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
@@ -68,6 +69,10 @@ ONE_WAY = (
     "The gear carries a load, and the joint moves it one way at each pose: friction by the load, "
     "Coulomb friction and an error of the force's gain cannot be told apart. Lift and lower at one "
     "pose, or take two loads (payload_kg in axis_runs.csv)"
+)
+LIKE_A_PULL = (
+    "On this motion the acceleration is nearly a curve over the place, and errors of the positions "
+    "hide the rest: inertia is not told, and what pulls to the place is told with a part of it"
 )
 PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 
@@ -111,6 +116,8 @@ class AxisRuns(RigTrials):
     lever_n : float
         What amounts of 1 of a weight's sine and cosine pull with, which are a part of the law
         where turns are too few to examine such a weight; 0 where they are none [N·m].
+    stamps_sd_s : float
+        By how much stamps jitter about the even clock that was taken for them; 0 where they stand.
     """
 
     rig: Rig
@@ -131,6 +138,7 @@ class AxisRuns(RigTrials):
     spikes: float = 0.0
     servo: Servo | None = None
     lever_n: float = 0.0
+    stamps_sd_s: float = 0.0
 
     @cached_property
     def recorded(self) -> pd.DataFrame:
@@ -286,9 +294,18 @@ class AxisRuns(RigTrials):
 
     @property
     def untold(self) -> Mapping[str, str]:
-        """Inertia of a servo whose log has too few samples in a period of its motion."""
+        """Inertia of a servo with few samples in a period, or of a joint that hardly swings."""
         too_slow = self.servo is not None and not self.servo.tells_inertia
-        return {"mass": self.servo.no_inertia} if self.servo is not None and too_slow else {}
+        if self.servo is not None:
+            return {"mass": self.servo.no_inertia} if too_slow else {}
+        return {"mass": LIKE_A_PULL} if self._pulled_alike else {}
+
+    @cached_property
+    def _pulled_alike(self) -> bool:
+        """Whether what pulls to a place stands for the inertia too, as far as positions show."""
+        own = self.readings.acceleration_of_its_own
+        pulled = self.measures.rotary and self.measures.pull > 0
+        return pulled and own < AXIS_RULES.acceleration_shows
 
     @property
     def scale_share(self) -> float:
@@ -302,6 +319,10 @@ class AxisRuns(RigTrials):
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
         lines += beyond_limit(self.constants, self.readings.drive, self.unit)
+        if self._pulled_alike and self.servo is None:
+            lines.append(LIKE_A_PULL)
+        if self.servo is None:
+            lines += likely_mistakes(self.readings, self.measures, self.interval_s)
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
         if self._carried is not None and "load-both-ways" not in self.offers:
@@ -311,6 +332,11 @@ class AxisRuns(RigTrials):
             lines.append(
                 f"The force acts {abs(self.late_s):.3g} s {acts} than it stands in the log, which "
                 "no drive does: two clocks, or a slow way of telemetry. It was moved by as much"
+            )
+        if self.stamps_sd_s:
+            lines.append(
+                f"Stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, over which "
+                "positions are smoother: the even clock was taken"
             )
         if self.spikes:
             lines.append(
@@ -348,7 +374,7 @@ class AxisRuns(RigTrials):
                 readings.acceleration,
                 rows.mean(readings.speed),
                 np.ones(readings.count),
-                *rows.nuisance_columns().T,
+                *without_clock(rows.nuisance_columns(), others).T,
                 *others.values(),
             ]
         )

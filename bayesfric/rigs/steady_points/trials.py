@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.analysis import PriorOverrides
-from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State
+from bayesfric.effects import NO_OFFSET, PULLEYS, Effect, State, all_effects
 from bayesfric.observation.coefficients import law_of_rows
 from bayesfric.observation.feasible import every_condition, levels_of
 from bayesfric.observation.readings import Readings
@@ -24,7 +24,10 @@ from bayesfric.rigs.steady_points.places import (
     state_of,
     supported,
 )
-from bayesfric.rigs.steady_points.warming import WARMTH, over_the_points, warms_unseen
+
+WARMTH = "warmth"  # what an effect of temperature needs
+IN_ORDER = "wear-drift"  # the effect that goes by the order of the points
+
 
 LEVELS = 5  # of a column
 MOST_POINTS = 3000  # points; beyond, of each column its ends and its middle
@@ -207,3 +210,24 @@ def lay_out(
     if "friction_sd_n" in bench.given:
         points["friction_sd_n"] = table["friction_sd_n"].median()
     return replace(bench, table=points), settings
+
+
+def warms_unseen(bench: Bench) -> bool:
+    """Return whether grease may warm up of which nobody wrote a temperature down."""
+    return not bench.has_pulleys and not any("temp" in name.lower() for name in bench.covariates)
+
+
+def over_the_points(effect: Effect) -> Effect:
+    """Return an effect of warmth by the order of the points, with a rate at which it dies out.
+
+    A machine that runs gets warm, fast at first, until it loses as much heat as friction makes.
+    Point by point that is what surfaces do that settle: without a temperature the two are one,
+    and what is said of one holds for the other.
+
+    Parameters
+    ----------
+    effect : Effect
+        Which changes friction by a share of itself.
+    """
+    in_order = all_effects(None)[IN_ORDER]
+    return replace(effect, laws=in_order.laws, shape=in_order.shape, edge=in_order.edge)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bayesfric.blind.engines import awkward, reference
+from bayesfric.blind.engines import nuisances, reference
 from bayesfric.blind.engines.outsiders import OUTSIDERS
 from bayesfric.blind.engines.reference import Withheld, make
 from bayesfric.recording import read_recording, write_recording
@@ -157,7 +157,7 @@ def test_faults_are_where_the_truth_says(pair):
 
 
 def test_gaps_in_the_design_come_with_some_seeds_and_spare_what_is_needed():
-    drawn = [awkward.draw_awkward(np.random.default_rng(seed), {""}, True) for seed in range(400)]
+    drawn = [nuisances.draw_awkward(np.random.default_rng(seed), {""}, True) for seed in range(400)]
     for share in (
         np.mean([one.sensors != "both" for one in drawn]),
         np.mean([not one.motor_board for one in drawn]),
@@ -166,10 +166,10 @@ def test_gaps_in_the_design_come_with_some_seeds_and_spare_what_is_needed():
         assert 0.07 < share < 0.17
     for seed in range(100):
         rng = np.random.default_rng(seed)
-        one = awkward.draw_awkward(rng, {"motor", "both sensors"}, True)
+        one = nuisances.draw_awkward(rng, {"motor", "both sensors"}, True)
         assert one.motor_board
         assert one.sensors == "both"
-        assert awkward.draw_awkward(rng, {""}, False) == awkward.Awkward()
+        assert nuisances.draw_awkward(rng, {""}, False) == nuisances.Awkward()
 
 
 def test_a_design_with_gaps_is_a_recording():
@@ -189,7 +189,7 @@ def test_a_design_with_gaps_is_a_recording():
 
 
 def make_awkward(seed):
-    return awkward.draw_awkward(np.random.default_rng([seed, reference.AWKWARD]), set(), True)
+    return nuisances.draw_awkward(np.random.default_rng([seed, reference.AWKWARD]), set(), True)
 
 
 def test_axes_and_forms_that_others_ask_for():
