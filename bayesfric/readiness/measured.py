@@ -26,6 +26,7 @@ from bayesfric.diagnosis.law import FRICTION, scatter_of_runs
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.systematic import inclusion
+from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.inference.power import (
@@ -97,7 +98,7 @@ def power_of_measured(question: Question) -> Power:
 
 
 class _Shown(NamedTuple):
-    """A law of an effect that acts in the most probable hypothesis: its best shape and amplitude.
+    """A law of an effect that acts in a hypothesis: its best shape and amplitude.
 
     The name is the one that the effect has there, which may be that of an identical one.
     """
@@ -116,6 +117,8 @@ class _Look(NamedTuple):
         Hypotheses, as a diagnosis compares them.
     shown : dict of (str, str) to _Shown
         By effect and law: what acts in the most probable hypothesis.
+    alone : dict of (str, str) to _Shown
+        The same of effects that act alone in other hypotheses.
     psi : ndarray
         Logarithms of the noise beside them.
     model : LinearModel
@@ -130,6 +133,7 @@ class _Look(NamedTuple):
 
     compared: Compared
     shown: dict[tuple[str, str], _Shown]
+    alone: dict[tuple[str, str], _Shown]
     psi: Array
     model: LinearModel
     noise_alone: LinearModel
@@ -141,17 +145,18 @@ def _first_look(question: Question) -> _Look:
     """Compare hypotheses as a diagnosis does, before anything is held out."""
     compared = compare_hypotheses(question, Checkpoint(None, ""))
     around, best = compared.model, compared.search.best()
-    acting, fitted = best.acting, around.amplitudes(best.at, best.acting)
+    shown = _shown_by(around, best)
+    alone: dict[tuple[str, str], _Shown] = {}
+    for weighed in compared.search.weighed.values():
+        if len(weighed.names) == 1:
+            alone |= _shown_by(around, weighed)
     middle, missing = model_of_middles(
         compared.data, around.laws, question.analysis, frozenset(question.law.without)
     )
-    keys = [(law.effect, law.law) for law in acting.laws]
-    at_best = dict(zip(keys, (candidate for candidate, _ in fitted), strict=True))
-    names = [next(n for n in best.names if law in around.lawbook[n]) for law in acting.laws]
-    shown = [
-        _Shown(shape, amplitude, name)
-        for shape, (_, amplitude), name in zip(acting.shapes, fitted, names, strict=True)
-    ]
+    at_best = {
+        (law.effect, law.law): around.candidate(law, shape)
+        for law, shape in zip(best.acting.laws, best.acting.shapes, strict=True)
+    }
     candidates: list[Candidate] = [
         at_best.get((own.effect.name, own.law), own) for own in middle.candidates
     ]
@@ -159,7 +164,8 @@ def _first_look(question: Question) -> _Look:
     shapes = [candidate for effect in effects.values() for candidate in candidates_of(effect)]
     return _Look(
         compared,
-        dict(zip(keys, shown, strict=True)),
+        shown,
+        alone,
         best.at.psi[: len(around.noise)],
         middle.around(around.laws, shapes),
         middle.around(around.laws, candidates, discrepancy=False),
@@ -168,6 +174,17 @@ def _first_look(question: Question) -> _Look:
         ),
         missing,
     )
+
+
+def _shown_by(model: LinearModel, weighed: Weighed) -> dict[tuple[str, str], _Shown]:
+    """Return what acts in a hypothesis, by effect and law."""
+    acting, fitted = weighed.acting, model.amplitudes(weighed.at, weighed.acting)
+    return {
+        (law.effect, law.law): _Shown(
+            shape, amplitude, next(name for name in weighed.names if law in model.lawbook[name])
+        )
+        for law, shape, (_, amplitude) in zip(acting.laws, acting.shapes, fitted, strict=True)
+    }
 
 
 def _known_by_data(precision: Array, law: Law, shape: float) -> float:
@@ -207,9 +224,9 @@ def _spread_of_law(
 def _effects(look: _Look, chances: Mapping[str, float]) -> pd.DataFrame:
     """Return from which amplitude on each law of each effect is named, and below which not.
 
-    Of an effect that acts in the most probable hypothesis the data say themselves whether it is
-    told at the amplitude that it has there: by its probability, in `chances`. Scatter, or an
-    unknown force, may take its place.
+    Of an effect that acts in the most probable hypothesis, or that is possible, the data say
+    themselves whether it is told at the amplitude that it has there: by its probability, in
+    `chances`. Scatter, or an unknown force, may take its place.
     """
     model = look.model
     precision = model.reduced(look.psi, Acting()).precision
@@ -228,11 +245,12 @@ def _effects(look: _Look, chances: Mapping[str, float]) -> pd.DataFrame:
             for probability in (FOUND_WITH, HIDDEN_WITH)
         )
         smallest, unseen = named[0], min(unnamed)
-        if shown is not None:
-            size, chance = abs(shown.amplitude), chances.get(shown.name, 0.0)
+        there = shown or look.alone.get((law.effect, law.law))
+        if there is not None:
+            size, chance = abs(there.amplitude), chances.get(there.name, 0.0)
             if chance >= RULES.sure:
                 smallest, unseen = min(smallest, size), min(unseen, size)
-            else:
+            elif shown is not None or chance >= RULES.possible:
                 smallest = max(smallest, _told_from(size, chance, odds))
         rows[f"{law.effect}/{law.law}"] = {
             "smallest": smallest,

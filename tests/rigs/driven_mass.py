@@ -130,7 +130,8 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
             size = size * (1 + machine.in_speed(np.abs(v)))
         missing, length = machine.presliding
         size = size * (1 - missing * np.exp(-np.abs(q - turned) / length))
-        return scatter * size * (1 + machine.wander * varied) + machine.viscous * np.abs(v)
+        smooth = machine.viscous * np.abs(v) * (1 + machine.asymmetry * way)
+        return scatter * size * (1 + machine.wander * varied) + smooth
 
     def external(q):
         torque, phase = machine.gravity
