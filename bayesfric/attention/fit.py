@@ -145,12 +145,14 @@ def _sensors(agreement: Agreement | None) -> Iterator[str]:
         return
     chance = min(2 * float(ndtr(-agreement.largest_z)) * agreement.trials, 1.0)
     if agreement.disagreeing or chance < NOT_UNIFORM:
-        which = f" ({', '.join(agreement.disagreeing)})" if agreement.disagreeing else ""
+        share, where = f"{agreement.limit_friction_share:.0%} of friction", agreement.disagreeing
+        counts = (
+            f"in {len(where)} of {agreement.trials} trials ({', '.join(where)}) it is also more"
+        )
         yield (
             f"The two sensors of a trial disagree on its acceleration by up to "
-            f"{agreement.largest_z:.1f} standard errors, more than noise makes; in "
-            f"{len(agreement.disagreeing)} of {agreement.trials} trials{which} this is also more "
-            f"than {agreement.limit_friction_share:.0%} of friction"
+            f"{agreement.largest_z:.1f} standard errors, more than noise makes; "
+            + (f"{counts} than {share}" if where else f"in no trial does this reach {share}")
         )
 
 
@@ -173,7 +175,7 @@ def unsettled(
     if open_names:
         decide = "its prior decides it" if len(open_names) == 1 else "their priors decide them"
         beside = all(entries[name].prior_sensitivity is None for name in open_names)
-        none = " (no coefficient of the law is among them)" if beside else ""
+        none = "; no coefficient of the law is affected" if beside else ""
         yield f"These data say little of {', '.join(open_names)}: {decide}{none}"
 
 

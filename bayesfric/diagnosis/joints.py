@@ -15,6 +15,13 @@ from bayesfric.rigs.model_amounts import model_errors
 
 ORDER = ("unknown", "unseparated", "named", "undecided", "no-gap")
 """Of verdicts: that of a machine is the first that any of its joints has."""
+IN_WORDS = {
+    "unknown": "a gap of unknown cause",
+    "unseparated": "a gap with several possible causes",
+    "named": "a gap with a named cause",
+    "undecided": "undecided",
+    "no-gap": "no gap",
+}
 
 
 def diagnosed_together(
@@ -53,14 +60,15 @@ def diagnosed_together(
     decides = min(by_joint, key=lambda joint: ORDER.index(by_joint[joint].summary.verdict))
     amounts = [result.amounts for result in by_joint.values() if result.amounts is not None]
     errors = model_errors(amounts)
-    words = ", ".join(f"{joint} {result.summary.verdict}" for joint, result in by_joint.items())
+    words = "; ".join(
+        f"{joint}: {IN_WORDS[result.summary.verdict]}" for joint, result in by_joint.items()
+    )
     first = by_joint[decides]
     summary = first.summary.model_copy(
         update={
             "joints": tuple(result.summary for result in by_joint.values()),
             "joints_why": None,
-            "sentence": f"Joints: {words}. In {decides}: "
-            f"{first.own_sentence}{model_error_words(errors)}",
+            "sentence": f"{words}. In {decides}: {first.own_sentence}{model_error_words(errors)}",
             "attention": (
                 *left_out,
                 *(

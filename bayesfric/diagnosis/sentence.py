@@ -144,22 +144,24 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     them = "it" if len(causes) == 1 else "them"
     better = ""
     if density is not None:
-        better = f" The log density of these data rises by {_rise(density)} with {them}."
+        better = f" The log density of these data is higher by {_rise(density)} with {them}."
     if causes and gap.shrink is not None:
-        past = "; more than all of it is chance" if gap.shrink.q95 > 1 else ""
+        past = "; above 100% is chance" if gap.shrink.q95 > 1 else ""
         return (
             f"On data that the fit has not seen, adding {them} removes {_share(gap.shrink)} of the "
             f"gap (mean square{past}).{better}"
         )
     if causes:
         return (
-            f"Data that the fit has not seen cannot tell how much of the gap adding {them} "
-            f"removes: {gap.shrink_why}.{better}"
+            f"How much of the gap goes away with {them} on data that the fit has not seen stays "
+            f"open: {gap.shrink_why}.{better}"
         )
-    sizes = (
-        f"On data that the fit has not seen the law is off by {row.before.q50:.3g} {gap.unit} rms; "
-        f"scatter alone makes {row.floor.q50:.3g} {gap.unit} on average"
-    )
+    off = f"On data that the fit has not seen the law is off by {row.before.q50:.3g} {gap.unit} rms"
+    if row.before.q50 <= row.floor.q50:
+        return (
+            f"{off}, no more than scatter alone makes ({row.floor.q50:.3g} {gap.unit} on average)."
+        )
+    sizes = f"{off}; scatter alone makes {row.floor.q50:.3g} {gap.unit} on average"
     if row.below_floor <= 1 - RULES.above_floor:
         return f"{sizes}, a difference that chance does not explain."
     return f"{sizes}, a difference that chance can make."
@@ -237,7 +239,7 @@ def _undecided(statement: Statement) -> str:
     up_to = f"{gap.systematic.q95 / gap.friction_rms:.1%} of friction" if gap.friction_rms else ""
     if gap.no_share is not None:
         up_to = f"{gap.systematic.q95:.3g} {gap.unit} rms ({gap.no_share})"
-    return f"These data allow a gap as large as {up_to}; {left}"
+    return f"The gap may be as large as {up_to}; {left}"
 
 
 def _unknown(statement: Statement) -> str:

@@ -22,7 +22,7 @@ def model_of_axis(folder, chosen):
         From an effect to its candidates.
     """
     machine = Machine()
-    table, samples = simulate(machine, runs=3, seconds=6.0, seed=3)
+    table, samples = simulate(machine, runs=4, seconds=6.0, seed=3)
     recording = read_recording(write(folder / "axis", machine, table, samples))
     data, law = data_of(recording, "paper", None)
     analysis = with_own_priors(Analysis(), data.rigs)

@@ -174,7 +174,9 @@ def test_held_out_data_are_predicted_better_with_the_cause(named):
     density = summary.gap.held_out_log_density
     assert density.blocks == 20
     assert density.difference > 3 * density.error
-    assert f"The log density of these data rises by {density.difference:.3g} ±" in summary.sentence
+    assert (
+        f"The log density of these data is higher by {density.difference:.3g} ±" in summary.sentence
+    )
     assert (summary.considered, summary.overruled_by) == ((), None)
 
 

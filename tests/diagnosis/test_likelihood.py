@@ -249,7 +249,7 @@ def test_some_trials_at_a_time_have_the_columns_of_all(model, monkeypatch):
     """Of each model a part of the rows at a time: as many as there are, or a trial alone."""
     part = model.rigs[0]
     for rows_at_once, most in ((1, 1), (200, len(part.setup) - 1)):
-        monkeypatch.setattr("bayesfric.rigs.gravity_board.rows.ROWS_AT_ONCE", rows_at_once)
+        monkeypatch.setattr("bayesfric.rigs.gravity_board.event_columns.ROWS_AT_ONCE", rows_at_once)
         parts = list(part.rows.parts())
         sizes = [trials.stop - trials.start for trials, _ in parts]
         assert sum(sizes) == len(part.setup)

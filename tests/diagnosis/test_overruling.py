@@ -222,9 +222,9 @@ def test_the_sentence_says_how_much_better_held_out_data_are_predicted(shrink):
     changes = {} if shrink else {"shrink": None, "shrink_why": "the gap is as likely below"}
     gap = gap_of(held_out_log_density=density, **changes)
     one = held_out_words(gap, [cause("viscous")])
-    assert one.endswith(" rises by 157 ± 19 (natural logarithm) with it.")
+    assert one.endswith(" is higher by 157 ± 19 (natural logarithm) with it.")
     two = held_out_words(gap, [cause("viscous"), cause("slip")])
-    assert two.endswith(" rises by 157 ± 19 (natural logarithm) with them.")
+    assert two.endswith(" is higher by 157 ± 19 (natural logarithm) with them.")
 
 
 @pytest.mark.parametrize(("left", "is_told"), [(0.01, True), (0.5, False)])

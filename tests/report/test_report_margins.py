@@ -51,7 +51,7 @@ def test_the_first_line_says_which_gain_to_set(computed):
 
 def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     loop = computed.summary.loops[0]
-    box, _, specs, decided, _, hunting = gain_lines(computed.summary, alone=True)
+    box, _, specs, decided, _, of_law, hunting = gain_lines(computed.summary, alone=True)
     gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
     assert box.title == f"bench: safe at γ = {loop.compensation_gain:g}, meets its spec"
     assert f" Up to γ = {gamma:.2f} it hunts in at most 5\u202f% of the draws." in box.text
@@ -59,6 +59,7 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert len(box.text) < 100  # the answer and no more
     assert {row[0] for row in specs.rows} == {"bench", "second"}
     assert "c1, c2 and c3 make" in decided.text[1]
+    assert of_law.text == computed.summary.law.sentence
     assert hunting.text[0].startswith("To hunt is to swing")
     assert [figure.label for figure in gain_figures(computed.summary)] == [
         "limit-cycle",

@@ -90,7 +90,10 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         decided = " ".join(_decided(loop))
         if decided:
             yield Paragraph([Code(loop.name), f": {decided}"])
-    yield Paragraph([HUNTING, " What was not examined: ", Reference("margins"), "."])
+    if margins.law is not None:
+        yield Paragraph(margins.law.sentence)
+    beyond = " What is assumed, and what was not examined: "
+    yield Paragraph([HUNTING, beyond, Reference("margins"), "."])
 
 
 def _title(loop: LoopMargins) -> str:

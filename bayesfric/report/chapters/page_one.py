@@ -29,6 +29,7 @@ from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
+    PAPERS_LAW,
     coefficient_heads,
     fitted_numbers,
     lacking_force,
@@ -54,12 +55,8 @@ from bayesfric.schemas import FitFile
 from bayesfric.schemas.base import RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-NO_BREAK = "\u00a0"
 USE = "Use these coefficients"
 OF_THE_LAW_ALONE = "What the named causes make at the speeds of these runs is in it. "
-PAPERS_LAW = " The law of n pulleys at wrap angle θ: " + "n ((c₁ + c₃ (θ − 85°)) T + c₂).".replace(
-    " ", NO_BREAK
-)
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
 
@@ -174,10 +171,10 @@ def expected(
     of_size: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
     of_run: list[Column | str] = ["condition", "friction", "on a new assembly"]
     no_numbers, no_run = [""] * (len(of_size) - 1), [""] * len(of_run)
-    title = "What friction to expect of a run, at the recording's own conditions."
+    title = "The friction to expect in one run, at the recording's own conditions."
     if numbers:
         use = "Coefficients of the law, which lacks the unknown force" if unknown_force else USE
-        title = f"{use}; friction to expect of a run."
+        title = f"{use}; the friction to expect in one run."
     yield Table(
         title,
         [*of_size, *of_run],
@@ -191,7 +188,7 @@ def expected(
         label="expected",
         note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
         + "Friction: at the most frequent condition and its middle tension, ± half of the 90 % "
-        "interval. On a new assembly: nine runs in ten, scatter included."
+        "interval. On a new assembly nine runs in ten lie within the last column, scatter included."
         + (PAPERS_LAW if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
@@ -247,7 +244,7 @@ def coefficients_figure(stored: StoredFit, refitted: Quantiles) -> Iterator[Figu
     yield Figure(
         svg_of(coefficients_relative_to_paper, stored.predictive, uninformed, refitted),
         "Each coefficient over the paper's value: median, 50 % and 90 % "
-        "intervals. A bar that misses the dashed line says that data and paper differ by more "
+        "intervals. A thin bar that misses the dashed line says that data and paper differ by more "
         "than the uncertainty." + (biased if refitted else ""),
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",

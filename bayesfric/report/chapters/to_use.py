@@ -24,6 +24,10 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
 from bayesfric.schemas.parameter import ParameterSummary
 
+NO_BREAK = "\u00a0"
+PAPERS_LAW = " The law of n pulleys at wrap angle θ: " + "n ((c₁ + c₃ (θ − 85°)) T + c₂).".replace(
+    " ", NO_BREAK
+)
 HALF = "Median ± half of the 90 % interval."
 
 
@@ -56,7 +60,8 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
     if diagnosis.enter:
         return
     if causes:
-        yield _with_causes(diagnosis.law, causes)
+        formula = PAPERS_LAW if diagnosis.baseline == "paper" else ""
+        yield _with_causes(diagnosis.law, causes, formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
     elif alone and diagnosis.law:
@@ -72,7 +77,7 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
         ).filled()
 
 
-def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table:
+def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause], formula: str) -> Table:
     """Return the law refitted with the causes, and below it the law alone."""
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
@@ -91,8 +96,8 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> Table
         ["", *_heads(law), *damping],
         rows,
         label="use",
-        note=f"{HALF} The law alone takes up a part of the force of {names}: its coefficients, "
-        f"which fit.json, draws.nc and the chapters on the fit have, are biased.{slope}",
+        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}. "
+        f"So are fit.json, draws.nc and the chapters on the fit.{slope}{formula}",
     ).filled()
 
 
