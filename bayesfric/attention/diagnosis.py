@@ -65,12 +65,14 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
     left, friction, scatter = gap.held_out_excess, gap.friction_rms, gap.floor.q50
     if not diagnosis.enter or not left > 0 or left < diagnosis.practical_share * friction:
         return None
-    is_far = left > FAR_FROM_SCATTER * scatter or left > FAR_FROM_FRICTION * friction
+    is_share = gap.no_share is None and friction > 0
+    is_far = left > FAR_FROM_SCATTER * scatter or (is_share and left > FAR_FROM_FRICTION * friction)
+    share = f"{left / friction:.0%} of friction; " if is_share else ""
     advice = "Do not enter these numbers yet" if is_far else "Enter these numbers with care"
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
     return (
         f"{advice}{of}: the law with them misses data that the fit has not seen by {left:.3g} "
-        f"{gap.unit} rms more than scatter explains ({left / friction:.0%} of friction; scatter "
+        f"{gap.unit} rms more than scatter explains ({share}scatter "
         f"makes {scatter:.3g} {gap.unit}). Something that acts is not in them"
     )
 

@@ -13,7 +13,7 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examined_effects, no_effects
-from bayesfric.diagnosis.gravity import NOT_APART, beside_gravity, gravity_hides_inertia
+from bayesfric.diagnosis.gravity import NOT_APART, by_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.instrumental import by_the_instrument, causes_by_the_instrument
 from bayesfric.diagnosis.judging import Judged
@@ -32,7 +32,9 @@ from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis.widening import (
     INERTIA,
-    held_by_blocks,
+    all_at_once,
+    by_held_out,
+    by_parts,
     is_open,
     widened,
 )
@@ -114,14 +116,15 @@ def law_told(
     law = law_of_diagnosis(
         compared.model, compared.psi, judged.posterior, judged.residuals, scatter, rng
     )
-    if compared.data.rigs[0].along_path:
-        law = widened(law, measured.gap, practical)
-        factor = gravity_hides_inertia(compared.model, judged.residuals.turns)
-        law = beside_gravity(law, factor, judged.named)
-        there = judged.above >= RULES.likely
-        if conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there):
-            law = held_by_blocks(law, compared.model, judged.residuals.turns)
-    return by_the_instrument(law, conclusion.instrument)
+    if not compared.data.rigs[0].along_path:
+        return law
+    hides = gravity_hides_inertia(compared.model, judged.residuals.turns)
+    wide = (by_held_out(law, measured.gap, practical), by_gravity(hides, judged.named))
+    there = judged.above >= RULES.likely
+    unexplained = conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there)
+    parts = by_parts(law, compared.model, judged.residuals.turns) if unexplained else {}
+    factors = all_at_once(wide, at_least=parts)
+    return by_the_instrument(widened(law, factors), conclusion.instrument, factors, scatter)
 
 
 class CausesTold(NamedTuple):

@@ -242,7 +242,11 @@ def _why_overruled(
     if model.data.rigs[0].along_path:
         beyond = implausible(judged.named, model, judged.search, judged.posterior)
     return why_overruled(
-        gap, practical, told_as_remainder=tells_what_is_left(remainder, gap), implausible=beyond
+        gap,
+        practical,
+        told_as_remainder=tells_what_is_left(remainder, gap),
+        force_left=remainder.significant,
+        implausible=beyond,
     )
 
 

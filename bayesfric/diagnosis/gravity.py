@@ -1,15 +1,14 @@
 """Inertia of a joint whose gravity nobody knows: whether a motion tells the one from the other."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.widening import INERTIA, wider
+from bayesfric.diagnosis.widening import INERTIA, Factors
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas.causes import LawNumber
 
 NOT_APART = (
     "These data do not separate inertia from gravity: the acceleration goes with the position, as "
@@ -61,22 +60,15 @@ def _beyond(column: Array, others: Array) -> float:
     return float(np.linalg.norm(column - scaled @ np.linalg.lstsq(scaled, column, rcond=None)[0]))
 
 
-def beside_gravity(
-    law: Mapping[str, LawNumber], factor: float | None, named: Collection[str]
-) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law, its inertia as wide as gravity that is left out asks.
+def by_gravity(factor: float | None, named: Collection[str]) -> Factors:
+    """Return how many times wider gravity that is left out makes the inertia of a joint.
 
     Parameters
     ----------
-    law : mapping of str to LawNumber
-        With errors by scatter.
     factor : float or None
         Of :func:`gravity_hides_inertia`.
     named : collection of str
-        The causes: gravity that is one has its part in the errors already.
+        The causes: with gravity among them the errors after have its part already, and the law
+        alone is told to be biased.
     """
-    if factor is None or "gravity-torque" in named or INERTIA not in law:
-        return dict(law)
-    number = law[INERTIA]
-    wide = {name: wider(getattr(number, name), factor, INERTIA) for name in ("before", "after")}
-    return dict(law) | {INERTIA: number.model_copy(update=wide)}
+    return {} if factor is None or "gravity-torque" in named else {INERTIA: (factor, factor)}

@@ -11,12 +11,15 @@ robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2
 """
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
-from bayesfric.diagnosis.widening import wider
+from bayesfric.diagnosis.law import FRICTION, RunScatter
+from bayesfric.diagnosis.widening import UNCHANGED, Factors, wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
+from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
@@ -24,6 +27,7 @@ from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
 CALLED = dict.fromkeys(ACCELERATES, "inertia")
+NOTHING_WIDER: Factors = MappingProxyType({})
 SIGNED = frozenset({"viscous"})  # numbers that may be below zero
 
 
@@ -108,7 +112,10 @@ def _is_told(value: InstrumentNumber) -> bool:
 
 
 def by_the_instrument(
-    law: Mapping[str, LawNumber], instrument: Instrument | str
+    law: Mapping[str, LawNumber],
+    instrument: Instrument | str,
+    factors: Factors = NOTHING_WIDER,
+    scatter: RunScatter | None = None,
 ) -> dict[str, LawNumber]:
     """Return the numbers of a law, those that an instrument has as it tells them if it alarms.
 
@@ -121,16 +128,28 @@ def by_the_instrument(
         By least squares.
     instrument : Instrument or str
         Beside it, or why there is none.
+    factors : mapping of str to tuple of float
+        How many times wider than fitted the numbers are: so are the instrument's.
+    scatter : RunScatter or None
+        By how much friction differs from run to run, which an instrument does not say.
     """
     unsettled = why_unsettled(instrument) is not None
     if isinstance(instrument, str) or not (instrument.alarms or unsettled):
         return dict(law)
-    widened = _by_as_much if unsettled else _number_told
-    values = {name: instrument.numbers.get(CALLED.get(name, name)) for name in law}
-    return {
-        name: number if (value := values[name]) is None else widened(name, number, value)
-        for name, number in law.items()
-    }
+    numbers = dict(law)
+    for name, number in law.items():
+        value = instrument.numbers.get(CALLED.get(name, name))
+        if value is None:
+            continue
+        if unsettled:
+            numbers[name] = _by_as_much(name, number, value)
+            continue
+        error = value.instrumental_se * factors.get(name, UNCHANGED)[1]
+        if scatter is not None and name in FRICTION:
+            of_runs = value.instrumental * scatter.share / np.sqrt(scatter.runs)
+            error = float(np.hypot(error, of_runs))
+        numbers[name] = _number_told(name, number, value.instrumental, error)
+    return numbers
 
 
 def causes_by_the_instrument(
@@ -151,13 +170,21 @@ def causes_by_the_instrument(
         return tuple(causes)
     amended: list[Cause] = []
     for cause in causes:
-        value, name = instrument.effects.get(cause.effect), examined[cause.effect].amplitude.name
-        if value is None or name not in cause.parameters:
+        key = next(iter(cause.parameters))  # of a twin's law, TWIN.NAME
+        whose = key.rpartition(".")[0] or cause.effect
+        value, effect = instrument.effects.get(whose), examined.get(whose, examined[cause.effect])
+        if value is None or key.rpartition(".")[2] != effect.amplitude.name:
             amended.append(cause)
             continue
-        amplitude = Interval.of_normal(value.instrumental, value.instrumental_se)
-        number = cause.parameters[name].model_copy(update=amplitude.model_dump())
-        amended.append(cause.model_copy(update={"parameters": cause.parameters | {name: number}}))
+        least = 0.0 if is_positive(effect.amplitude.prior) else -np.inf
+        amplitude = Interval.of(*normal_above(value.instrumental, value.instrumental_se, least))
+        number = cause.parameters[key].model_copy(update=amplitude.model_dump())
+        low, high = cause.plausible_range
+        changed = {
+            "parameters": cause.parameters | {key: number},
+            "plausible": low <= number.q50 <= high,
+        }
+        amended.append(cause.model_copy(update=changed))
     return tuple(amended)
 
 
@@ -168,8 +195,8 @@ def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNum
     return number.model_copy(update={"after": wider(number.after, factor, name)})
 
 
-def _number_told(name: str, number: LawNumber, value: InstrumentNumber) -> LawNumber:
+def _number_told(name: str, number: LawNumber, mean: float, error: float) -> LawNumber:
     least = -np.inf if name in SIGNED else 0.0
-    after = Interval.of(*normal_above(value.instrumental, value.instrumental_se, least))
+    after = Interval.of(*normal_above(mean, error, least))
     changed = {"after": after, "least_squares": number.after, "least_squares_why": None}
     return number.model_copy(update=changed)

@@ -114,7 +114,12 @@ def contradicts(gap: Gap) -> bool:
 
 
 def why_overruled(
-    gap: Gap, practical: float, *, told_as_remainder: bool, implausible: Collection[str] = ()
+    gap: Gap,
+    practical: float,
+    *,
+    told_as_remainder: bool,
+    force_left: bool = False,
+    implausible: Collection[str] = (),
 ) -> str | None:
     """Return by which rule held-out data contradict causes, with its figures; None if by none.
 
@@ -126,6 +131,8 @@ def why_overruled(
         Practical share of friction.
     told_as_remainder : bool
         Whether a remainder tells what the causes leave.
+    force_left : bool
+        Whether a force that no effect explains is left, as much or little as it is.
     implausible : collection of str
         Causes that are larger or smaller than in any machine.
     """
@@ -145,7 +152,7 @@ def why_overruled(
             f"beyond friction's scatter {gap.held_out_excess:.3g} {gap.unit} rms are left of it "
             "that no remainder tells"
         )
-    if implausible and told_as_remainder:
+    if implausible and (force_left or told_as_remainder):
         return (
             f"{' and '.join(implausible)} would be larger or smaller than is plausible, and a "
             "force that no effect explains is left"

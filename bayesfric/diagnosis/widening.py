@@ -1,6 +1,6 @@
 """How wide the numbers of a joint's law are: as its parts, gravity and held-out data ask."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,20 +21,63 @@ DEPENDENT = 1e-9  # of the largest singular value: below, columns of unit norm a
 BLOCKS = 10  # stretches of a log that are left out one after another
 TOGETHER = (4, 8)  # neighbouring windows that are one, to see what slow motion alone tells
 ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
+SURELY_APART = 2.0  # standard errors of the difference of quick and slow motion
+UNCHANGED = (1.0, 1.0)
 SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 
 
-def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law with errors as large as held-out data show them to be.
+Factors = Mapping[str, tuple[float, float]]
+"""How many times wider numbers of a law are, by name: before and after."""
+
+
+def widened(law: Mapping[str, LawNumber], factors: Factors) -> dict[str, LawNumber]:
+    """Return the numbers of a joint's law, wider, each once: a bound is known of what was fitted.
+
+    Parameters
+    ----------
+    law : mapping of str to LawNumber
+        As fitted.
+    factors : mapping of str to tuple of float
+        Of numbers that are wider.
+    """
+
+    def wide(name: str, number: LawNumber) -> LawNumber:
+        before, after = factors.get(name, UNCHANGED)
+        return number.model_copy(
+            update={
+                "before": wider(number.before, before, name),
+                "after": wider(number.after, after, name),
+            }
+        )
+
+    return {name: wide(name, number) for name, number in law.items()}
+
+
+def all_at_once(multiplied: Sequence[Factors], at_least: Factors) -> dict[str, tuple[float, float]]:
+    """Return products of factors, no smaller than others."""
+    names = {name for factors in (*multiplied, at_least) for name in factors}
+    products = {
+        name: np.prod([factors.get(name, UNCHANGED) for factors in multiplied], axis=0)
+        for name in names
+    }
+    larger = {
+        name: np.maximum(product, at_least.get(name, UNCHANGED))
+        for name, product in products.items()
+    }
+    return {name: (float(before), float(after)) for name, (before, after) in larger.items()}
+
+
+def by_held_out(law: Collection[str], gap: Gap, practical: float) -> Factors:
+    """Return how many times wider held-out data show the numbers of a joint's law to be.
 
     Where these leave more than scatter makes, by what counts, whatever makes that bends the
     numbers too: errors by scatter alone are too small by as much.
 
     Parameters
     ----------
-    law : mapping of str to LawNumber
-        With errors by scatter.
+    law : collection of str
+        Names of the numbers.
     gap : Gap
         Of data held out.
     practical : float
@@ -46,17 +89,9 @@ def widened(law: Mapping[str, LawNumber], gap: Gap, practical: float) -> dict[st
     (1932).
     """
     if not leaves_too_much(gap, practical) or gap.floor.q50 <= 0:
-        return dict(law)
+        return {}
     factor = float(np.hypot(1.0, gap.held_out_excess / gap.floor.q50))
-    return {
-        name: number.model_copy(
-            update={
-                "before": wider(number.before, factor, name),
-                "after": wider(number.after, factor, name),
-            }
-        )
-        for name, number in law.items()
-    }
+    return dict.fromkeys(law, (factor, factor))
 
 
 def is_open(number: Interval) -> bool:
@@ -64,10 +99,8 @@ def is_open(number: Interval) -> bool:
     return number.q95 - number.q05 > RULES.number_open * abs(number.q50)
 
 
-def held_by_blocks(
-    law: Mapping[str, LawNumber], model: LinearModel, turns: bool
-) -> dict[str, LawNumber]:
-    """Return the numbers of a joint's law with errors no smaller than its parts differ by.
+def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> Factors:
+    """Return how many times wider the numbers of a joint's law are, as its parts differ.
 
     A force that no effect explains, such as a push by hand, bends the numbers by more than any
     error of a row says: from stretch to stretch, or where a rotor shakes against its gear, from
@@ -89,7 +122,10 @@ def held_by_blocks(
     place = np.asarray(readings.position @ readings.weights)
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
-    own = own[:, own.any(axis=0)]  # the law may lack some
+    seen = np.asarray(
+        np.any(own != 0, axis=0)
+    )  # the law may lack some, and this motion may not show others
+    own = own[:, seen]
     levers = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
     beside = readings.beside[:, : readings.beside.shape[1] - len(levers)]  # a lever pulls so too
     nuisances = [readings.way, *(readings.way * pull for pull in pulls), *beside.T]
@@ -101,21 +137,20 @@ def held_by_blocks(
         block_errors(columns, force, amounts), errors_by_pace(columns, force, stretch, amounts)
     )
     names = [name for name, _ in model.data.law_numbers(next(iter(model.laws)))]
+    if len(names) == seen.size:  # else those that the law lacks have no name
+        names = [name for name, is_seen in zip(names, seen.tolist(), strict=True) if is_seen]
     by_name = dict(zip([*names, "offset", *levers], errors, strict=False))
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
-    def wide(number: Interval, name: str) -> Interval:
+    def factor(number: Interval, name: str) -> float:
         sd = number.sd
         if _is_squeezed(number, name):
             sd = normal_cut_to(number.mean, sd, 0.0)[1]
-        factor = by_name.get(name, 0.0) / sd if sd > 0 else 1.0
-        return wider(number, max(1.0, float(factor)), name)
+        return max(1.0, float(by_name.get(name, 0.0)) / sd) if sd > 0 else 1.0
 
     return {
-        name: number.model_copy(
-            update={"before": wide(number.before, name), "after": wide(number.after, name)}
-        )
+        name: (factor(number.before, name), factor(number.after, name))
         for name, number in law.items()
     }
 
@@ -162,14 +197,29 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
     scaled, size, prior = _with_amounts(columns, force, amounts)
     start = np.flatnonzero(np.diff(stretch, prepend=-1))
     within = np.arange(stretch.size) - np.repeat(start, np.diff([*start, stretch.size]))
-    of_all, apart = _least_squares(scaled, force, prior), [np.zeros(size.size)]
+    of_all = _least_squares(scaled, force, prior)
+    left = force - scaled @ of_all
+    noise2 = float(left @ left) / max(force.size - size.size, 1)
+    known = _spread(scaled, prior)
+    bends = [np.zeros(size.size)]
     for windows in TOGETHER:
         together = np.cumsum(within % windows == 0) - 1
         root = np.sqrt(np.bincount(together))
         slow = np.stack([np.bincount(together, values) / root for values in (*scaled.T, force)])
-        if root.size >= ROWS_A_NUMBER * size.size:
-            apart.append(_least_squares(slow[:-1].T, slow[-1], prior) - of_all)
-    return np.asarray(np.abs(apart).max(axis=0) / size)
+        if root.size < ROWS_A_NUMBER * size.size:
+            continue
+        design, goal = slow[:-1].T, slow[-1]
+        apart = (_least_squares(design, goal, prior) - of_all) ** 2
+        # Of two estimates, one of which is efficient (Hausman 1978).
+        by_chance = noise2 * np.maximum(_spread(design, prior) - known, 0.0)
+        bends.append(np.where(apart > SURELY_APART**2 * by_chance, apart - by_chance, 0.0))
+    return np.asarray(np.sqrt(np.max(bends, axis=0)) / size)
+
+
+def _spread(design: Array, prior: Array) -> Array:
+    """Return the variances of least squares beside rows of a prior, for noise of 1, (k,)."""
+    rows = np.vstack([design, prior])
+    return np.asarray(np.diag(np.linalg.pinv(rows.T @ rows)))
 
 
 def _with_amounts(columns: Array, force: Array, amounts: int) -> tuple[Array, Array, Array]:

@@ -1,5 +1,6 @@
 """Where an instrument alarms its numbers are told, and those of least squares stand beside."""
 
+import numpy as np
 import pytest
 from rigs.looped_joint import LoopedJoint
 
@@ -11,6 +12,7 @@ from bayesfric.diagnosis.instrumental import (
     why_bent,
     why_unsettled,
 )
+from bayesfric.diagnosis.law import RunScatter
 from bayesfric.diagnosis.verdict import decide
 from bayesfric.effects import all_effects
 from bayesfric.hypothesis import NONE
@@ -154,14 +156,26 @@ def test_a_cause_is_as_strong_as_the_instrument_tells_that_alarms(alarms, expect
     number = EffectNumber(
         mean=0.461, sd=0.013, q05=0.44, q50=0.461, q95=0.482, unit="N·m", prior="normal"
     )
-    cause = Cause.model_construct(effect="gravity-torque", parameters={"torque": number})
+    cause = Cause.model_construct(
+        effect="gravity-torque", parameters={"torque": number}, plausible_range=(-1.0, 1.0)
+    )
     value = InstrumentNumber(
         unit="N·m", ordinary=0.47, ordinary_se=0.01, instrumental=0.489, instrumental_se=0.012
     )
     beside = instrument(alarms=alarms).model_copy(update={"effects": {"gravity-torque": value}})
     (told,) = causes_by_the_instrument([cause], beside, all_effects(None))
     torque = told.parameters["torque"]
-    assert (torque.mean, torque.sd) == expected
+    assert (torque.mean, torque.sd) == pytest.approx(expected)
     assert torque.unit == "N·m"
     if alarms:
         assert torque.q95 == pytest.approx(0.489 + 1.6449 * 0.012, abs=1e-6)
+
+
+def test_an_instrument_s_numbers_are_as_much_wider_as_those_that_were_fitted():
+    """And friction's as scatter from run to run asks: 0.4 of it over four runs is a fifth."""
+    beside = instrument(alarms=True)
+    usual = by_the_instrument(law(), beside)
+    wide = by_the_instrument(law(), beside, {"inertia": (1.0, 3.0)}, RunScatter(0.4, 4))
+    assert wide["inertia"].after.sd == pytest.approx(3 * usual["inertia"].after.sd, rel=1e-3)
+    assert wide["viscous"].after.sd == pytest.approx(np.hypot(0.05, 0.02 * 0.2), rel=1e-3)
+    assert wide["offset"] == usual["offset"]

@@ -8,12 +8,14 @@ import pytest
 from report.diagnosis_sample import diagnosis
 from scipy.stats import truncnorm
 
-from bayesfric.diagnosis.gravity import beside_gravity, gravity_hides_inertia
+from bayesfric.diagnosis.gravity import by_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.law import scatter_of_runs
 from bayesfric.diagnosis.widening import (
+    all_at_once,
     block_errors,
+    by_held_out,
+    by_parts,
     errors_by_pace,
-    held_by_blocks,
     widened,
     wider,
 )
@@ -75,7 +77,7 @@ def test_errors_are_as_large_as_held_out_data_show_them_to_be(excess, factor):
         name: LawNumber(unit="1", before=known, after=known)
         for name, known in (("viscous", interval(0.54, 0.01)), ("coulomb", interval(0.01, 0.005)))
     }
-    numbers = widened(law, gap, 0.02)
+    numbers = widened(law, by_held_out(law, gap, 0.02))
     viscous, coulomb = numbers["viscous"].after, numbers["coulomb"].after
     assert viscous.sd == pytest.approx(0.01 * factor)
     assert viscous.q05 == pytest.approx(0.54 - 1.6 * 0.01 * factor)
@@ -176,7 +178,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     numbers = {
         "inertia": LawNumber(unit="1", before=interval(0.03, 0.01), after=interval(0.03, 0.01))
     }
-    held = held_by_blocks(numbers, model, turns=True)["inertia"].after
+    held = widened(numbers, by_parts(numbers, model, turns=True))["inertia"].after
     assert held.q50 == 0.03
     assert (held.sd > 0.02) is pushed
     if not pushed:
@@ -216,7 +218,30 @@ def test_a_short_stroke_of_one_frequency_hides_inertia_behind_gravity():
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=False) is None
     told = interval(0.06, 0.001)
     law = {name: LawNumber(unit="1", before=told, after=told) for name in ("inertia", "coulomb")}
-    wide = beside_gravity(law, 20.0, [])
+    wide = widened(law, by_gravity(20.0, []))
     assert wide["inertia"].after.q95 == pytest.approx(0.06 + 1.6 * 0.02)
     assert wide["coulomb"] == law["coulomb"]
-    assert beside_gravity(law, 20.0, ["gravity-torque"]) == law
+    assert widened(law, by_gravity(20.0, ["gravity-torque"])) == law
+
+
+def test_a_number_is_widened_once_by_all_factors_and_its_middle_stays():
+    """Widened twice, one that is well known was taken for one that its bound cuts off."""
+    known = interval(1.0, 0.4)
+    law = {"inertia": LawNumber(unit="kg·m²", before=known, after=known)}
+    held_out = {"inertia": (2.0, 2.0), "coulomb": (2.0, 2.0)}
+    factors = all_at_once([held_out, by_gravity(3.0, [])], at_least={"coulomb": (5.0, 1.0)})
+    assert factors == {"inertia": (6.0, 6.0), "coulomb": (5.0, 2.0)}
+    wide = widened(law, factors)["inertia"].after
+    assert (wide.q50, wide.sd) == (1.0, pytest.approx(2.4))
+    assert wide.q95 == pytest.approx(1.0 + 6 * 1.6 * 0.4)
+
+
+def test_chance_alone_is_no_bend_of_quick_motion():
+    """Of 40 logs of white noise about two in forty are 2 errors apart."""
+    bends = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        columns = np.column_stack([rng.normal(size=240).cumsum(), np.ones(240)])
+        force = columns @ [0.06, 0.2] + rng.normal(size=240)
+        bends.append(errors_by_pace(columns, force, np.zeros(240, dtype=np.intp))[0])
+    assert np.mean(np.array(bends) > 0) < 0.25

@@ -16,7 +16,9 @@ NEAR_ZERO = 0.05  # of the rms force
 OFTEN = 0.01  # of the windows
 
 
-def likely_mistakes(readings: Readings, measures: Measures, interval_s: float) -> Iterator[str]:
+def likely_mistakes(
+    readings: Readings, measures: Measures, interval_s: float, *, viscous: bool
+) -> Iterator[str]:
     """Yield a sentence for each likely mistake.
 
     Parameters
@@ -27,6 +29,8 @@ def likely_mistakes(readings: Readings, measures: Measures, interval_s: float) -
         Of the axis.
     interval_s : float
         Between samples [s].
+    viscous : bool
+        Whether the law has viscous friction.
     """
     if _works_backwards(readings):
         yield (
@@ -41,7 +45,7 @@ def likely_mistakes(readings: Readings, measures: Measures, interval_s: float) -
     if interval_s < DENSEST_S:
         yield f"The log has {1 / interval_s:,.0f} samples a second: are its times in another unit?"
     speed = readings.speed @ readings.weights
-    if np.ptp(speed) < AXIS_RULES.one_speed * float(speed.max()):
+    if viscous and np.ptp(speed) < AXIS_RULES.one_speed * float(speed.max()):
         yield (
             f"It runs at one speed, {speed.mean():.3g} {measures.unit('m')}/s, at which Coulomb "
             "and viscous friction are one number: take --baseline coulomb, or run at others too"

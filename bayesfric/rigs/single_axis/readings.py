@@ -20,6 +20,7 @@ FOLLOWED = 12  # samples in half a window, of the path along which loads are fol
 SPARSE = 24  # windows, below which they lie closer: their errors hang together the more
 CLOSER = 0.5
 PIECE = 16  # rows of a stretch whose friction wanders as one
+FEW_ROWS = 3  # for each number of a curve over the place
 LEVER = ("gravity_sine", "gravity_cosine")
 """What a weight on a lever pulls with, where it is a part of the law: the last of `beside`."""
 
@@ -144,6 +145,8 @@ class Readings:
         ones = np.ones(self.count)
         pulls = self.way[:, None] * np.column_stack([ones, np.sin(place), np.cos(place)])
         others = np.column_stack([ones, speed, pulls])
+        if self.count < FEW_ROWS * others.shape[1]:
+            return np.inf  # so few leave nothing of any column
         fitted = np.linalg.lstsq(others, self.acceleration, rcond=SINGULAR)[0]
         left = self.acceleration - others @ fitted
         return float(left @ left / max(self.count - others.shape[1], 1))
