@@ -200,7 +200,7 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
     of_all = _least_squares(scaled, force, prior)
     left = force - scaled @ of_all
     noise2 = float(left @ left) / max(force.size - size.size, 1)
-    known = _spread(scaled, prior)
+    spread_of_all = _spread(scaled, prior)
     bends = [np.zeros(size.size)]
     for windows in TOGETHER:
         together = np.cumsum(within % windows == 0) - 1
@@ -211,7 +211,7 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
         design, goal = slow[:-1].T, slow[-1]
         apart = (_least_squares(design, goal, prior) - of_all) ** 2
         # Of two estimates, one of which is efficient (Hausman 1978).
-        by_chance = noise2 * np.maximum(_spread(design, prior) - known, 0.0)
+        by_chance = noise2 * np.maximum(_spread(design, prior) - spread_of_all, 0.0)
         bends.append(np.where(apart > SURELY_APART**2 * by_chance, apart - by_chance, 0.0))
     return np.asarray(np.sqrt(np.max(bends, axis=0)) / size)
 
