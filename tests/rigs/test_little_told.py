@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from rigs.joints import Joint, recording_of
 
+from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.trials import opened
 
@@ -52,6 +53,7 @@ def test_at_one_speed_the_rough_mass_is_none_and_friction_is_one_number():
     trials = opened_of(position, np.sin(position) + 0.2 * way, 100)
     assert trials.measures.mass < 0.1
     assert "one speed, 0.4 rad/s" in " ".join(trials.doubts({}))
+    assert "one speed" not in " ".join(trials.under(BASELINES["coulomb"]).doubts({}))
 
 
 def test_what_pulls_in_swings_that_are_alike_is_counted_in_what_a_weight_may_pull():

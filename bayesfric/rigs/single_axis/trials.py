@@ -322,7 +322,7 @@ class AxisRuns(RigTrials):
         if self._pulled_alike and self.servo is None:
             lines.append(LIKE_A_PULL)
         if self.servo is None:
-            viscous = "c3" not in self._lacks and self.simulated is None
+            viscous = "c3" not in self._lacks
             lines += likely_mistakes(self.readings, self.measures, self.interval_s, viscous=viscous)
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
