@@ -133,7 +133,8 @@ def _identified(joint: ExportedJoint, place: str, remarks: list[str]) -> Exporte
         if own is not None and abs(value.mean) < value.sd and value.q05 <= own <= value.q95:
             low, high = (by_error(end, value.sd) for end in (value.q05, value.q95))
             remarks.append(
-                f"{place}: {name} is left at {own:.4g}: the recording does not tell it "
+                f"{place}: {name} is left as it is ({own:.4g} in the recording's model): the data "
+                f"do not tell it "
                 f"({low} to {high} {number.unit})"
             )
         else:

@@ -85,7 +85,10 @@ def test_a_number_that_the_recording_does_not_tell_leaves_what_the_model_has(tmp
     assert model.dof_armature[0] == OWN.armature
     assert model.dof_frictionloss[0] == 0.6
     assert model.dof_damping[0] == 0.001  # as uncertain, and surely not what the model has
-    assert any("armature is left at 0.01" in remark for remark in filled.remarks)
+    assert any(
+        "armature is left as it is (0.01 in the recording's model)" in remark
+        for remark in filled.remarks
+    )
 
 
 def test_mujoco_loads_the_users_model_with_the_numbers(hinge):
