@@ -185,7 +185,8 @@ def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:
 def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 0) -> Array:
     """Return by how much least squares of slow motion differ from those of all, (k,).
 
-    Neighbouring windows together are one wide window, in which quick motion averages out.
+    Neighbouring windows together are one wide window, in which quick motion averages out. What
+    chance makes of the difference is taken off; a difference within chance is none.
 
     Parameters
     ----------
@@ -193,6 +194,10 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
         As of :func:`block_errors`.
     stretch : ndarray of int, shape (W,)
         Number of the stretch of neighbours that run one way, ascending.
+
+    References
+    ----------
+    J. A. Hausman, "Specification tests in econometrics", Econometrica 46 (1978).
     """
     scaled, size, prior = _with_amounts(columns, force, amounts)
     start = np.flatnonzero(np.diff(stretch, prepend=-1))
@@ -210,7 +215,7 @@ def errors_by_pace(columns: Array, force: Array, stretch: Whole, amounts: int = 
             continue
         design, goal = slow[:-1].T, slow[-1]
         apart = (_least_squares(design, goal, prior) - of_all) ** 2
-        # Of two estimates, one of which is efficient (Hausman 1978).
+        # The variance of the difference from an efficient estimate is that of the variances.
         by_chance = noise2 * np.maximum(_spread(design, prior) - spread_of_all, 0.0)
         bends.append(np.where(apart > SURELY_APART**2 * by_chance, apart - by_chance, 0.0))
     return np.asarray(np.sqrt(np.max(bends, axis=0)) / size)

@@ -1,5 +1,6 @@
 """Results that show themselves: in ten lines, as a table, as figures."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from html import escape
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 LINES_SHOWN = 9  # lines below the first
 
 
-class _AtPrompt:
+class _AtPrompt(ABC):
     """A result that shows itself."""
 
     @classmethod
@@ -29,9 +30,9 @@ class _AtPrompt:
         """Return the same result as one that shows itself."""
         return cls(**{field.name: getattr(result, field.name) for field in fields(result)})
 
+    @abstractmethod
     def to_dataframe(self) -> pd.DataFrame:
         """Return its numbers as a table."""
-        raise NotImplementedError
 
     @property
     def _title(self) -> str:

@@ -179,3 +179,23 @@ def test_an_instrument_s_numbers_are_as_much_wider_as_those_that_were_fitted():
     assert wide["inertia"].after.sd == pytest.approx(3 * usual["inertia"].after.sd, rel=1e-3)
     assert wide["viscous"].after.sd == pytest.approx(np.hypot(0.05, 0.02 * 0.2), rel=1e-3)
     assert wide["offset"] == usual["offset"]
+
+
+def test_a_twin_s_amplitude_is_held_above_zero_and_judged_as_plausible_anew():
+    """Of the twin's law and prior: 0.02 ± 0.05 by an instrument, of what cannot be below zero."""
+    number = EffectNumber(
+        mean=0.5, sd=0.01, q05=0.484, q50=0.5, q95=0.516, unit="1", prior="half-normal"
+    )
+    cause = Cause.model_construct(
+        effect="load-stribeck", parameters={"load-friction.share": number},
+        plausible_range=(0.0, 0.3), plausible=False,
+    )  # fmt: skip
+    value = InstrumentNumber(
+        unit="1", ordinary=0.5, ordinary_se=0.01, instrumental=0.02, instrumental_se=0.05
+    )
+    beside = instrument(alarms=True).model_copy(update={"effects": {"load-friction": value}})
+    (amended,) = causes_by_the_instrument([cause], beside, all_effects(None))
+    share = amended.parameters["load-friction.share"]
+    assert share.q50 < 0.1
+    assert amended.plausible
+    assert share.q05 >= 0

@@ -67,13 +67,13 @@ def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
 def test_a_weight_on_a_long_swing_of_one_frequency_is_told_beside_the_inertia():
     """Its law is exact: one that may vary with speed took most of the inertia, 0.013 for 0.060."""
     joint = Joint(gravity=0.5, rates_hz=(0.31,), strokes_rad=(1.5,), noise=0.02, resolution=1e-4)
-    found = bf.diagnose(joint.recording()).summary
-    (cause,) = found.causes
+    diagnosed = bf.diagnose(joint.recording()).summary
+    (cause,) = diagnosed.causes
     assert cause.parameters["torque"].mean == pytest.approx(0.5, rel=0.03)
-    number = found.law["inertia"].after
+    number = diagnosed.law["inertia"].after
     assert number.mean == pytest.approx(0.06, rel=0.05)
     assert number.q05 - number.sd < 0.06 < number.q95 + number.sd
-    assert not any("do not separate inertia" in line for line in found.attention)
+    assert not any("do not separate inertia" in line for line in diagnosed.attention)
 
 
 def test_every_place_of_a_weight_lies_within_the_angles_that_are_tried():

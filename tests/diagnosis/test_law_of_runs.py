@@ -216,8 +216,10 @@ def test_a_short_stroke_of_one_frequency_hides_inertia_behind_gravity():
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.2, 0.9), turns=True) is None
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, known=1.0), turns=True) is None
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=False) is None
-    told = interval(0.06, 0.001)
-    law = {name: LawNumber(unit="1", before=told, after=told) for name in ("inertia", "coulomb")}
+    inertia = interval(0.06, 0.001)
+    law = {
+        name: LawNumber(unit="1", before=inertia, after=inertia) for name in ("inertia", "coulomb")
+    }
     wide = widened(law, by_gravity(20.0, []))
     assert wide["inertia"].after.q95 == pytest.approx(0.06 + 1.6 * 0.02)
     assert wide["coulomb"] == law["coulomb"]
@@ -226,8 +228,8 @@ def test_a_short_stroke_of_one_frequency_hides_inertia_behind_gravity():
 
 def test_a_number_is_widened_once_by_all_factors_and_its_middle_stays():
     """Widened twice, one that is well known was taken for one that its bound cuts off."""
-    known = interval(1.0, 0.4)
-    law = {"inertia": LawNumber(unit="kg·m²", before=known, after=known)}
+    fitted = interval(1.0, 0.4)
+    law = {"inertia": LawNumber(unit="kg·m²", before=fitted, after=fitted)}
     held_out = {"inertia": (2.0, 2.0), "coulomb": (2.0, 2.0)}
     factors = all_at_once([held_out, by_gravity(3.0, [])], at_least={"coulomb": (5.0, 1.0)})
     assert factors == {"inertia": (6.0, 6.0), "coulomb": (5.0, 2.0)}
@@ -237,7 +239,7 @@ def test_a_number_is_widened_once_by_all_factors_and_its_middle_stays():
 
 
 def test_chance_alone_is_no_bend_of_quick_motion():
-    """Of 40 logs of white noise about two in forty are 2 errors apart."""
+    """At either of two paces one log in twenty is 2 errors apart: 4 of 40, 10 by 1 in 200."""
     bends = []
     for seed in range(40):
         rng = np.random.default_rng(seed)
@@ -245,3 +247,37 @@ def test_chance_alone_is_no_bend_of_quick_motion():
         force = columns @ [0.06, 0.2] + rng.normal(size=240)
         bends.append(errors_by_pace(columns, force, np.zeros(240, dtype=np.intp))[0])
     assert np.mean(np.array(bends) > 0) < 0.25
+
+
+def test_a_number_that_the_motion_does_not_show_takes_no_error_from_another():
+    """Parameters of a simulator: mass, one that does nothing here, Coulomb friction."""
+    rng, time = np.random.default_rng(3), np.arange(400) * 0.05
+    place, way = np.sin(1.3 * time) + np.sin(2.9 * time), np.sign(np.cos(1.3 * time))
+    law = np.column_stack([way * rng.normal(0, 5, 400), np.zeros(400), np.ones(400)])
+    force = law @ np.array([0.06, 0.0, 0.2]) + rng.normal(0, 0.05, 400)
+    readings = SimpleNamespace(
+        position=place[:, None],
+        weights=np.ones(1),
+        way=way,
+        beside=np.zeros((400, 0)),
+        piece=np.zeros(400, dtype=np.intp),
+    )
+    rows = SimpleNamespace(
+        readings=readings, coefficient_columns=lambda: law, residual=lambda: force
+    )
+    model = SimpleNamespace(
+        rigs=[SimpleNamespace(rows=rows)],
+        laws={"axis": None},
+        data=SimpleNamespace(
+            rigs=[SimpleNamespace(shared_numbers={})],
+            law_numbers=lambda size: [("mass", "kg"), ("idle", "1"), ("coulomb", "N")],
+        ),
+    )
+    tiny = interval(1.0, 1e-4)
+    numbers = {
+        name: LawNumber(unit="1", before=tiny, after=tiny) for name in ("mass", "idle", "coulomb")
+    }
+    factors = by_parts(numbers, model, turns=True)
+    assert factors["idle"] == (1.0, 1.0)
+    by_rows = 0.05 / 400**0.5  # of Coulomb friction, by the noise of its rows
+    assert factors["coulomb"][1] * 1e-4 == pytest.approx(by_rows, rel=0.5)

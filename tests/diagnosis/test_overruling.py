@@ -116,6 +116,14 @@ def test_a_cause_that_no_machine_has_is_overruled_where_a_remainder_is_left(told
     assert said is None or "hysteresis would be larger or smaller" in said
 
 
+def test_a_cause_that_no_machine_has_falls_by_any_force_that_is_left():
+    """Held-out data leave 0.4 % of friction, less than counts, of which no remainder tells."""
+    gap = gap_of(held_out_log_density=None, shrink=None)
+    given = {"told_as_remainder": False, "implausible": ["spring"]}
+    assert why_overruled(gap, PRACTICAL, **given) is None
+    assert "spring would be larger" in why_overruled(gap, PRACTICAL, force_left=True, **given)
+
+
 @pytest.mark.parametrize(
     ("missed", "expected"), [(0.05, False), (0.102, False), (0.106, True), (1.0, True)]
 )

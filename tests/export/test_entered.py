@@ -1,5 +1,6 @@
 """Numbers to enter as words: digits by the error, what is lost, and what cannot be entered."""
 
+from bayesfric.attention.diagnosis import why_untrusted
 from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.content import BulletList, Notice, Table
@@ -69,10 +70,10 @@ def joint(**gap):
 
 
 def test_terminal_and_page_one_say_the_same():
-    found = joint()
-    lines = list(entered_lines(found))
+    entered = joint()
+    lines = list(entered_lines(entered))
     assert lines[0].startswith("To enter in a simulator for the joint elbow")
-    table, remarks = numbers_to_enter(found)
+    table, remarks = numbers_to_enter(entered)
     assert isinstance(table, Table)
     assert isinstance(remarks, BulletList)
     assert "0.612" in lines[2]
@@ -86,14 +87,14 @@ def middle(value):
 
 
 def test_how_far_the_simulator_is_off_today_stands_beside_the_numbers():
-    found = joint(as_shipped=middle(0.4), after=middle(0.003))
+    entered = joint(as_shipped=middle(0.4), after=middle(0.003))
     said = (
         "With its own numbers (now) it misses held-out data by 0.4 N·m rms (50% of friction), "
         "with these by 0.003 N·m."
     )
-    (table, _) = numbers_to_enter(found)
+    (table, _) = numbers_to_enter(entered)
     assert said in table.caption
-    assert any(said in line for line in entered_lines(found))
+    assert any(said in line for line in entered_lines(entered))
 
 
 def test_numbers_that_miss_held_out_data_carry_a_warning():
@@ -110,3 +111,12 @@ def test_numbers_that_miss_held_out_data_carry_a_warning():
         "fit has not seen by 0.017 N·m rms more than scatter explains"
     )
     assert any(line.strip() in warning.text for line in entered_lines(loud))
+
+
+def test_a_share_of_friction_that_cannot_be_told_is_in_no_warning():
+    """Five times a friction that is within its error of zero is no reason by itself."""
+    gap = {"held_out_excess": 4.0, "after": middle(0.3), "floor": middle(1.0)}
+    assert "500% of friction" in why_untrusted(joint(**gap))
+    warning = why_untrusted(joint(**gap, no_share="friction is within its error of zero"))
+    assert warning.startswith("Enter these numbers with care")
+    assert "%" not in warning

@@ -175,5 +175,5 @@ def test_a_simulator_that_leaves_the_law_no_number_is_no_reason_to_refuse(tmp_pa
 
 @pytest.mark.nightly
 def test_a_simulator_that_leaves_the_law_no_number_has_effects_that_can_be_told(tmp_path):
-    told = run("check", beside_a_rigid_body(tmp_path))
-    assert (told.exit_code, told.exception) == (0, None)
+    checked = run("check", beside_a_rigid_body(tmp_path))
+    assert (checked.exit_code, checked.exception) == (0, None)

@@ -184,13 +184,13 @@ def test_an_undecided_board_says_what_may_act():
 
 
 def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
-    found = stored_diagnosis(verdict="undecided", causes=(), next_experiment=()).record
-    friction, share = found.gap.friction_rms, found.practical_share
+    undecided = stored_diagnosis(verdict="undecided", causes=(), next_experiment=()).record
+    friction, share = undecided.gap.friction_rms, undecided.practical_share
 
     def said(low, high):
         systematic = interval(0.02).model_copy(update={"q05": low, "q95": high})
-        gap = found.gap.model_copy(update={"systematic": systematic})
-        return words(verdict_line(found.model_copy(update={"gap": gap})).text)
+        gap = undecided.gap.model_copy(update={"systematic": systematic})
+        return words(verdict_line(undecided.model_copy(update={"gap": gap})).text)
 
     about = said(0.5 * share * friction, 2 * share * friction)
     assert "Measure next: more assemblies at the same conditions." in about

@@ -30,3 +30,10 @@ def test_readings_that_were_taken_unevenly_keep_their_stamps(noise):
     stamps, off = even_clock(taken, swing(taken) + noise * rng.standard_normal(800))
     assert stamps is taken
     assert off == 0.0
+
+
+def test_a_joint_that_stands_still_shows_no_clock():
+    stamps = np.sort(INTERVAL * NUMBER + 0.2 * INTERVAL * np.sin(7.0 * NUMBER))
+    kept, off = even_clock(stamps, np.full(NUMBER.size, 0.3))
+    assert off == 0.0
+    assert np.array_equal(kept, stamps)

@@ -1,5 +1,7 @@
 """Motions that tell less than it seems: part of a swing again and again, or one speed."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pandas as pd
 from rigs.joints import Joint, recording_of
@@ -65,3 +67,19 @@ def test_what_pulls_in_swings_that_are_alike_is_counted_in_what_a_weight_may_pul
     assert trials.readings.swings_alike
     assert trials.measures.pull > 0.4
     assert not trials.untold
+
+
+def test_few_rows_are_no_curve_over_the_place():
+    """Five numbers fit fifteen rows or fewer of anything."""
+    recording = Joint(seconds=6.0, sampled_hz=100.0).recording()
+    readings = opened(all_rigs()["single-axis"], recording.axis, recording.rig).readings
+    few = replace(
+        readings,
+        **{
+            item.name: getattr(readings, item.name)[:14]
+            for item in fields(readings)
+            if isinstance(getattr(readings, item.name), np.ndarray)
+        },
+    )
+    assert not few.swings_alike
+    assert few.acceleration_of_its_own == 1.0

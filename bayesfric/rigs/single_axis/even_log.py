@@ -146,7 +146,8 @@ def even_clock(time_s: Array, position: Array) -> tuple[Array, float]:
     off, interval = time_s - even, float(even[1] - even[0])
     size = float(np.sqrt(np.mean(off**2)))
     jitters = size > AXIS_RULES.uneven * interval and np.abs(off).max() < MOST_OFF * interval
-    if not jitters or _roughness(even, position) * SMOOTHER >= _roughness(time_s, position):
+    jitters &= bool(np.ptp(position) > 0)  # what stands still is smooth over any clock
+    if not jitters or _roughness(even, position) * SMOOTHER > _roughness(time_s, position):
         return time_s, 0.0
     return np.asarray(even), size
 

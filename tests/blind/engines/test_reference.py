@@ -166,9 +166,9 @@ def test_gaps_in_the_design_come_with_some_seeds_and_spare_what_is_needed():
         assert 0.07 < share < 0.17
     for seed in range(100):
         rng = np.random.default_rng(seed)
-        one = nuisances.draw_awkward(rng, {"motor", "both sensors"}, True)
-        assert one.motor_board
-        assert one.sensors == "both"
+        awkward = nuisances.draw_awkward(rng, {"motor", "both sensors"}, True)
+        assert awkward.motor_board
+        assert awkward.sensors == "both"
         assert nuisances.draw_awkward(rng, {""}, False) == nuisances.Awkward()
 
 
