@@ -122,9 +122,8 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
     place = np.asarray(readings.position @ readings.weights)
     pulls = [np.sin(place), np.cos(place)] if turns else [place]
     own = np.asarray(rows.coefficient_columns())
-    seen = np.asarray(
-        np.any(own != 0, axis=0)
-    )  # the law may lack some, and this motion may not show others
+    # The law may lack some, and this motion may not show others.
+    seen = np.asarray(np.any(own != 0, axis=0))
     own = own[:, seen]
     levers = [name for name in model.data.rigs[0].shared_numbers if name != "offset"]
     beside = readings.beside[:, : readings.beside.shape[1] - len(levers)]  # a lever pulls so too

@@ -65,6 +65,7 @@ def test_sensors_that_are_far_apart_are_told():
     """4.4 sd by noise alone: 100 trials × 1.1e-5, one recording in 900."""
     (line,) = told(quality=quality(sensors(4.4)))
     assert "by up to 4.4 standard errors" in line
+    assert line.endswith("in no trial does this reach 2% of friction")
     (line,) = told(quality=quality(sensors(6.0, ("g0007", "g0009"))))
     assert "in 2 of 100 trials (g0007, g0009) it is also more than" in line
     assert told(quality=quality(sensors(3.8))) == ()  # 100 × 1.4e-4: one in 70

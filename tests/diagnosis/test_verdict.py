@@ -191,6 +191,10 @@ def test_the_sentence_says_what_data_held_out_say():
     assert "is off by 0.0523 N rms; scatter alone makes" in within
     assert within.endswith("a difference that chance can make.")
     assert held_out_words(gap, ()).endswith("a difference that chance does not explain.")
+    below = nothing.model_copy(update={"floor": nothing.before})
+    assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(
+        "is off by 0.0523 N rms, no more than scatter alone makes (0.0523 N on average)."
+    )
 
 
 def placed(*shares, leads):
