@@ -314,5 +314,6 @@ def _why_not_shown(
         why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)
         or why_bent(instrument)
+        or why_unsettled(instrument)
     )
     return first and "; ".join(filter(None, (first, rig.open_still)))
