@@ -4,6 +4,7 @@ The gap is the rms of the systematic force over the recording's conditions, once
 recalibrated: what effects, their forms, small amounts and smooth forces make together.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,7 +116,8 @@ def posterior_of(
         drawn = _numbers(own, weighed, wide, count, rng)
         shapes = drawn_shapes(own, weighed, count, rng)
         forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
-        told, at = drawn, weighed.acting.shapes
+        told = drawn
+        at: Sequence[Array | float] = weighed.acting.shapes
         if model.data.rigs[0].along_path:
             told, at = numbers_at_shapes(own, weighed, wide, forms, drawn, shapes), shapes
         moves = []
