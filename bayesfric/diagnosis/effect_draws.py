@@ -45,7 +45,7 @@ class EffectDraws:
         own: LinearModel,
         weighed: Weighed,
         drawn: Array,
-        told: Array,
+        numbers: Array,
         shapes: Sequence[Array],
     ) -> None:
         """Take draws of effects with columns under a hypothesis.
@@ -58,7 +58,7 @@ class EffectDraws:
             Of the hypothesis.
         weighed : Weighed
             The hypothesis.
-        drawn, told : ndarray, shape (n, p)
+        drawn, numbers : ndarray, shape (n, p)
             Its numbers at the best shapes, and at those drawn.
         shapes : sequence of ndarray
             As of :func:`drawn_shapes`.
@@ -74,7 +74,7 @@ class EffectDraws:
             if "period" in model.candidates[law.places[0]].effect.needs:
                 self.waves.setdefault(law.effect, []).append(mixed)
             self._keep(rows, law, strength * np.abs(values), felt * float(np.abs(values).mean()))
-            amplitude = told[:, places[column]] * model.amplitude_scale(law)
+            amplitude = numbers[:, places[column]] * model.amplitude_scale(law)
             self.amplitudes.setdefault(law.effect, []).append(amplitude)
             self.shapes.setdefault(law.effect, []).append(shape_values(own, law, shapes[column]))
 
@@ -208,11 +208,13 @@ def numbers_at_shapes(
     said = model.said_of(psi, places, acting.phases)
 
     def mean_at(column: int, quantile: float) -> Array:
-        moved = (*acting.shapes[:column], quantile, *acting.shapes[column + 1 :])
-        here = replace(acting, shapes=moved)
-        return model.integrated(psi, here, model.mixed(said, places, here), wide, forms).mean
+        shapes_there = (*acting.shapes[:column], quantile, *acting.shapes[column + 1 :])
+        moved_acting = replace(acting, shapes=shapes_there)
+        return model.integrated(
+            psi, moved_acting, model.mixed(said, places, moved_acting), wide, forms
+        ).mean
 
-    told = drawn.copy()
+    numbers = drawn.copy()
     for column, quantiles in enumerate(shapes):
         if not quantiles.size:
             continue
@@ -220,11 +222,11 @@ def numbers_at_shapes(
         moves = np.stack([mean_at(column, float(node)) for node in nodes])
         moves -= mean_at(column, acting.shapes[column])
         near = [np.interp(quantiles, nodes, unit) for unit in np.eye(MEANS)]
-        told += np.transpose(near) @ moves
+        numbers += np.transpose(near) @ moves
     for place, law in zip(model.places(len(acting.laws)), acting.laws, strict=True):
         if is_positive(model.amplitude_prior(law)):
-            told[:, place] = np.abs(told[:, place])
-    return told
+            numbers[:, place] = np.abs(numbers[:, place])
+    return numbers
 
 
 def _shape_draws(

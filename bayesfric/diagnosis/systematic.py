@@ -116,10 +116,10 @@ def posterior_of(
         drawn = _numbers(own, weighed, wide, count, rng)
         shapes = drawn_shapes(own, weighed, count, rng)
         forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
-        told = drawn
+        numbers = drawn
         at: Sequence[Array | float] = weighed.acting.shapes
         if model.data.rigs[0].along_path:
-            told, at = numbers_at_shapes(own, weighed, wide, forms, drawn, shapes), shapes
+            numbers, at = numbers_at_shapes(own, weighed, wide, forms, drawn, shapes), shapes
         moves = []
         for start in range(0, count, AT_ONCE):  # forces of all draws are large
             some = drawn[start : start + AT_ONCE]
@@ -127,9 +127,9 @@ def posterior_of(
             place = rows.start + start
             force[:, place : place + len(some)] = residuals.without_law(made)
             moves.append(moved)
-        of_law = np.concatenate(moves) + _of_the_law(own, told - drawn)
-        refitted.take(rows, own, weighed.acting, weighed.at.psi, told, of_law, at)
-        effects.take_columns(rows, own, weighed, drawn, told, shapes)
+        of_law = np.concatenate(moves) + _of_the_law(own, numbers - drawn)
+        refitted.take(rows, own, weighed.acting, weighed.at.psi, numbers, of_law, at)
+        effects.take_columns(rows, own, weighed, drawn, numbers, shapes)
         hidden.append(effects.take_phases(rows, own, weighed, wide, forms, rng))
         hypotheses += [hypothesis] * count
     hidden2 = np.concatenate(hidden)
