@@ -28,6 +28,12 @@ COLUMNS = (
     "90 % interval",
     *(CALLED[simulator] for simulator in SHOWN),
 )
+MEANT = {
+    "armature": "armature (the rotor's inertia)",
+    "coulomb": "coulomb (dry friction)",
+    "offset": "offset (a constant force, as of a sensor's zero)",
+}
+"""Numbers whose names alone do not say what they are."""
 NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
 
 
@@ -103,8 +109,8 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
             file = f"{number.snippet}.py"
             instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
         yield (
-            f"{who} field for {number.parameter}: without it the simulation stays off by {force}."
-            f"{instead}"
+            f"{who} field for {MEANT.get(number.parameter, number.parameter)}: without it the "
+            f"simulation stays off by {force}.{instead}"
         )
 
 

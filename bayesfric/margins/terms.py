@@ -63,7 +63,7 @@ def safety_words(loop: LoopMargins) -> str:
     at = "" if loop.compensation_signal == "none" else f" at γ = {loop.compensation_gain:.3g}"
     if HUNTS in missed:
         return f"not safe{at}"
-    return f"safe{at}, {'misses' if missed else 'meets'} its spec"
+    return f"safe from hunting{at}, {'but misses' if missed else 'and meets'} its spec"
 
 
 def safe_up_to(loop: LoopMargins) -> str | None:

@@ -49,7 +49,9 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder, monkeypatch):
     answer = found.loops[0].answer
     law, said = first.stdout.split("\n", 1)
     assert law == "Margins of the law as it was fitted: no diagnosis lies beside the draws."
-    assert said.startswith("my-joint: safe at γ = 1, meets its spec.\n  Up to γ = ")
+    assert said.startswith(
+        "my-joint: safe from hunting at γ = 1, and meets its spec.\n  Up to γ = "
+    )
     assert "\n  " + answer.replace(". ", ".\n  ") + "\n" in said
     assert answer.count(". ") >= 1  # a sentence a line
     assert "warning: my-joint: Assumed" in first.stderr

@@ -53,6 +53,7 @@ from bayesfric.schemas.diagnosis import Axis, Gap
 
 ALL_BUT = 0.999  # a share is never printed as all of it
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
+ALONG_THE_WAY = ("displacement", "travel")
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 
 
@@ -84,6 +85,9 @@ def _measure_next(record: DiagnosisFile) -> Iterator[str]:
         rivals = " and ".join(proposed.separates)
         yield f"Measure next: {condition_words(proposed.condition)}, which separates {rivals}. "
         return
+    if record.verdict == "unknown":
+        yield from _look_for_it(record)
+        return
     low, high = (end / gap.friction_rms for end in (gap.systematic.q05, gap.systematic.q95))
     if record.verdict == "undecided" and gap.no_share is None and low < share < high:
         yield (
@@ -91,6 +95,25 @@ def _measure_next(record: DiagnosisFile) -> Iterator[str]:
             f"between {format_share(low, 3)} and {format_share(high, 3)} of friction, and "
             f"{format_share(share)} is where it begins to count. "
         )
+
+
+def _look_for_it(record: DiagnosisFile) -> Iterator[str]:
+    """Yield what to do about a force without a cause: where it holds, and what to measure."""
+    yield "Until its cause is known, use the numbers below only at the conditions measured. "
+    leading = next((axis.axis for axis in record.where if axis.answers), None)
+    if leading in ALONG_THE_WAY:
+        yield (
+            "Look along the travel for what the force belongs to: a splice or kink of the cable, a "
+            "worn pulley, a magnet. Measure next: the same condition with the cable moved on by a "
+            "known length; what belongs to the cable moves with it. "
+        )
+    elif leading is not None:
+        yield (
+            f"Measure next: one condition again, with {axis_words(leading)} alone changed over its "
+            "whole range. "
+        )
+    else:
+        yield "Measure next: further conditions, each of which changes one thing alone. "
 
 
 def _once_entered(record: DiagnosisFile) -> str:
@@ -105,7 +128,7 @@ def _with_meanings(record: DiagnosisFile) -> str:
     said = record.sentence
     for cause in record.causes:
         said = said.replace(cause.effect, f"{cause.effect} ({cause.sentence})", 1)
-    return said
+    return said[:1].upper() + said[1:]
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
