@@ -66,6 +66,13 @@ def safety_words(loop: LoopMargins) -> str:
     return f"safe from hunting{at}, {'but misses' if missed else 'and meets'} its spec"
 
 
+def is_missed(loop: LoopMargins, metric: Metric) -> bool:
+    """Tell whether a metric misses its spec more often than the loop's file allows."""
+    name = " ".join(filter(None, (metric.name, metric.direction)))
+    own = HUNTS if metric.name == "gamma_hunting" else name
+    return metric.spec is not None and bool({name, own} & {*(loop.missed_specs or ())})
+
+
 def safe_up_to(loop: LoopMargins) -> str | None:
     """Return the largest safe γ, rounded down; None where there is none."""
     gamma = loop.largest_safe_compensation_gain

@@ -42,7 +42,7 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder, monkeypatch):
     """In this process, and in another."""
     arguments = ["margins", "joint.toml", "--draws", "draws.nc", "--seed", "4", "-o"]
     monkeypatch.chdir(folder)
-    first = CliRunner().invoke(app, [*arguments, "one"])
+    first = CliRunner().invoke(app, [*arguments, "one", "--verbose"])
     assert first.exit_code == 0, first.stderr
     assert [path.name for path in (folder / "one").iterdir()] == ["margins.json"]
     found = read_json(MarginsFile, folder / "one" / "margins.json")
@@ -58,6 +58,11 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder, monkeypatch):
     assert found.seed == 4
     again = bayesfric(*arguments, "two", "--quiet", "--mat", "two/loops.mat", cwd=folder)
     assert again.stderr == ""
+    on_one_screen = again.stdout.splitlines()
+    assert {*on_one_screen} < {*first.stdout.splitlines()}
+    assert answer.partition(". ")[0] in again.stdout
+    assert "Not examined" in said
+    assert "Not examined" not in again.stdout
     assert loadmat(folder / "two" / "loops.mat", simplify_cells=True)["loops"]["name"] == "my-joint"
     first_bytes, second_bytes = (
         (folder / name / "margins.json").read_bytes() for name in ("one", "two")

@@ -4,8 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from bayesfric.margins.spec import HUNTS
-from bayesfric.margins.terms import chance_of_missing, safe_up_to, safety_words
+from bayesfric.margins.terms import chance_of_missing, is_missed, safe_up_to, safety_words
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
@@ -140,12 +139,8 @@ def _called(metric: Metric) -> str:
 
 
 def _missing(loop: LoopMargins) -> Iterator[Metric]:
-    """Yield the metrics that miss their specs more often than the file allows."""
-    for metric in loop.metrics:
-        name = " ".join(filter(None, (metric.name, metric.direction)))
-        own = HUNTS if metric.name == "gamma_hunting" else name
-        if metric.spec is not None and {name, own} & {*(loop.missed_specs or ())}:
-            yield metric
+    """Return the metrics that miss their specs more often than the file allows."""
+    return (metric for metric in loop.metrics if is_missed(loop, metric))
 
 
 def _at_all(loops: Sequence[LoopMargins]) -> str:
