@@ -124,10 +124,10 @@ def _verdicts(judged: ClaimsFile) -> Table:
             for claim in judged.claims
         ],
         label="verdicts",
-        note="Bayes factors are in favour of the claim, against the best of its rivals; Δelpd "
-        "says how much better than that one the claim predicts an assembly that was left "
-        "out, in nat; its error stands in brackets where it is not to be relied on (a difference "
-        "below 4 nat, fewer than 20 assemblies, or a bad Pareto k). A claim without rivals "
+        note="Bayes factors are in favour of the claim, against the best of its rivals. Δelpd: by "
+        "how many nat the claim predicts an assembly left out better than that rival does. Its "
+        "error stands in brackets where it is not reliable (a difference below 4 nat, fewer than "
+        "20 assemblies, or a bad Pareto k). A claim without rivals "
         "rests on a probability or on arithmetic.",
     )
 

@@ -161,7 +161,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
             yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
         yield _where(stored)
     else:
-        yield Paragraph("There is no gap, so that no axis explains one.")
+        yield Paragraph("There is no gap to place along an axis.")
     yield from remainder(record)
     yield from asked(record.target)
     yield Heading(2, "What to measure next")
@@ -171,8 +171,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
 def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
-    large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and less "
-    large += f"than {format_share(record.practical_share)} of that is no gap"
+    large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and a gap "
+    large += f"below {format_share(record.practical_share)} of that counts as none"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [
@@ -193,10 +193,10 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
         rows.append(["Where does it lie?", _lies_along(record)])
     rows.append(
         [
-            "What of it is unexplained?",
-            "a further force is asked for"
+            "How much of it is unexplained?",
+            "more than these data let chance explain"
             if record.remainder.significant
-            else "nothing that shows",
+            else "nothing that these data show",
         ]
     )
     if record.next_experiment:
@@ -299,7 +299,8 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
             " ",
             *most,
             "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
-            "Right: how strong it is then, with its 90 % interval; dashed is the practical share. ",
+            "Right: how strong it is then, with its 90 % interval; dashed is the size from which "
+            "on a gap counts. ",
             *hypotheses,
         ],
         "Left, a horizontal bar for each effect; the longest is "
@@ -323,7 +324,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),
             "Bars: rms on conditions that the fit has not seen, and the posterior of the "
-            "systematic gap. Lines: 90 % intervals. Dashed: the practical share."
+            "systematic gap. Lines: 90 % intervals. Dashed: the size from which on a gap counts."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
@@ -350,7 +351,7 @@ def _tuning(gap: Gap) -> list[str]:
     if gap.as_shipped is None:
         return [f"No figure for values as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
-    return [f"Recalibration alone takes the gap from {shipped} to {before}. "]
+    return [f"Recalibration alone changes the gap from {shipped} to {before}. "]
 
 
 def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
