@@ -1,4 +1,4 @@
-"""Diagnoses of joints that MuJoCo moves, with something withheld; see ``mujoco_joints``.
+"""Diagnoses of joints that MuJoCo moves, with something withheld; see ``joint_worlds``.
 
 A cause is right where it acts, or where the diagnosis itself says that it cannot tell the two
 apart. What the law takes up all but a fiftieth of friction of, once it is fitted again, may go
@@ -12,9 +12,9 @@ from itertools import combinations, count, islice
 
 from campaigns.evidence import Gathered
 from campaigns.promises import rate
+from joint_worlds import simulator
 from scipy.stats import binomtest
 
-from bayesfric.blind.engines import mujoco_joints
 from bayesfric.blind.engines.reference import Withheld
 from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
@@ -36,12 +36,12 @@ def is_sealed(name):
 
 def names(sealed):
     """Return the effects of one half of the catalogue."""
-    return tuple(name for name in mujoco_joints.effect_names() if is_sealed(name) == sealed)
+    return tuple(name for name in simulator.effect_names() if is_sealed(name) == sealed)
 
 
 def _kinds(sealed) -> Iterator[tuple[str, tuple]]:
     """Yield what is withheld, without end: kinds take turns."""
-    effects, outsiders = names(sealed), mujoco_joints.outsider_names()
+    effects, outsiders = names(sealed), simulator.outsider_names()
     pairs = [pair for pair in combinations(effects, 2) if not any(set(pair) <= a for a in ALIKE)]
     for turn in count():
         for place, name in enumerate(effects):
@@ -72,7 +72,7 @@ def cases(number, design="perfect", sealed=False, first_seed=FIRST_SEED):
 def made(given):
     """Return the recording of a case, and the truth about it."""
     kind, effects, seed, design = given
-    return mujoco_joints.make(Withheld(kind, tuple(effects), "own"), seed, design=design)
+    return simulator.make(Withheld(kind, tuple(effects), "own"), seed, design=design)
 
 
 def case(given):
