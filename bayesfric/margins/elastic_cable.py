@@ -10,6 +10,7 @@ Friction takes speed off an end until none is left, and holds what it can hold.
 """
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -99,7 +100,7 @@ class Ends(PerDraw):
     @property
     def stands(self) -> Flags:
         """Where all ends stand still, shape (draws,)."""
-        return np.asarray(np.logical_and.reduce(self.speeds == 0.0))
+        return reduce(np.logical_and, self.speeds == 0.0)  # faster than along an axis
 
     def withstands(self) -> tuple[Array, Array]:
         """Return the torque that pulls at a resting motor, and its breakaway torque [N·m]."""
@@ -136,15 +137,15 @@ class Ends(PerDraw):
         """
         speed = self.speeds
         stretched = self.ends[:-1] - self.ends[1:]
-        stretched[0] = self._stretched(stretched[0])
-        rate = self.damping * (speed[:-1] - speed[1:])
+        pull = self.damping * (speed[:-1] - speed[1:])
         if self.plays:
-            rate[0] = np.where(stretched[0] == 0.0, 0.0, rate[0])
-        pull = self.stiffness * stretched + rate
+            stretched[0] = self._stretched(stretched[0])
+            pull[0, stretched[0] == 0.0] = 0.0
+        pull += self.stiffness * stretched
         push = np.empty_like(speed)
-        np.subtract(command + self.fed, pull[0], out=push[0])
-        np.subtract(pull[:-1], pull[1:], out=push[1:-1])
-        np.subtract(pull[-1], self.hangs, out=push[-1])
+        push[0], push[1:] = command + self.fed, pull
+        push[:-1] -= pull
+        push[-1] -= self.hangs
         rubbed = step.rubbed
         if self.falls:
             more = self.falling * np.exp(-np.abs(speed) / self.falling_speed)

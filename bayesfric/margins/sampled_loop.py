@@ -16,8 +16,8 @@ NO_NUMBERS = ("compensation_signal", "at_rest", "encoder_at", "cable")
 """Fields that are no number a draw."""
 
 
-NONE = partial(np.array, 0.0)
-ONE = partial(np.array, 1.0)
+ZERO = partial(np.array, 0.0)
+UNIT = partial(np.array, 1.0)
 ENDLESS = partial(np.array, np.inf)
 
 
@@ -126,20 +126,20 @@ class SampledLoop:
     kp: Array
     kd: Array
     sample_time: Array
-    ki: Array = field(default_factory=NONE)
-    delay: Array = field(default_factory=NONE)
-    stiction_ratio: Array = field(default_factory=ONE)
-    falling: Array = field(default_factory=NONE)
-    falling_speed: Array = field(default_factory=ONE)
-    counts_per_revolution: Array = field(default_factory=NONE)
+    ki: Array = field(default_factory=ZERO)
+    delay: Array = field(default_factory=ZERO)
+    stiction_ratio: Array = field(default_factory=UNIT)
+    falling: Array = field(default_factory=ZERO)
+    falling_speed: Array = field(default_factory=UNIT)
+    counts_per_revolution: Array = field(default_factory=ZERO)
     torque_limit: Array = field(default_factory=ENDLESS)
     velocity_cutoff: Array = field(default_factory=ENDLESS)
     position_cutoff: Array = field(default_factory=ENDLESS)
-    load_torque: Array = field(default_factory=NONE)
+    load_torque: Array = field(default_factory=ZERO)
     compensation_signal: CompensationSignal = "none"
-    compensation_gain: Array = field(default_factory=NONE)
-    compensation_estimate: Array = field(default_factory=NONE)
-    boundary: Array = field(default_factory=NONE)
+    compensation_gain: Array = field(default_factory=ZERO)
+    compensation_estimate: Array = field(default_factory=ZERO)
+    boundary: Array = field(default_factory=ZERO)
     at_rest: AtRest = "off"
     encoder_at: EncoderAt = "motor"
     cable: Cable | None = None
