@@ -192,7 +192,7 @@ def conclude(
     elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
     why = None if remainder is None else _why_overruled(model, judged, gap, practical, remainder)
     acting = model.amplitudes(best.at, best.acting)
-    instrument = rig.instrument(acting)
+    instrument = rig.instrument(acting, model.laws)
     contradicted = why is not None or elsewhere
     bent = None if contradicted else _why_bent(instrument, named, best, acting)
     apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)

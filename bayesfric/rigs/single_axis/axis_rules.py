@@ -90,6 +90,8 @@ class AxisRules:
         the loop bends numbers where chance makes less than this
     instrument_matters : 1 (two-engines)
         and some number differs by more than this part of itself
+    instrument_errors : sd (two-engines)
+        and by more errors of the difference
     least_pieces : stretches (two-engines)
         with fewer independent ones instruments are not compared
     """
@@ -132,6 +134,7 @@ class AxisRules:
     weak_instrument: float = 10.0
     instrument_differs: float = 1e-3
     instrument_matters: float = 0.02
+    instrument_errors: float = 2.0
     least_pieces: int = 12
 
 
