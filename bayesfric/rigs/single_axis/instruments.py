@@ -260,8 +260,8 @@ def _strength(
     other = MOVED - 1 - place
     numbers = _least_squares(np.column_stack([fitted[:, other], rest]), moved[:, place])
     left = moved[:, place] - np.column_stack([moved[:, other], rest]) @ numbers
-    count = own.shape[1]
-    return float(_wald(left[:, None], own, rest, groups)[0]) * count / (count - 1)
+    count, statistic = own.shape[1], _wald(left[:, None], own, rest, groups)[0]
+    return float(statistic * count / (count - 1))
 
 
 def _independent(columns: Array) -> list[int]:
