@@ -162,11 +162,11 @@ def everything():
 
 def share(hits):
     """Return how many of some are so, of how many, and the interval of Wilson."""
-    hits = list(hits)
+    hits = [bool(hit) for hit in hits]
     if not hits:
         return {"hits": 0, "of": 0, "wilson": None}
     interval = binomtest(sum(hits), len(hits)).proportion_ci(0.95, method="wilson")
-    return {"hits": sum(hits), "of": len(hits), "wilson": [interval.low, interval.high]}
+    return {"hits": sum(hits), "of": len(hits), "wilson": [float(interval.low), float(interval.high)]}
 
 
 def of_joints(done):
