@@ -23,7 +23,7 @@ from bayesfric.margins.rows import interval_of
 from bayesfric.margins.sampled_loop import CompensationSignal, SampledLoop
 from bayesfric.margins.scanning import speeds_of
 from bayesfric.margins.simulating import follow
-from bayesfric.schemas.margins import Compensator, FollowedWith, Following, Trajectory
+from bayesfric.schemas.loop_runs import Compensator, FollowedWith, Following, Trajectory
 
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5

@@ -36,7 +36,8 @@ from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify
 from bayesfric.margins.warnings import loop_warnings
 from bayesfric.probabilities import stated_of_draws
-from bayesfric.schemas.margins import HuntingMap, LoopMargins, Metric, WithEffects
+from bayesfric.schemas.loop_runs import HuntingMap
+from bayesfric.schemas.margins import LoopMargins, Metric, WithEffects
 
 SHARED = 1000  # draws for the shares of variance
 
