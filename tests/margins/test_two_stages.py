@@ -282,7 +282,7 @@ def test_what_is_not_for_two_cables_says_so():
     one = shaft({**TWO, "compensation.boundary_rad_s": 2.0})
     assert "two cables" in not_applicable(one)
     told = plant_of(one).sentence
-    assert "second cable goes 3.14 mm a turn" in told
+    assert "second cable moves 3.14 mm for a turn" in told
     assert "2e-07 kg" in told
 
 

@@ -61,6 +61,7 @@ class AxisRules:
     weak_instrument: instruments whose F statistic is smaller tell too little [1; two-engines]
     instrument_differs: the loop bends numbers where chance makes less than this [1; two-engines]
     instrument_matters: and some number differs by more than this part of itself [1; two-engines]
+    instrument_errors: and by more errors of the difference [sd; two-engines]
     least_pieces: with fewer independent ones instruments are not compared [stretches; two-engines]
     """
 
@@ -102,6 +103,7 @@ class AxisRules:
     weak_instrument: float = 10.0
     instrument_differs: float = 1e-3
     instrument_matters: float = 0.02
+    instrument_errors: float = 2.0
     least_pieces: int = 12
 
 
