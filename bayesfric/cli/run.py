@@ -1,5 +1,6 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -135,25 +136,20 @@ def run_into(
         elsewhere["diagnosis"] = result.seconds
         return result
 
-    happened |= stages.after(
-        "diagnosis", lambda: diagnose_into(output, diagnosis, **spoken), elsewhere=elsewhere
-    )
+    shown = partial(diagnose_into, output, diagnosis, **spoken)
+    happened |= stages.after("diagnosis", shown, elsewhere=elsewhere)
     if loops:
         happened |= stages.after(
             "margins",
             lambda: margins_into(loops, output / "draws.nc", output, analysis, **spoken),
         )
-    stages.after(
-        "report",
-        lambda: report_into(output, None, quiet),
-        read=digest_of_results(output, *REPORT, TIMINGS),
-    )
+    read = digest_of_results(output, *REPORT, TIMINGS)
+    stages.after("report", lambda: report_into(output, None, quiet), read=read)
     if stages.computed:
         _add_timings(output / TIMINGS, stages)
     elif not quiet:
-        say(
-            f"nothing has changed: to compute all anew, empty {output} or name another -o", err=True
-        )
+        anew = f"to compute all anew, empty {output} or name another -o"
+        say(f"nothing has changed: {anew}", err=True)
     return happened
 
 
