@@ -17,7 +17,7 @@ from bayesfric.cli.printing import say
 from bayesfric.cli.report import report_into
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor, Future
+    from concurrent.futures import Executor
 
     from bayesfric.analysis import Analysis
     from bayesfric.cli.stages import Stages
@@ -111,10 +111,8 @@ def run_into(
     spoken: dict[str, Any] = {"quiet": quiet, "verbose": verbose}
     stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
-    def begin() -> "Future[Diagnosed]":
-        return executor.submit(diagnosed, recording, output, analysis, baseline=baseline)
-
-    begun = begin() if beside and not stages.stands("diagnosis") else None
+    diagnosing = partial(diagnosed, recording, output, analysis, baseline=baseline)
+    begun = executor.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
         "fit",
         lambda: fit_into(
@@ -132,7 +130,7 @@ def run_into(
     elsewhere: dict[str, float] = {}
 
     def diagnosis() -> "Diagnosed":
-        result = (begun or begin()).result()
+        result = (begun or executor.submit(diagnosing)).result()
         elsewhere["diagnosis"] = result.seconds
         return result
 
