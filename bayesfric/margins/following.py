@@ -11,8 +11,8 @@ import numpy as np
 
 from bayesfric.arrays import Array, evenly
 from bayesfric.errors import Fault
-from bayesfric.margins.bode import SHOWN_QUANTILES
 from bayesfric.margins.describing import natural_frequency
+from bayesfric.margins.frequency_figures import SHOWN_QUANTILES
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
