@@ -36,7 +36,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas.causes import Remainder
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 from bayesfric.schemas.instrument import Instrument
 
 

@@ -7,7 +7,8 @@ from bayesfric.report.content import BulletList, Notice, Table
 from bayesfric.robots.fields import fields_of
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
+from bayesfric.schemas.diagnosis import Enter, SimulatorField
+from bayesfric.schemas.gap import Gap
 
 
 def number(parameter, mean, sd, unit="N·m", **more):

@@ -135,9 +135,7 @@ def entering(
     lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
     readings, measures = _with_lever(readings, measures, lever_n)
     sensed = constants.force_is in MEASURED
-    moving = np.unique(readings.trial)
-    still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
-    chosen = moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")]
+    chosen, still = _by_setup(readings, table)
     return Entering(
         table.iloc[chosen].reset_index(drop=True),
         readings.of(chosen),
@@ -155,6 +153,13 @@ def entering(
         lever_n,
         max(log.stamps_sd_s for log in recorded.logs),
     )
+
+
+def _by_setup(readings: Readings, table: pd.DataFrame) -> tuple[Whole, list[str]]:
+    """Return the places of runs that have windows, by assembly, and the names of the others."""
+    moving = np.unique(readings.trial)
+    still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
+    return moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")], still
 
 
 def _with_lever(
