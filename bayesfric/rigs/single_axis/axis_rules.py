@@ -69,6 +69,12 @@ class AxisRules:
     acceleration_shows: float = rule(
         0.5, "1", "inertia is told beside a pull where no error makes this part of its own", WINDOWS
     )
+    one_force: float = rule(
+        0.05, "1", "forces along the speed that differ by less than this part are one", WINDOWS
+    )
+    no_friction: float = rule(
+        0.005, "1", "a joint has friction or inertia that takes this part of its force", WINDOWS
+    )
     one_speed: float = rule(
         0.05, "1", "speeds that differ by less than this part are one speed", WINDOWS
     )
