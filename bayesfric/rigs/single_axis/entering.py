@@ -21,7 +21,7 @@ from bayesfric.rigs.single_axis.enough import (
     too_short,
     without_force,
 )
-from bayesfric.rigs.single_axis.even_log import EvenLog, spikes
+from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -67,6 +67,7 @@ class Entering(NamedTuple):
     servo: Servo | None
     constants: RigConstants
     spikes: float
+    clipped: float
     lever_n: float
     stamps_sd_s: float
 
@@ -152,6 +153,9 @@ def entering(
         servo,
         constants,
         max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
+        0.0
+        if constants.force_is == "commanded" or servo is not None
+        else max(float(clipped(log.force).mean()) for log in recorded.logs),
         lever_n,
         max(log.stamps_sd_s for log in recorded.logs),
     )
