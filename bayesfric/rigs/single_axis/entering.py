@@ -218,10 +218,13 @@ def _within_limit(
     if limited is None or not calm:
         return logs, limited, Dither()
     mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
-    logs, dither = steady(logs, mass, limited[0].half_s, resolution)
-    if dither.left_out:
-        limited = within_limit(logs, starts, resolution, clips=clips, declared=declared)
-    return list(logs), limited, dither
+    marked, dither = steady(logs, mass, limited[0].half_s, resolution)
+    if not dither.left_out:
+        return list(marked), limited, dither
+    calmer = within_limit(marked, starts, resolution, clips=clips, declared=declared)
+    if calmer is None or refused_for_few_windows(calmer[0]) is not None:
+        return logs, limited, dither._replace(left_out=False)
+    return list(marked), calmer, dither
 
 
 def _beside_simulator(
