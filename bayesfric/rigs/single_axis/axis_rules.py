@@ -44,6 +44,8 @@ class AxisRules:
         axis-windows]
     acceleration_shows: inertia is told beside a pull where no error makes this part of its own [1;
         axis-windows]
+    one_force: forces along the speed that differ by less than this part are one [1; axis-windows]
+    no_friction: a joint has friction or inertia that takes this part of its force [1; axis-windows]
     one_speed: speeds that differ by less than this part are one speed [1; axis-windows]
     own_length: a load has shares of its own where these take so much more off [1; axis-windows]
     least_length: a load's play or wind-up is told where positions resolve it so far [sd;
@@ -88,6 +90,8 @@ class AxisRules:
     pulled: float = 0.02
     like_a_curve: float = 0.05
     acceleration_shows: float = 0.5
+    one_force: float = 0.05
+    no_friction: float = 0.005
     one_speed: float = 0.05
     own_length: float = 1.05
     least_length: float = 7.0
