@@ -20,6 +20,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 
 MOST_BLOCKS = 20
+LEAST_ERROR = 1e-9  # nat
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,9 @@ def block_densities(
         rules ask for.
     """
     within = [
-        weighed for weighed in search.weighed.values() if weighed.hypothesis.issuperset(causes)
+        weighed
+        for weighed in search.weighed.values()
+        if weighed.hypothesis.issuperset(causes) and not search.doubted & weighed.hypothesis
     ]
     if not causes or not within:
         return None
@@ -109,6 +112,31 @@ def block_densities(
     return BlockDensities(
         _densities(alone, without, start_without, used), _densities(alone, beside, start, used)
     )
+
+
+def least_asked_for(
+    model: LinearModel, search: Search, causes: Collection[str], rng: np.random.Generator
+) -> str | None:
+    """Return the cause beside others without which blocks held out are predicted as well.
+
+    A pair has to predict better than either of it alone: a law that is wrong by a little is made
+    right by many another effect beside it. None where each predicts better by enough errors, or
+    where there is nothing to hold out.
+
+    Parameters
+    ----------
+    model, search, causes, rng
+        As of :func:`block_densities`.
+    """
+    seed = int(rng.integers(2**32))
+    errors = {}
+    for name in causes:
+        densities = block_densities(model, search, [name], np.random.default_rng(seed))
+        if densities is None:
+            return None
+        errors[name] = densities.difference / max(densities.error, LEAST_ERROR)
+    weakest = min(errors, key=lambda name: errors[name])
+    return weakest if errors[weakest] < RULES.predicts_better else None
 
 
 def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]:

@@ -166,7 +166,11 @@ def share(hits):
     if not hits:
         return {"hits": 0, "of": 0, "wilson": None}
     interval = binomtest(sum(hits), len(hits)).proportion_ci(0.95, method="wilson")
-    return {"hits": sum(hits), "of": len(hits), "wilson": [float(interval.low), float(interval.high)]}
+    return {
+        "hits": sum(hits),
+        "of": len(hits),
+        "wilson": [float(interval.low), float(interval.high)],
+    }
 
 
 def of_joints(done):

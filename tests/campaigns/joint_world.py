@@ -149,7 +149,9 @@ def numbers_of(summary, truths):
         if name in intervals:
             ends = intervals[name]
             sign = np.sign(ends.q50) if name == "gravity" else 1.0
-            low, middle, high = sorted(float(sign * value) for value in (ends.q05, ends.q50, ends.q95))
+            low, middle, high = sorted(
+                float(sign * value) for value in (ends.q05, ends.q50, ends.q95)
+            )
             numbers[name] = [truth, low, middle, high]
     return numbers
 
