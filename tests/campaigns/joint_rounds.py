@@ -23,10 +23,10 @@ import numpy as np
 from campaigns import evidence, joint_world, servos
 from campaigns.evidence import Gathered
 from campaigns.promises import Outcome, rate
+from joint_worlds import simulator
 from rigs import ladder
 from scipy.stats import binomtest
 
-from bayesfric.blind.engines import mujoco_joints
 from bayesfric.blind.engines.reference import Withheld
 from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
@@ -47,7 +47,7 @@ CANNOT_TELL = "one way at each pose"
 def shuffled(base):
     """Return all effects in an order of a base's own."""
     return sorted(
-        mujoco_joints.effect_names(),
+        simulator.effect_names(),
         key=lambda name: hashlib.sha256(f"{base}{name}".encode()).digest(),
     )
 
@@ -56,7 +56,7 @@ def withheld_of(place, base):
     """Return the kind of a joint, and its effects with their strengths."""
     if place % 3 == 0:
         return "none", ()
-    effects, outsiders = shuffled(base), mujoco_joints.outsider_names()
+    effects, outsiders = shuffled(base), simulator.outsider_names()
     number = place - place // 3 - 1
     turn, effect = number % ACTING, effects[number % len(effects)]
     if turn in OUTSIDE:
@@ -79,10 +79,10 @@ def arm(place, base):
     """Diagnose one joint of an arm whose other joints move and are not in the log."""
     seeds = (seed for seed in count(base) if _is_an_arm(seed))
     seed = next(islice(seeds, place, None))
-    free = [name for name in shuffled(base) if not mujoco_joints.BY_NAME[name].needs]
+    free = [name for name in shuffled(base) if not simulator.BY_NAME[name].needs]
     effects = () if place % 3 == 0 else ((free[place % len(free)], joint_world.FULL),)
     kind = "effect" if effects else "none"
-    made = mujoco_joints.make(Withheld(kind, effects, "own"), seed, design=REAL)
+    made = simulator.make(Withheld(kind, effects, "own"), seed, design=REAL)
     recording, joint_name = made.recording, made.truth["joint"]
     samples = recording.axis.samples
     alone = samples[samples["joint"] == joint_name].reset_index(drop=True)
@@ -106,7 +106,7 @@ def arm(place, base):
 
 
 def _is_an_arm(seed):
-    world = mujoco_joints.drawn_world(seed, frozenset(), REAL)
+    world = simulator.drawn_world(seed, frozenset(), REAL)
     return world.knows in ("others", "model") and world.arm.joints > 1
 
 

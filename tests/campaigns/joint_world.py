@@ -1,4 +1,4 @@
-"""Diagnoses of joints that MuJoCo moves, with something withheld; see ``mujoco_joints``.
+"""Diagnoses of joints that MuJoCo moves, with something withheld; see ``joint_worlds``.
 
 The campaign that plays them is ``joint_rounds``.
 
@@ -14,9 +14,9 @@ from dataclasses import replace
 from itertools import combinations, count, islice
 
 import numpy as np
+from joint_worlds import simulator
+from joint_worlds.arm import Machine
 
-from bayesfric.blind.engines import mujoco_joints
-from bayesfric.blind.engines.joint_arm import Machine
 from bayesfric.blind.engines.reference import Withheld
 from bayesfric.diagnosis import diagnose
 
@@ -42,12 +42,12 @@ def is_sealed(name):
 
 def names(sealed):
     """Return the effects of one half of the catalogue."""
-    return tuple(name for name in mujoco_joints.effect_names() if is_sealed(name) == sealed)
+    return tuple(name for name in simulator.effect_names() if is_sealed(name) == sealed)
 
 
 def _kinds(sealed) -> Iterator[tuple[str, tuple]]:
     """Yield what is withheld, without end: kinds take turns."""
-    effects, outsiders = names(sealed), mujoco_joints.outsider_names()
+    effects, outsiders = names(sealed), simulator.outsider_names()
     pairs = [pair for pair in combinations(effects, 2) if not any(set(pair) <= a for a in ALIKE)]
     for turn in count():
         for place, name in enumerate(effects):
@@ -78,14 +78,14 @@ def cases(number, design="perfect", sealed=False, first_seed=FIRST_SEED):
 def made(given):
     """Return the recording of a case, and the truth about it."""
     kind, effects, seed, design = given
-    return mujoco_joints.make(Withheld(kind, tuple(effects), "own"), seed, design=design)
+    return simulator.make(Withheld(kind, tuple(effects), "own"), seed, design=design)
 
 
 def case(given):
     """Diagnose one case, and say what was named beside what acts."""
     case_made = made(given)
     truth = case_made.truth
-    world = mujoco_joints.drawn_world(given[2], needs_of(given[1]), given[3])
+    world = simulator.drawn_world(given[2], needs_of(given[1]), given[3])
     summary = diagnose(case_made.recording).summary
     joints = {diagnosed.joint or truth["joint"]: diagnosed for diagnosed in summary.joints} or {
         truth["joint"]: summary
@@ -115,7 +115,7 @@ def case(given):
 
 def needs_of(effects):
     """Return what a world must have in which some effects act."""
-    return frozenset().union(*(mujoco_joints.BY_NAME[name].needs for name, _ in effects))
+    return frozenset().union(*(simulator.BY_NAME[name].needs for name, _ in effects))
 
 
 def truths_of(world, truth, effects):

@@ -7,9 +7,8 @@ from collections import Counter
 import numpy as np
 import pytest
 from campaigns import joint_rounds, joint_world
+from joint_worlds import simulator
 from rigs import ladder
-
-from bayesfric.blind.engines import mujoco_joints
 
 
 def test_a_third_of_the_joints_is_empty_and_all_else_comes():
@@ -101,7 +100,7 @@ def test_numbers_that_an_effect_is_part_of_have_no_truth():
 
 
 def drawn_at(seed):
-    return mujoco_joints.drawn_world(seed, frozenset(), "real")
+    return simulator.drawn_world(seed, frozenset(), "real")
 
 
 def test_one_load_that_is_lifted_alone_moves_one_way_at_each_pose():

@@ -82,7 +82,7 @@ def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Ar
     size = float(np.linalg.norm(quick) * np.linalg.norm(moved))
     if not mass > 0 or size == 0:
         return way, nothing
-    if min(quick @ moved / size, shaken_by_counts(log)) > -AXIS_RULES.answers:
+    if min(float(quick @ moved) / size, shaken_by_counts(log)) > -AXIS_RULES.answers:
         return way, nothing
     kicked = _quick(np.cumsum(quick), half) * log.interval_s / mass
     within = 0.5 * np.abs(quick) * log.interval_s / mass  # from the middle of a step to its end
