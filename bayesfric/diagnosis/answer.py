@@ -32,10 +32,13 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis.widening import (
+    BELOW_ZERO,
     INERTIA,
     all_at_once,
     by_held_out,
     by_parts,
+    by_sign,
+    is_below_zero,
     is_open,
     widened,
 )
@@ -121,10 +124,11 @@ def law_told(
         return law
     hides = gravity_hides_inertia(compared.model, judged.residuals.turns)
     wide = (by_held_out(law, measured.gap, practical), by_gravity(hides, judged.named))
+    speed = float(np.nanmean(np.abs(judged.residuals.covariates["velocity"])))
     there = judged.above >= RULES.likely
     unexplained = conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there)
     parts = by_parts(law, compared.model, judged.residuals.turns) if unexplained else {}
-    factors = all_at_once(wide, at_least=parts)
+    factors = all_at_once((all_at_once(wide, at_least=parts),), at_least=by_sign(law, speed))
     return by_the_instrument(widened(law, factors), conclusion.instrument, factors, scatter)
 
 
@@ -271,6 +275,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     return (
         *(line for rig in data.rigs for line in rig.doubts(law)),
         *([NOT_APART.format(factor=factor)] if hidden else []),
+        *([BELOW_ZERO] if data.rigs[0].along_path and is_below_zero(law) else []),
         *undeclared(
             question.recording.rig,
             conclusion.verdict,

@@ -282,6 +282,8 @@ def _why_open(
     verdict: Verdict, rig: RigTrials, residuals: Residuals, instrument: Instrument | str, gap: Gap
 ) -> str | None:
     """Return why an unknown force along a path, or one of some rivals, is not sure; else None."""
+    if "coulomb" in rig.untold and verdict in ("named", "unseparated"):
+        return rig.open_still
     if rig.along_path and verdict == "unseparated":
         return why_beyond_rivals(gap)
     if not rig.along_path or verdict != "unknown":
@@ -310,6 +312,8 @@ def _why_not_shown(
 ) -> str | None:
     """Return why these data could not have shown a gap: the first reason, and what it hides."""
     rig = model.data.rigs[0]
+    if "coulomb" in rig.untold:
+        return rig.open_still
     first = (
         why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)

@@ -60,6 +60,10 @@ class AxisRules:
         the acceleration is a curve over the place but for this part of it
     acceleration_shows : 1 (axis-windows)
         inertia is told beside a pull where no error makes this part of its own
+    one_force : 1 (axis-windows)
+        forces along the speed that differ by less than this part are one
+    no_friction : 1 (axis-windows)
+        a joint has friction or inertia that takes this part of its force
     one_speed : 1 (axis-windows)
         speeds that differ by less than this part are one speed
     own_length : 1 (axis-windows)
@@ -119,6 +123,8 @@ class AxisRules:
     pulled: float = 0.02
     like_a_curve: float = 0.05
     acceleration_shows: float = 0.5
+    one_force: float = 0.05
+    no_friction: float = 0.005
     one_speed: float = 0.05
     own_length: float = 1.05
     least_length: float = 7.0

@@ -32,6 +32,7 @@ from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.mistakes import likely_mistakes
+from bayesfric.rigs.single_axis.moved_otherwise import MovedOtherwise, moved_otherwise
 from bayesfric.rigs.single_axis.next_runs import lay_out, settings_of
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
@@ -298,6 +299,8 @@ class AxisRuns(RigTrials):
         too_slow = self.servo is not None and not self.servo.tells_inertia
         if self.servo is not None:
             return {"mass": self.servo.no_inertia} if too_slow else {}
+        if self._moved_otherwise is not None:
+            return dict.fromkeys(("mass", "coulomb", "viscous"), self._moved_otherwise.advice)
         return {"mass": LIKE_A_PULL} if self._pulled_alike else {}
 
     @cached_property
@@ -306,6 +309,14 @@ class AxisRuns(RigTrials):
         own = self.readings.acceleration_of_its_own
         pulled = self.measures.rotary and self.measures.pull > 0
         return pulled and own < AXIS_RULES.acceleration_shows
+
+    @cached_property
+    def _moved_otherwise(self) -> MovedOtherwise | None:
+        """Why the force says nothing of the joint's own friction; see :mod:`.moved_otherwise`."""
+        if self.servo is not None or self._beside is not None or self._load_is_known:
+            return None
+        inside = self.measures.limit.within(self.readings)
+        return moved_otherwise(self.readings, self.measures, inside)
 
     @property
     def scale_share(self) -> float:
@@ -319,7 +330,9 @@ class AxisRuns(RigTrials):
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
         lines += beyond_limit(self.constants, self.readings.drive, self.unit)
-        if self._pulled_alike and self.servo is None:
+        if self._moved_otherwise is not None:
+            lines.append(self._moved_otherwise.advice)
+        elif self._pulled_alike and self.servo is None:
             lines.append(LIKE_A_PULL)
         if self.servo is None:
             viscous = "c3" not in self._lacks
@@ -437,6 +450,8 @@ class AxisRuns(RigTrials):
     def open_still(self) -> str | None:
         """That it hardly turns, so that effects of the place were not examined, or spikes."""
         needed = min(TURNS)
+        if self._moved_otherwise is not None:
+            return self._moved_otherwise.why
         if self.turns < needed and self._beside is None:
             return (
                 f"the joint turns {self.turns} time{'' if self.turns == 1 else 's'}, and from "
