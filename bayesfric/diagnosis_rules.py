@@ -48,6 +48,8 @@ class DiagnosisThresholds:
         causes whose held-out shrink is this much below the model's are overruled
     predicts_better : errors (held-out)
         causes have to predict held-out data better by so many standard errors
+    predicts_beside : errors (held-out)
+        a cause of a joint beside others, of some twenty effects, predicts better by so many
     few_blocks : blocks (held-out)
         of fewer the error of what they tell is itself hardly known
     remainder_tells : 1 (held-out)
@@ -162,6 +164,7 @@ class DiagnosisThresholds:
     most_shrink: float = 1.2
     shrink_missed: float = 0.1
     predicts_better: float = 2.0
+    predicts_beside: float = 3.0
     few_blocks: int = 12
     remainder_tells: float = 3.0
     number_open: float = 0.5

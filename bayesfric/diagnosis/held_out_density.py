@@ -120,7 +120,8 @@ def least_asked_for(
     """Return the cause beside others without which blocks held out are predicted as well.
 
     A pair has to predict better than either of it alone: a law that is wrong by a little is made
-    right by many another effect beside it. None where each predicts better by enough errors, or
+    right by many another effect beside it, and of some twenty the best predicts better by two
+    errors by chance alone. None where each predicts better by enough errors, or
     where there is nothing to hold out.
 
     Parameters
@@ -136,7 +137,7 @@ def least_asked_for(
             return None
         errors[name] = densities.difference / max(densities.error, LEAST_ERROR)
     weakest = min(errors, key=lambda name: errors[name])
-    return weakest if errors[weakest] < RULES.predicts_better else None
+    return weakest if errors[weakest] < RULES.predicts_beside else None
 
 
 def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]:

@@ -104,7 +104,8 @@ def test_three_assemblies_tell_no_error(monkeypatch):
     [
         ({"backlash": (-3.0, 12.0), "stiction": (500.0, 100.0)}, "backlash"),
         ({"stribeck": (12.0, 10.0), "stiction": (15.0, 10.0)}, "stribeck"),
-        ({"stribeck": (21.0, 10.0), "stiction": (150.0, 18.0)}, None),
+        ({"cogging": (22.0, 10.0), "gravity-torque": (106.0, 20.0)}, "cogging"),
+        ({"stribeck": (31.0, 10.0), "stiction": (150.0, 18.0)}, None),
     ],
 )
 def test_the_cause_that_held_out_data_ask_for_least_is_the_one_in_doubt(told, weakest, monkeypatch):
