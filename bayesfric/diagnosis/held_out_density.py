@@ -121,7 +121,8 @@ def least_asked_for(
 
     A pair has to predict better than either of it alone: a law that is wrong by a little is made
     right by many another effect beside it, and of some twenty the best predicts better by two
-    errors by chance alone. None where each predicts better by enough errors, or
+    errors by chance alone. One that predicts every block better stands, however much blocks
+    differ. None where each predicts better by enough errors, or
     where there is nothing to hold out.
 
     Parameters
@@ -135,9 +136,10 @@ def least_asked_for(
         densities = block_densities(model, search, [name], np.random.default_rng(seed))
         if densities is None:
             return None
-        errors[name] = densities.difference / max(densities.error, LEAST_ERROR)
-    weakest = min(errors, key=lambda name: errors[name])
-    return weakest if errors[weakest] < RULES.predicts_beside else None
+        if np.any(densities.beside <= densities.without):
+            errors[name] = densities.difference / max(densities.error, LEAST_ERROR)
+    doubtful = {name: by for name, by in errors.items() if by < RULES.predicts_beside}
+    return min(doubtful, key=lambda name: doubtful[name]) if doubtful else None
 
 
 def _one_by_one(model: LinearModel, best: Weighed) -> tuple[LinearModel, Acting]:

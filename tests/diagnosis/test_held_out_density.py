@@ -102,17 +102,23 @@ def test_three_assemblies_tell_no_error(monkeypatch):
 @pytest.mark.parametrize(
     ("told", "weakest"),
     [
-        ({"backlash": (-3.0, 12.0), "stiction": (500.0, 100.0)}, "backlash"),
-        ({"stribeck": (12.0, 10.0), "stiction": (15.0, 10.0)}, "stribeck"),
-        ({"cogging": (22.0, 10.0), "gravity-torque": (106.0, 20.0)}, "cogging"),
-        ({"stribeck": (31.0, 10.0), "stiction": (150.0, 18.0)}, None),
+        ({"backlash": (5.0, -8.0, 3.0, -3.0), "stiction": (90.0, 120.0, 140.0, 150.0)}, "backlash"),
+        ({"stribeck": (8.0, -2.0, 5.0, 1.0), "stiction": (8.0, -1.0, 5.0, 3.0)}, "stribeck"),
+        # Better by 2.5 errors, and in each block though by no two errors: of these one stands.
+        ({"cogging": (5.0, -0.2, 4.0, 4.4), "gravity-torque": (2.0, 9.0, 400.0, 9e3)}, "cogging"),
+        (
+            {
+                "stribeck": (5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, -0.1),
+                "stiction": (50.0, 60.0, 70.0, 60.0),
+            },
+            None,
+        ),
     ],
 )
 def test_the_cause_that_held_out_data_ask_for_least_is_the_one_in_doubt(told, weakest, monkeypatch):
     def densities(model, search, causes, rng):
         (name,) = causes
-        difference, error = told[name]
-        return BlockDensities(np.zeros(2), (difference + error * np.array([1.0, -1.0])) / 2)
+        return BlockDensities(np.zeros(len(told[name])), np.array(told[name]))
 
     monkeypatch.setattr(held_out_density, "block_densities", densities)
     rng = np.random.default_rng(1)
