@@ -37,6 +37,8 @@ class DiagnosisThresholds:
         held-out]
     predicts_better: causes have to predict held-out data better by so many standard errors [errors;
         held-out]
+    predicts_beside: a cause of a joint beside others, of some twenty effects, predicts better by so
+        many [errors; held-out]
     few_blocks: of fewer the error of what they tell is itself hardly known [blocks; held-out]
     remainder_tells: held-out data leave at most this times what a remainder beside the causes tells
         [1; held-out]
@@ -126,6 +128,7 @@ class DiagnosisThresholds:
     most_shrink: float = 1.2
     shrink_missed: float = 0.1
     predicts_better: float = 2.0
+    predicts_beside: float = 3.0
     few_blocks: int = 12
     remainder_tells: float = 3.0
     number_open: float = 0.5

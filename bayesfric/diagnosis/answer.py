@@ -1,5 +1,6 @@
 """The summary of a diagnosis: what ``diagnosis.json`` has of it."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -202,7 +203,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         model, law, judged.posterior, told_of.causes, gap, judged.residuals
     )
     words = sentence_of(_statement(answer, told_of, unseparated))
-    considered = [cause for cause in told_of.considered if cause.effect in words]
+    considered = [cause for cause in told_of.considered if is_named(cause.effect, words)]
     return DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),
@@ -235,6 +236,11 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         target=_asked_for(answer, law),
         **_machine(answer),
     )
+
+
+def is_named(effect: str, words: str) -> bool:
+    """Return whether a sentence names an effect, and not only one whose name has it as a part."""
+    return re.search(rf"(?<![\w-]){re.escape(effect)}(?![\w-])", words) is not None
 
 
 def _statement(
