@@ -11,7 +11,7 @@ from bayesfric.margins.terms import (
 )
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.gain import LAW, SHOWN_UNITS, WORDS, gain_figures
+from bayesfric.report.chapters.gain import ASSUMED, LAW, SHOWN_UNITS, WORDS, gain_figures
 from bayesfric.report.chapters.margins_figures import over_frequency, over_speed
 from bayesfric.report.content import (
     Block,
@@ -73,20 +73,22 @@ def margins(record: MarginsFile, *, alone: bool) -> Iterator[Block]:
     if not alone:
         yield from gain_figures(record)
     for loop in record.loops:
-        yield from _loop(loop)
+        yield from _loop(loop, assumed=not alone)
 
 
-def _loop(loop: LoopMargins) -> Iterator[Block]:
+def _loop(loop: LoopMargins, *, assumed: bool) -> Iterator[Block]:
+    """Yield all of a loop; what it assumes only if page one has not said it."""
     yield Heading(2, f"Loop {loop.name}")
     if loop.title:
         yield Paragraph(f"{loop.title}.")
     if loop.plant is not None:
         yield Paragraph(loop.plant.sentence)
-    if loop.warnings:
+    warnings = [line for line in loop.warnings if assumed or not line.startswith(ASSUMED)]
+    if warnings:
         yield Notice(
             "attention",
-            f"{len(loop.warnings)} remarks on these numbers:",
-            points=[_sentence(warning) for warning in loop.warnings],
+            f"{len(warnings)} {'remark' if len(warnings) == 1 else 'remarks'} on these numbers:",
+            points=[_sentence(warning) for warning in warnings],
         )
     yield Table(
         ["What the draws leave of ", Code(loop.name), "."],
