@@ -97,10 +97,10 @@ def residual_charts(predictive: xr.DataTree, unit: str) -> list[Chart]:
     return charts
 
 
-def _order(rig: RigTable) -> NDArray[np.int64]:
+def _order(rig: RigTable) -> NDArray[np.float64]:
     """Return the order of measuring; that of the table where all trials have the same one."""
-    order = np.asarray(rig.table["order"].to_numpy(), dtype=np.int64)
-    return np.arange(1, order.size + 1) if np.ptp(order) == 0 else order
+    order = np.asarray(rig.table["order"].to_numpy(), dtype=np.float64)
+    return np.arange(1.0, order.size + 1) if np.ptp(order) == 0 else order
 
 
 def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:

@@ -115,8 +115,8 @@ def _stored(entries: Mapping[str, ParameterSummary]) -> Table | None:
         ["parameter", *decimal_columns("R-hat"), *right_columns("bulk ESS")],
         rows,
         label="stored-draws",
-        note="The file has at most 4,000 of the draws, evenly spaced, an ensemble a chain: fewer "
-        "effective draws than all together, and an R-hat that chance makes a little larger.",
+        note="The file keeps at most 4,000 of the draws, evenly spaced, with one chain for each "
+        "ensemble. So it has fewer effective draws, and chance makes its R-hat slightly larger.",
     )
 
 
@@ -157,9 +157,8 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
             for name, of_prior, of_likelihood in sensitivities
         ],
         label="sensitivity",
-        note="How far the cumulative distribution of the coefficient moves if all priors, or the "
-        "likelihood, are raised to a power, for a doubling of it: power-scaling. Below 0.05 the "
-        "component hardly matters.",
+        note="Power-scaling: how far the cumulative distribution of the coefficient moves when the "
+        "power of all priors, or of the likelihood, doubles. Below 0.05 it hardly matters.",
     )
 
 
