@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from benchmark.compare import at_least, within
 from benchmark.memory import resident_mib
+from benchmark.verbs import BUNDLED, COMMAND, measured
 
 from bayesfric.analysis import Analysis
 from bayesfric.campaign import run_on_processes
@@ -20,6 +21,8 @@ CASES = 12
 MANY = 39  # diagnoses of one process, from whose growth that of 1,000 is told
 SEED = 1
 SPEEDUP, OVERHEAD, GROWTH_MIB = 1.9, 0.05, 50.0
+VERBS = {"claims": ["claims", BUNDLED], "blind": ["blind"], "calibrate": ["calibrate"]}
+OF_A_CAMPAIGN = 8  # cases of a verb that makes recordings itself
 
 
 def case(seed):
@@ -35,6 +38,19 @@ def ran(workers, cases):
         began = time.perf_counter()
         found = run_on_processes(case, cases, Path(folder), workers)
         return time.perf_counter() - began, list(found.values())
+
+
+def seconds_of_verbs():
+    """Return the wall seconds of each verb with one and with two workers."""
+    seconds = {}
+    for verb, words in VERBS.items():
+        cases = [] if verb == "claims" else ["--n", str(OF_A_CAMPAIGN)]
+        with tempfile.TemporaryDirectory() as folder:
+            seconds[verb] = [
+                measured([*COMMAND, *words, *cases, "-o", f"{folder}/{n}", "--workers", str(n)])[0]
+                for n in (1, 2)
+            ]
+    return seconds
 
 
 def targets():
@@ -54,7 +70,13 @@ def targets():
         within("executor, share of a campaign's time", 1 - inside / one, OVERHEAD),
         within(f"1,000 quick diagnoses by {len(held)}, growth in MiB", grown, GROWTH_MIB),
     ]
-    return rows, {"one_s": one, "two_s": two, "inside_s": inside, "held_mib": held.tolist()}
+    of_verbs = seconds_of_verbs()
+    rows += [
+        at_least(f"{verb}, two workers over one", double, single, single / double, SPEEDUP)
+        for verb, (single, double) in of_verbs.items()
+    ]
+    figures = {"one_s": one, "two_s": two, "inside_s": inside, "held_mib": held.tolist()}
+    return rows, figures | {"verbs_s": of_verbs}
 
 
 if __name__ == "__main__":
