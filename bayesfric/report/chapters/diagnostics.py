@@ -72,8 +72,8 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         note="Priors are half-normal(scale), normal(mean, sd), log-normal(median, sd of the "
         "logarithm), uniform(low, high), or of another family with its numbers. R-hat is "
         "rank-normalised and split, with the walkers of an ensemble pooled into its chain; "
-        "walkers: the same with each walker as a chain, from the covariance of its halves, to "
-        "which the chance of few draws adds little. ESS is the number of effective draws; for "
+        "walkers: the same with each walker as a chain, by an estimate that few draws bias "
+        "little. ESS is the number of effective draws; for "
         "the bulk, the smaller of ArviZ's and that of batch means. Contraction is 1 − posterior "
         "sd / prior sd: 0 where the data say nothing, 1 where they say all, a dash where the "
         "prior has no sd. Informed: the data say more than the prior.",

@@ -65,8 +65,8 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
             "An S that first rises and then falls says that trials scatter more than the model "
             "says, its mirror image that they scatter less, and a bow to one side that friction "
             "is misjudged. "
-            "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
-            f"trials of one {group_words(stored.fit.rigs)[0]} dependent as the model has them. "
+            "The band is simultaneous: 95 % of recordings made again stay inside it everywhere. "
+            f"Trials of one {group_words(stored.fit.rigs)[0]} are correlated as in the model. "
             "From ",
             Code("predictive.nc"),
             ".",
