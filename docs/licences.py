@@ -10,12 +10,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ELSEWHERE = {"colorama"}  # on Windows alone, where no pin is tested
-HEAD = """# Licences of what is installed beside it
+HEAD = """# Licences of the packages it needs
 
-bayesfric itself is under the MIT licence. The packages of `requirements.lock`, those for its
-development included, say of themselves, in their metadata or the first line of their licence file:
+bayesfric itself is under the MIT licence. This table has the packages of
+`requirements.lock`, those for development included, with the licence that each states in its
+metadata or in the first line of its licence file:
 
-| package | version | licence | said in |
+| package | version | licence | stated in |
 |---|---|---|---|
 """
 

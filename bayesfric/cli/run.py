@@ -99,30 +99,27 @@ def run_into(
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name.
 
-    Stages that are done, of the same recording, settings and code, are kept: neither `junit`
-    nor what is printed changes a result. The diagnosis needs nothing of the fit: with `beside`
-    it is made while that is.
+    Stages that are done, of the same recording, settings and code, are kept: neither `junit` nor
+    what is printed changes a result. With `beside`, the diagnosis is made during the fit.
     """
     from bayesfric.claims.junit import write_junit
     from bayesfric.cli.stages import Stages, digest_of_results
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile
 
+    common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
     spoken: dict[str, Any] = {"quiet": quiet, "verbose": verbose}
     stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
     diagnosing = partial(diagnosed, recording, output, analysis, baseline=baseline)
     begun = executor.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
-        "fit",
-        lambda: fit_into(
-            [recording], output, analysis, rigs=rigs, loops=loops, baseline=baseline, quiet=quiet
-        ),
+        "fit", lambda: fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
     )
     happened |= stages.after(
         "claims",
         lambda: claims_into(
-            recording, output, analysis, executor, rigs=rigs, baseline=baseline, **spoken
+            recording, output, analysis, executor, rigs=rigs, verbose=verbose, **common
         ),
     )
     if junit is not None:  # whether the claims were judged now or before

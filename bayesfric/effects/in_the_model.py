@@ -4,12 +4,12 @@ from types import MappingProxyType
 
 IN_THE_MODEL = MappingProxyType(
     {
-        "coupling": "other joints that are logged are in every hypothesis, with amounts of their "
-        "own; of those that are not nothing can be told (rig.other_joints)",
-        "model-error": "errors of the machine's model are in every hypothesis that has one "
-        "(rig.robot), and stand under model_error",
-        "torque-gain": "an error of the force's scale is one of all numbers of the law together: "
-        "it shows beside a mass that is declared, in the first line of attention",
+        "coupling": "every hypothesis includes the pull of other logged joints; joints "
+        "that are not logged cannot be examined (rig.other_joints)",
+        "model-error": "every hypothesis includes errors of the machine's model, if there is one "
+        "(rig.robot); diagnosis.json has them under model_error",
+        "torque-gain": "a wrong scale of the force changes all numbers of the law alike: it shows "
+        "only beside a mass that is declared, in the first line of attention",
     }
 )
 """By name, of a driven joint."""

@@ -34,7 +34,7 @@ class Rule:
 
 RULES = (
     Rule("friction_nominal", "N", "cable", "at most", note="eq. (15) at the known tension"),
-    Rule("friction_recursive", "N", "cable", "at most", note="pulley by pulley"),
+    Rule("friction_recursive", "N", "cable", "at most", note="of each pulley at its own tension"),
     Rule("steady_error_servo", "m", "tool tip", "at most", "steady_error_max_m"),
     Rule("lost_motion", "m", "tool tip", "at most", "lost_motion_max_m",
          "to one side, unseen by the encoder: the stretch by friction, and half of the play"),

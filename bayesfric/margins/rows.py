@@ -196,7 +196,7 @@ def _note(about: _About, interval: Interval | None, value: Array, finite: Array)
         case "friction_nominal" | "friction_recursive":
             used = {run.model for _, run in shaft.loop.every_run}
             if used == {rule.name.removeprefix("friction_")}:
-                notes.append("this one is in the loop")
+                notes.append("the loop uses this one")
             if len(shaft.stages) == 2:
                 notes.append("of both cables, as a force on the cable at the motor")
         case "steady_error_servo":
@@ -209,7 +209,7 @@ def _note(about: _About, interval: Interval | None, value: Array, finite: Array)
             if (shaft.ki > 0).any():
                 notes.append("an integral works it off, if the loop does not hunt")
             elif shaft.loop.compensation.signal in ("measured", "reference"):
-                notes.append("without the compensator, which may be off or wrong at rest")
+                notes.append("computed without the compensator, which may be off or wrong at rest")
         case "gamma_hunting" | "limit_cycle_amplitude" | "limit_cycle_frequency":
             notes.append(hunting.note)
             if rule.name == "gamma_hunting" and finite.size < value.size:
@@ -239,7 +239,7 @@ def _linear_notes(
             "the loop is uncertain: one number, not a distribution"
         )
     elif direction is None:
-        notes.append("its spread is that of the loop's own numbers: Coulomb friction is not in it")
+        notes.append("it spreads with the loop's own numbers: Coulomb friction has no part in it")
     elif direction is not None:
         notes.append("in an open run friction counts the load side 1/η or η, so c1 and c3 move it")
     if not linear.stable.all():

@@ -139,7 +139,11 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
         _not_examined(some, speeds),
         f"simulated in {rows.size} draws, at {len(speeds)} reference speeds, after a kick of "
         f"{np.median(some.kick):.3g} rad at the motor (median)"
-        + (f"; γ* does not hold, as it needs that {'; '.join(broken)}" if broken else ""),
+        + (
+            f"; the formula for γ* does not apply, since it needs that {', and that '.join(broken)}"
+            if broken
+            else ""
+        ),
     )
 
 

@@ -38,6 +38,8 @@ PRINTED = {
     "c3": (1e6, "$c_3$ [10⁻⁶ deg⁻¹]"),
 }
 
+LOWERED = str.maketrans("123", "₁₂₃")  # of c1, as the text has it
+
 
 def coefficients_relative_to_paper(
     predictive: xr.DataTree,
@@ -140,7 +142,7 @@ def ratio_charts(
             ratios.append(ratio)
             said.append(
                 [
-                    f"{name} {size}",
+                    f"{name.translate(LOWERED)} {size}",
                     f"{rounded(ratio[1], ratio[0], ratio[2])} "
                     f"({rounded(ratio[0], ratio[0], ratio[2])} to "
                     f"{rounded(ratio[2], ratio[0], ratio[2])})",
@@ -160,7 +162,7 @@ def ratio_charts(
             columns=["coefficient", "over the paper's, 90 %", "median", "the paper's"],
             clouds=clouds,
             curves=[Curve("", COLORS["black"], np.ones(2), line, dashed=True)],
-            rows=[f"{name} {size}" for name, size in rows],
+            rows=[f"{name.translate(LOWERED)} {size}" for name, size in rows],
         )
     ]
 

@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.live import Band, Chart, Curve, clouds_by_size, trial_words
@@ -75,7 +76,7 @@ def residual_charts(predictive: xr.DataTree, unit: str) -> list[Chart]:
     charts = []
     for rig in rig_tables(predictive):
         columns, words = trial_words(rig, unit)
-        order, z = rig.table["order"].to_numpy(), rig.table["z"].to_numpy()
+        order, z = _order(rig), rig.table["z"].to_numpy()
         ends = np.array([order.min() - 1, order.max() + 1])
         level = np.ones(2)
         limit = float(rig.table["z_limit"])
@@ -96,6 +97,12 @@ def residual_charts(predictive: xr.DataTree, unit: str) -> list[Chart]:
     return charts
 
 
+def _order(rig: RigTable) -> NDArray[np.float64]:
+    """Return the order of measuring; that of the table where all trials have the same one."""
+    order = np.asarray(rig.table["order"].to_numpy(), dtype=np.float64)
+    return np.arange(1.0, order.size + 1) if np.ptp(order) == 0 else order
+
+
 def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:
     table = rig.table
     axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
@@ -103,7 +110,7 @@ def _draw(axes: Axes, rig: RigTable, styles: dict[str, SizeStyle]) -> None:
         limit = sign * float(table["z_limit"])
         axes.axhline(limit, color=COLORS["black"], linewidth=LINE, linestyle=":")
     sizes = np.array(rig.sizes)
-    order, z = table["order"].to_numpy(), table["z"].to_numpy()
+    order, z = _order(rig), table["z"].to_numpy()
     for size, look in styles.items():
         axes.plot(
             order[sizes == size],

@@ -12,6 +12,7 @@ from bayesfric.schemas import ScorecardFile
 from bayesfric.schemas.scorecard import Confusion, Detected, ReliabilityBin, Target
 
 ROW_MM = 4.4
+LOW_MM = 44.0  # of the height where few promises have cases, so that little of it is empty
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
 OUTCOMES = {"kept": COLORS["green"], "missed": COLORS["vermilion"]}  # others: too few to tell
 FEWEST = 4  # rows of promises for which there is room at least
@@ -34,7 +35,8 @@ def promises_and_reliability(card: ScorecardFile) -> Figure:
         right how often verdicts were correct over the probability that they reported.
     """
     tried = tuple(target for target in card.targets if target.rate.rate is not None)
-    with figure(height=max(SQUARE_MM, 18.0 + ROW_MM * len(tried))) as fig:
+    least = SQUARE_MM if len(tried) > FEWEST else LOW_MM
+    with figure(height=max(least, 18.0 + ROW_MM * len(tried))) as fig:
         left, right = halves(fig, 8, 5)
         _promises(left.subplots(), tried)
         _reliability(right.subplots(), card.reliability)

@@ -36,12 +36,12 @@
       data.high = numbers(cloud.high);
     }
     const source = new ColumnDataSource({ data });
+    const across = chart.rows.length > 0; // a bar a row, which is easier to point at than its dot
     if (cloud.low !== null) {
-      const across = chart.rows.length > 0;
       const ends = across
         ? { x0: { field: "low" }, x1: { field: "high" }, y0: { field: "y" }, y1: { field: "y" } }
         : { x0: { field: "x" }, x1: { field: "x" }, y0: { field: "low" }, y1: { field: "high" } };
-      const look = { line_color: cloud.color, line_width: 1.5, line_alpha: 0.6 };
+      const look = { line_color: cloud.color, line_width: across ? 4 : 1.5, line_alpha: 0.6 };
       shown.push(fig.segment({ ...ends, ...look, source }));
     }
     const many = cloud.x.length > 1000;
@@ -50,8 +50,9 @@
       size: many ? 3 : 7, line_color: cloud.color, fill_color: cloud.color,
       fill_alpha: many ? 0.4 : 0.25, line_alpha: many ? 0.4 : 1,
     });
+    const bars = across && shown.length > 0 ? shown[0] : dots;
     shown.push(dots);
-    return { shown, dots };
+    return { shown, pointed: bars };
   };
 
   const draw = (chart, place, filters) => {
@@ -76,9 +77,9 @@
     }
     const pointed = [];
     for (const cloud of chart.clouds) {
-      const { shown, dots } = points(fig, chart, cloud);
-      keep(cloud.name, shown);
-      pointed.push(dots);
+      const drawn = points(fig, chart, cloud);
+      keep(cloud.name, drawn.shown);
+      pointed.push(drawn.pointed);
     }
     const tooltips = chart.columns.map((name, column) => [name, `@said${column}`]);
     fig.add_tools(new HoverTool({ renderers: pointed, tooltips }));

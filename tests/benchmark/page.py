@@ -6,21 +6,25 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "benchmark.md"
 INTRODUCTION = """\
 # Benchmark
 
-`make bench` runs samplers side by side on the same marginal posteriors of the bundled recording,
-each in a process of its own, and writes this page from `reports/evidence/benchmark.json`. All
-times are processor time of one thread; ratios within one run are what counts, since times differ
-from machine to machine. Draws are effective draws of the worst coefficient of the law. "From
-cold" is the time to 4,000 of these, imports, compilation and tuning included. The limit is
-independent draws from the Laplace fit, weighted. Peers get the same sufficient statistics, and
-their settings are those that they come with, not tuned by their authors; a peer whose chains have
-an R-hat above 1.05 is shown, and not compared with. Ours takes `walkers = 1024`, `burn = 10`,
-`steps = 50` and `thin = 1`, where `fit` by default has 40 walkers that go on for longer. The
-peers' density is written in JAX by this project and is not optimised: a ratio above 1 says what
-was measured with it, and not what the peer can do. Of what has a limit, the limit stands under
-"peer" and the ratio is the share of it: 1 at most. Each repeat has a seed of its own; event level
-is run once. Means and standard deviations of all parameters, of the draws of all repeats together,
-are compared with each peer's and with the limit's; the largest difference stands for all. Commands
-are timed cold, by the wall. Kernels are timed by pytest-benchmark: the median.
+`make bench` runs samplers on the same marginal posteriors of the bundled recording, each in a
+process of its own. It writes this page from `reports/evidence/benchmark.json`.
+
+- **Times** are processor time of one thread. Compare ratios within one run: times differ from
+  machine to machine. Commands are timed by the wall clock, from a cold start. Kernels are timed
+  by pytest-benchmark (median).
+- **Draws** are effective draws of the worst coefficient of the law. "From cold" is the time to
+  4,000 of these, including imports, compilation and tuning.
+- **The limit** is a sampler whose draws are independent: weighted draws from the Laplace fit. In
+  rows of the limit, "peer" is the limit, and the ratio is our share of it.
+- **Peers** get the same sufficient statistics. Their settings are their defaults; their authors
+  did not tune them. Their density is written in JAX by this project and is not optimised. So a
+  ratio above 1 is a result of this measurement, and not a bound on the peer. A peer whose chains
+  have an R-hat above 1.05 is shown but not compared.
+- **Ours** takes `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default `fit` has
+  40 walkers with longer chains.
+- **Agreement** compares means and standard deviations of all parameters with those of each peer
+  and of the limit, from the draws of all repeats together. The largest difference counts. Each
+  repeat has its own seed; the event-level posterior is run once.
 """
 
 

@@ -124,6 +124,14 @@ def test_residuals_stand_in_the_order_of_measuring(predictive):
         assert not axes.texts
 
 
+def test_trials_without_an_order_stand_side_by_side(predictive):
+    tree = predictive.copy()
+    table = tree["trials"].to_dataset()
+    tree["trials"] = xr.DataTree(table.assign(order=0 * table["order"] + 1))
+    places = np.sort(points(residuals_by_order(tree).axes[0])[:, 0])
+    assert places == pytest.approx(np.arange(1, table.sizes["trial"] + 1))
+
+
 def test_outliers_are_named_up_to_a_few(predictive):
     def said(count):
         tree = predictive.copy()

@@ -41,7 +41,7 @@ def checks(stored: StoredFit) -> Iterator[Block]:
             "Each trial is compared with what the fit predicts for a new trial of the same "
             f"condition on a new {group}, scatter and noise included. In ",
             Reference("residuals"),
-            " z is its distance from the predicted median in standard deviations; ",
+            ", z is the distance of a trial from its predicted median in standard deviations; ",
             Reference("coverage"),
             " counts the trials inside their interval.",
         ]
@@ -54,9 +54,9 @@ def checks(stored: StoredFit) -> Iterator[Block]:
         svg_of(residuals_by_order, stored.predictive),
         from_file(
             "predictive.nc",
-            "Friction of each trial against what a new one is predicted to do, in the order of "
-            f"measuring. A trend would be a drift of the rig; trials of one {group} lie together, "
-            "since they share its scatter.",
+            "Friction of each trial minus the prediction for a new trial, in standard "
+            "deviations, in the order of measuring. A trend would be a drift of the rig; trials "
+            f"of one {group} lie together, since they share its scatter.",
         ),
         "Points in the order of measuring scatter about zero, most of them within a shaded "
         "band of the 90 percent interval; dotted lines above and below mark outliers.",

@@ -78,10 +78,10 @@ def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
             f"The baseline is {_baseline(diagnosis)}, on the data of: {_rigs(diagnosis.rigs)}."
             f"{fixed}{_strays(diagnosis.stray_trials)} ",
             Reference("hypotheses"),
-            " gives each hypothesis's posterior probability, and what becomes of it where the "
-            "prior probability of ",
+            " gives the posterior probability of each hypothesis, also under other prior "
+            "probabilities of ",
             Code("none"),
-            " is another; ",
+            "; ",
             Code("unknown"),
             " is a force that no effect of the list makes.",
         ]
@@ -107,8 +107,8 @@ def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
         label="hypotheses",
         note="Prior: "
         + ", ".join(f"{name} {value:g}" for name, value in diagnosis.hypothesis_prior.items())
-        + ", shared equally within a number of effects. Hypotheses that were screened only have "
-        f"{format_probability(diagnosis.unvisited_probability)} at most, together."
+        + ", shared equally within a number of effects. Hypotheses that were only screened have "
+        f"together a probability of {format_probability(diagnosis.unvisited_probability)} at most."
         + (f" The {more} least probable are in diagnosis.json." if more > 1 else "")
         + (" The least probable is in diagnosis.json." if more == 1 else ""),
     )
@@ -198,8 +198,8 @@ def not_told_apart(diagnosis: DiagnosisFile) -> Iterator[Block]:
                 for effect in diagnosis.absorbed
             ],
             label="absorbed",
-            note="Bias: by how much the parameter moves at one standard deviation of the effect's "
-            "amplitude under its prior. Such an effect leaves no gap, and is not named.",
+            note="Bias: how far the parameter moves if the effect's amplitude is one standard "
+            "deviation of its prior. Such an effect leaves no gap, and is not named.",
         )
 
 
@@ -362,7 +362,7 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
         "probabilities are compared again with the law that was refitted with the most probable "
         "of them."
         + "".join(f" No figure for {', '.join(them)}: {why}." for why, them in without.items())
-        + (f" {len(absent)} further effects need what no rig here has." if absent else ""),
+        + (f" {len(absent)} further effects need data that no rig here records." if absent else ""),
     ).filled()
 
 

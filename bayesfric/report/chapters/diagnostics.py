@@ -72,8 +72,8 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         note="Priors are half-normal(scale), normal(mean, sd), log-normal(median, sd of the "
         "logarithm), uniform(low, high), or of another family with its numbers. R-hat is "
         "rank-normalised and split, with the walkers of an ensemble pooled into its chain; "
-        "walkers: the same with each walker as a chain, from the covariance of its halves, to "
-        "which the chance of few draws adds little. ESS is the number of effective draws; for "
+        "walkers: the same with each walker as a chain, by an estimate that few draws bias "
+        "little. ESS is the number of effective draws; for "
         "the bulk, the smaller of ArviZ's and that of batch means. Contraction is 1 − posterior "
         "sd / prior sd: 0 where the data say nothing, 1 where they say all, a dash where the "
         "prior has no sd. Informed: the data say more than the prior.",
@@ -115,8 +115,8 @@ def _stored(entries: Mapping[str, ParameterSummary]) -> Table | None:
         ["parameter", *decimal_columns("R-hat"), *right_columns("bulk ESS")],
         rows,
         label="stored-draws",
-        note="The file has at most 4,000 of the draws, evenly spaced, an ensemble a chain: fewer "
-        "effective draws than all together, and an R-hat that chance makes a little larger.",
+        note="The file keeps at most 4,000 of the draws, evenly spaced, with one chain for each "
+        "ensemble. So it has fewer effective draws, and chance makes its R-hat slightly larger.",
     )
 
 
@@ -157,9 +157,8 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
             for name, of_prior, of_likelihood in sensitivities
         ],
         label="sensitivity",
-        note="How far the cumulative distribution of the coefficient moves if all priors, or the "
-        "likelihood, are raised to a power, for a doubling of it: power-scaling. Below 0.05 the "
-        "component hardly matters.",
+        note="Power-scaling: how far the cumulative distribution of the coefficient moves when the "
+        "power of all priors, or of the likelihood, doubles. Below 0.05 it hardly matters.",
     )
 
 

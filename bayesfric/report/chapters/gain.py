@@ -47,6 +47,7 @@ HUNTING = (
     "To hunt is to swing about the target instead of coming to rest; γ is the share of the "
     "modelled friction that the controller compensates."
 )
+UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 ASSUMED = "Assumed: "  # begins a remark of a loop's file on what nobody measured
 LITTLE = 0.01  # of a variance
 LAW = "c1, c2, c3"  # the group of a variance that the friction law is
@@ -96,7 +97,8 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
     for loop in margins.loops:
         decided = " ".join(_decided(loop))
         if decided:
-            yield Paragraph([Code(loop.name), f": {decided}"])
+            several = len(margins.loops) > 1
+            yield Paragraph([Code(loop.name), f": {decided}"] if several else decided)
     if margins.law is not None:
         yield Paragraph(margins.law.sentence)
     yield from _assumed(margins.loops)
@@ -203,7 +205,17 @@ def _decided(loop: LoopMargins) -> Iterator[str]:
     law = "under 1 %" if shares[LAW] < LITTLE else format_share(shares[LAW])
     yield f"c1, c2 and c3 make {law} of the variance of friction."
     if first != LAW:
-        yield f"The assumed {first} makes {format_share(shares[first])}: measure that."
+        words = key_words(first)
+        said = words if words == first else f"{words} ({first})"
+        yield f"The assumed {said} makes {format_share(shares[first])}: measure that."
+
+
+def key_words(key: str) -> str:
+    """Return a key of the loop file in words: ``joint.inertia_kg_m2`` as joint inertia."""
+    words = UNIT.sub("", key).replace("_", " ").split(".")
+    if words[0] == "runs":
+        words = [words[2], "of run", str(int(words[1]) + 1)]
+    return " ".join(words)
 
 
 def _specs(margins: MarginsFile) -> Iterator[Table]:

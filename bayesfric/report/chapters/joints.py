@@ -45,16 +45,16 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
                 for error in diagnosis.model_error
             ],
             label="model-error",
-            note="Mean ± standard deviation. Clearly off: by more than is usual of a model.",
+            note="Mean ± standard deviation. Clearly off: by more than models usually are.",
         )
     yield Paragraph(
         [
-            "The rest of this chapter is of the joint ",
+            "The rest of this chapter is about the joint ",
             Code(str(diagnosis.joint)),
-            ". That of the others is under ",
-            Code("joints"),
-            " in ",
+            ". ",
             Code("diagnosis.json"),
+            " has the others under ",
+            Code("joints"),
             ".",
         ]
     )

@@ -1,6 +1,5 @@
 """Controller margins: which compensation gain to set, and what else is left."""
 
-import re
 from collections.abc import Iterator
 
 from bayesfric.margins.terms import (
@@ -11,7 +10,14 @@ from bayesfric.margins.terms import (
 )
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.gain import LAW, SHOWN_UNITS, WORDS, gain_figures
+from bayesfric.report.chapters.gain import (
+    ASSUMED,
+    LAW,
+    SHOWN_UNITS,
+    WORDS,
+    gain_figures,
+    key_words,
+)
 from bayesfric.report.chapters.margins_figures import over_frequency, over_speed
 from bayesfric.report.content import (
     Block,
@@ -43,7 +49,6 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.loop_runs import Held
 from bayesfric.schemas.margins import LoopMargins, Metric
 
-UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
 
@@ -74,20 +79,22 @@ def margins(record: MarginsFile, *, alone: bool) -> Iterator[Block]:
     if not alone:
         yield from gain_figures(record)
     for loop in record.loops:
-        yield from _loop(loop)
+        yield from _loop(loop, assumed=not alone)
 
 
-def _loop(loop: LoopMargins) -> Iterator[Block]:
+def _loop(loop: LoopMargins, *, assumed: bool) -> Iterator[Block]:
+    """Yield all of a loop; what it assumes only if page one has not said it."""
     yield Heading(2, f"Loop {loop.name}")
     if loop.title:
         yield Paragraph(f"{loop.title}.")
     if loop.plant is not None:
         yield Paragraph(loop.plant.sentence)
-    if loop.warnings:
+    warnings = [line for line in loop.warnings if assumed or not line.startswith(ASSUMED)]
+    if warnings:
         yield Notice(
             "attention",
-            f"{len(loop.warnings)} remarks on these numbers:",
-            points=[_sentence(warning) for warning in loop.warnings],
+            f"{len(warnings)} {'remark' if len(warnings) == 1 else 'remarks'} on these numbers:",
+            points=[_sentence(warning) for warning in warnings],
         )
     yield Table(
         ["What the draws leave of ", Code(loop.name), "."],
@@ -253,27 +260,19 @@ def _shares(loop: LoopMargins) -> Iterator[Block]:
     ]
     yield Table(
         ["What the spread of ", Code(loop.name), " comes from: first-order shares of variance."],
-        ["figure", *(Column(_group(group), align="right") for group in groups)],
+        ["figure", *(Column(key_words(group), align="right") for group in groups)],
         [
             [_worded(name), *(_shown_share(shares[group]) for group in groups)]
             for name, shares in shown
         ],
         label=f"shares-{loop.name}",
-        note="c1, c2 and c3 are correlated and count as one; a dot is less than 2 %. What a row "
-        "lacks to 100 % is interplay.",
+        note="c1, c2 and c3 are correlated and count as one; a dot is less than 2 %. The rest "
+        "to 100 % is interaction of these numbers.",
     )
 
 
 def _shown_share(share: float) -> str:
     return format_share(share) if share >= SMALL_SHARE else "·"
-
-
-def _group(key: str) -> str:
-    """Return a key of the loop file in words: ``joint.inertia_kg_m2`` as joint inertia."""
-    words = UNIT.sub("", key).replace("_", " ").split(".")
-    if words[0] == "runs":
-        words = [words[2], "of run", str(int(words[1]) + 1)]
-    return " ".join(words)
 
 
 def _worded(label: str) -> str:

@@ -57,9 +57,9 @@ def over_frequency(loop: LoopMargins) -> Iterator[Block]:
         from_file(
             "margins.json",
             "Left, the open loop of some draws with −1 and the unit circle: without friction. "
-            "Right, what friction sees, motor speed per friction torque, with −1/N(A): a curve "
-            "that crosses the solid half can swing with friction alone at the edge of what it "
-            "holds, one that crosses the dashed half can hunt once γF̂ outweighs F.",
+            "Right, motor speed per friction torque, with −1/N(A) of friction. A curve that "
+            "crosses the solid half can swing with friction alone. A curve that crosses the dashed "
+            "half can hunt where γF̂ exceeds F.",
         ),
         "Two panels of thin curves in the complex plane, a curve for each draw.",
         label=f"nyquist-{loop.name}",

@@ -47,7 +47,7 @@ def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> I
     yield Paragraph(
         [
             "Each trial is now left out in turn. The fit to all others, those of its own "
-            f"{group_words(stored.fit.rigs)[0]} included, gives the probability that it has less "
+            f"{group_words(stored.fit.rigs)[0]} included, gives the probability of less "
             "friction than was measured. If the model is right, these probabilities are uniform. ",
             " ".join(map(_uniform, uniformities)),
         ]
@@ -63,10 +63,10 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
         [
             "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
             "An S that first rises and then falls says that trials scatter more than the model "
-            "has it, its mirror image that they scatter less, and a bow to one side that friction "
+            "says, its mirror image that they scatter less, and a bow to one side that friction "
             "is misjudged. "
-            "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
-            f"trials of one {group_words(stored.fit.rigs)[0]} dependent as the model has them. "
+            "The band is simultaneous: 95 % of recordings made again stay inside it everywhere. "
+            f"Trials of one {group_words(stored.fit.rigs)[0]} are correlated as in the model. "
             "From ",
             Code("predictive.nc"),
             ".",
@@ -186,6 +186,6 @@ def _limit(predictions: tuple[Prediction, ...]) -> str:
     if not limits:
         return ""
     return (
-        f" Where a Pareto k is above {format_number(min(limits), 2)}, weights of draws that saw "
-        "the group fail, and the posterior without it is sampled anew."
+        f" Where a Pareto k is above {format_number(min(limits), 2)}, the weights of the draws are "
+        "not reliable, and the posterior without that group is sampled anew."
     )

@@ -272,6 +272,10 @@ def _remark(line: str, fit: FitFile) -> str:
     return line if line.endswith((".", ":")) else f"{line}."
 
 
+def _capital(line: str) -> str:
+    return line[:1].upper() + line[1:]
+
+
 def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
@@ -279,6 +283,9 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     lines = [
         line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
     ]
+    if stored.margins is not None and len(stored.margins.loops) == 1:
+        name = f"{stored.margins.loops[0].name}: "  # of one loop, which the answer names
+        lines = [_capital(line.removeprefix(name)) for line in lines]
     diagnosed = stored.diagnosis
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
         lines.append(

@@ -43,8 +43,8 @@ def further_posteriors(stored: StoredFit) -> Iterator[Block]:
     yield Paragraph(
         [
             Reference("densities"),
-            " sets each posterior beside its prior. Where the prior is level it does not push; "
-            "the higher the posterior stands above it, the more the data say.",
+            " sets each posterior beside its prior. A level prior has no influence. The "
+            "higher the posterior rises above the prior, the more the data inform the parameter.",
         ]
     )
     yield Figure(
