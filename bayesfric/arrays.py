@@ -14,17 +14,26 @@ Record = TypeVar("Record")
 
 
 def taken(record: Record, rows: Whole) -> Record:
-    """Return some of the draws: rows of each array of a frozen record, and of those in it."""
+    """Return some of the draws: the last axis of each array of a record and of those in it."""
 
     def some(value: Any) -> Any:
         if isinstance(value, np.ndarray):
-            return value[rows]
+            return value[..., rows]
         if is_dataclass(value) and not isinstance(value, type):
             return replace(value, **{f.name: some(getattr(value, f.name)) for f in fields(value)})
         return tuple(map(some, value)) if isinstance(value, tuple) else value
 
     of_record: Record = some(record)
     return of_record
+
+
+class PerDraw:
+    """A state that changes, whose arrays have the draws in their last axis."""
+
+    def keep(self, rows: Whole) -> None:
+        """Keep some of the draws and drop the others."""
+        for name, value in vars(self).items():
+            setattr(self, name, taken(value, rows))
 
 
 def evenly(count: int, most: int) -> Whole:

@@ -1,7 +1,12 @@
-"""Thresholds of an engine in one frozen dataclass: a unit, a sentence and a page each."""
+"""Thresholds of an engine in one frozen dataclass, whose docstring tells what each decides."""
 
-from dataclasses import field, fields
+import re
+from dataclasses import fields
+from inspect import getdoc
 from typing import Any, NamedTuple
+
+ENTRY = re.compile(r"^(\w+) : (.+) \(([\w-]+)\)\n((?: {4}.+\n?)+)", re.MULTILINE)
+"""Of a docstring: name, unit, page and, indented below, the sentence."""
 
 
 class Rule(NamedTuple):
@@ -28,19 +33,21 @@ class Rule(NamedTuple):
     page: str
 
 
-def rule(value: float, unit: str, sentence: str, page: str) -> Any:
-    """Return the field of a threshold, for the body of a frozen dataclass."""
-    return field(default=value, metadata={"unit": unit, "sentence": sentence, "page": page})
-
-
 def rules_of(rules: Any) -> tuple[Rule, ...]:
     """Return the thresholds of an engine in the order of its dataclass.
 
     Parameters
     ----------
     rules : dataclass
-        Whose fields are made by :func:`rule`.
+        Its docstring has an entry ``name : unit (page)`` for each field, and the sentence below;
+        without docstrings (``python -OO``) there are none to tell.
     """
+    decides = {
+        name: (unit, " ".join(sentence.split()), page)
+        for name, unit, page, sentence in ENTRY.findall(getdoc(type(rules)) or "")
+    }
     return tuple(
-        Rule(entry.name, getattr(rules, entry.name), **entry.metadata) for entry in fields(rules)
+        Rule(entry.name, getattr(rules, entry.name), *decides[entry.name])
+        for entry in fields(rules)
+        if entry.name in decides
     )

@@ -5,6 +5,7 @@ import importlib.util
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,9 @@ from report.sample import SVG, document
 
 import bayesfric
 from bayesfric.cli import app
+from bayesfric.recording import write_recording
 from bayesfric.report.html import render_html
+from bayesfric.simulate import simulate_recording
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -108,6 +111,27 @@ def test_a_page_runs_as_written(page, tmp_path):
             [*interpreter, text], cwd=tmp_path, env=environment, capture_output=True, text=True
         )
         assert done.returncode == 0, f"{text}\n{done.stdout}\n{done.stderr}"
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("page", ["recording", "results"])
+def test_python_of_a_reference_page_runs_as_written(page, tmp_path):
+    """These pages take a recording, or results, for granted."""
+    write_recording(simulate_recording("quick", seed=7), tmp_path / "my-board")
+    shutil.copytree(ROOT / "reports" / "reference", tmp_path / "bayesfric-run")
+    examples = blocks(ROOT / "docs" / f"{page}.md", "python")
+    assert examples
+    for _, text in examples:
+        subprocess.run([sys.executable, "-c", text], cwd=tmp_path, check=True)
+
+
+def test_the_workflow_runs_on_three_systems_and_every_python_that_is_promised():
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+    versions = re.findall(r"Python :: (3\.\d+)", (ROOT / "pyproject.toml").read_text("utf-8"))
+    assert versions == ["3.11", "3.12", "3.13", "3.14"]
+    pythons = ", ".join(f'"{version}"' for version in versions)
+    assert workflow.count(f"python: [{pythons}]") == 2  # of Linux, and of the two below
+    assert "os: [macos-15, windows-2025]" in workflow
 
 
 def test_the_gallery_shows_what_its_page_tells_to_type():

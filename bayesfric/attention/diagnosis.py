@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
 
 FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
@@ -96,8 +97,13 @@ def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:
     return {name: number for name, number in diagnosis.law.items() if _is_biased(number)}
 
 
+def _refitted(number: LawNumber) -> Interval:
+    """Return a number of the fit with the causes, by least squares as the fit without them is."""
+    return number.least_squares or number.after
+
+
 def _is_biased(number: LawNumber) -> bool:
-    after, alone = number.after, number.before.mean
+    after, alone = _refitted(number), number.before.mean
     matters = abs(alone - after.mean) > SHARE_THAT_MATTERS * abs(after.mean)
     return matters and not after.q05 <= alone <= after.q95
 
@@ -114,14 +120,15 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
         f"Without {causes} the fit gives {worst} as {number.before.mean:.3g}{unit} instead of "
-        f"{number.after.mean:.3g}{unit}.{more} fit.json and claims.json are of this biased law"
+        f"{_refitted(number).mean:.3g}{unit}.{more} fit.json and claims.json are of this biased law"
     )
 
 
 def _relative_bias(number: LawNumber) -> float:
     """Return how far the number of the law alone is off, as a share of that with the causes."""
-    off = abs(number.before.mean - number.after.mean)
-    return off / abs(number.after.mean) if number.after.mean else float("inf")
+    refitted = _refitted(number).mean
+    off = abs(number.before.mean - refitted)
+    return off / abs(refitted) if refitted else float("inf")
 
 
 def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:

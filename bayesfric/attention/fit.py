@@ -248,8 +248,8 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
             yield (
                 f"Friction of assembly {assembly.setup} of the {rig} is {abs(assembly.z):.1f} "
                 f"standard deviations {'above' if assembly.z > 0 else 'below'} its prediction "
-                "from all other assemblies; by chance that happens in one recording of "
-                f"{max(round(1 / assembly.chance), 1):,}"
+                "from all other assemblies; chance alone does that in one of "
+                f"{max(round(1 / assembly.chance), 1):,} recordings"
             )
         if check.p_value < NOT_UNIFORM:
             yield (

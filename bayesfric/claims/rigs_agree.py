@@ -96,9 +96,9 @@ def _judge(claim: Claim, case: Case) -> Finding:
     return Finding(
         verdict_by(rules, probability),
         f"With probability {stated(probability)} all {len(sizes)} conditions agree within "
-        f"{share(rules.rig_tolerance)} and most within {share(rules.rig_usual_tolerance)}, the "
-        "calibration of each rig as uncertain as its prior and these data leave it; "
-        f"the largest median difference is {100 * medians[furthest]:+.2g} % ({furthest}).",
+        f"{share(rules.rig_tolerance)} and most within {share(rules.rig_usual_tolerance)}. "
+        "That counts how uncertain the calibration of each rig is. "
+        f"The largest median difference is {100 * medians[furthest]:+.2g} % ({furthest}).",
         figures,
         why="the claim rests on a probability",
     )

@@ -35,7 +35,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
         verdict_by(rules, probability),
         f"A stretching cable changes friction by less than {share(rules.stiffness_tolerance)} "
         f"with probability {stated(probability)}; in the median by {share(float(np.median(off)))}. "
-        "The stiffness is that of the prior; these data give masses, times and noise alone.",
+        "The stiffness comes from its prior: these data do not measure it.",
         {
             "probability": probability,
             "median_change": float(np.median(off)),

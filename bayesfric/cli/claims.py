@@ -13,9 +13,11 @@ from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
     from concurrent.futures import Executor
 
     from bayesfric.analysis import Analysis
+    from bayesfric.schemas.claims import ClaimResult
 
 
 @exit_status
@@ -31,6 +33,7 @@ def claims(
     seed: options.Seed = None,
     config: options.Config = None,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
     fail_on_list: Annotated[str, options.fails("claims")] = "",
     listing: Annotated[
         bool, options.switch("--list", "List the claims, what the paper states, and where.")
@@ -60,10 +63,25 @@ def claims(
             rigs=chosen,
             baseline=baseline,
             quiet=quiet,
+            verbose=verbose,
         )
     if not quiet:
         say(f"{output / 'claims.json'}", err=True)
     return happened
+
+
+def claim_lines(claims: "Sequence[ClaimResult]", *, verbose: bool) -> "Iterator[str]":
+    """Yield a line a claim; without `verbose`, a reason only where a verdict is not support.
+
+    Claims that are all not testable for one reason are one line.
+    """
+    reasons = {(claim.verdict, claim.reason) for claim in claims}
+    if not verbose and len(reasons) == 1 and claims[0].verdict == "not-testable":
+        yield f"None of the {len(claims)} claims is testable. {claims[0].reason}"
+        return
+    for claim in claims:
+        explained = verbose or claim.verdict in ("refuted", "undecided")
+        yield f"{claim.id:<24} {claim.verdict:<13} {claim.reason if explained else ''}".rstrip()
 
 
 def _list() -> None:
@@ -83,6 +101,7 @@ def claims_into(
     rigs: list[str] | None,
     baseline: str,
     quiet: bool,
+    verbose: bool = False,
 ) -> set[str]:
     """Judge, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.claims import check_claims
@@ -105,7 +124,9 @@ def claims_into(
         )
         checked.write(output, junit=junit)
     shutil.rmtree(checkpoint)
-    for claim in checked.summary.claims:
-        say(f"{claim.id:<24} {claim.verdict:<13} {claim.reason}")
+    for line in claim_lines(checked.summary.claims, verbose=verbose):
+        say(line)
+    if not (quiet or verbose):
+        say("note: --verbose gives the reason of every verdict", err=True)
     happened = say_attention(checked.summary.attention, quiet=quiet)
     return happened | {"refuted"} if checked.refuted else happened

@@ -15,10 +15,11 @@ from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from bayesfric.analysis import Analysis
     from bayesfric.diagnosis.diagnosed import Diagnosed
+    from bayesfric.schemas import DiagnosisFile
 
 CHECKPOINT = ".checkpoint-diagnosis"
 
@@ -81,6 +82,7 @@ def diagnose(
     seed: options.Seed = None,
     config: options.Config = None,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
     fail_on_list: Annotated[str, options.fails("diagnose")] = "",
 ) -> set[str]:
     """Find which effect causes the sim-to-real gap; write diagnosis.json and diagnosis.nc.
@@ -118,6 +120,7 @@ def diagnose(
                 announce=None if quiet else partial(say, err=True),
             ),
             quiet=quiet,
+            verbose=verbose,
         )
     if not quiet:
         say(f"{output / 'diagnosis.json'}", err=True)
@@ -151,29 +154,42 @@ def diagnosed(
     return with_replay(done, held_out, what, analysis.seed)
 
 
-def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bool) -> set[str]:
+def diagnose_into(
+    output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bool, verbose: bool = False
+) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.diagnosis.target import target_lines
-    from bayesfric.export.entered import entered_lines
-    from bayesfric.probabilities import stated
 
     with stage("weighing the effects that the baseline leaves out", quiet=quiet):
         result = compute()
         result.write(output)
     shutil.rmtree(output / CHECKPOINT, ignore_errors=True)  # of a simulator nothing is kept
     summary = result.summary
-    say(f"{summary.verdict}: {summary.sentence}")
-    for block in summary.joints or (summary,):
-        if summary.joints:
-            say(f"{block.joint}: {block.verdict}: {block.sentence}")
-        for name, chance in list(block.probabilities.items())[:5]:
-            say(f"  {name:<28} {stated(chance)}")
-        for line in entered_lines(block):
-            say(line)
-        if block.replay is not None:
-            say(f"  {block.replay.sentence}")
+    for line in diagnosis_lines(summary, verbose=verbose):
+        say(line)
     happened = say_attention(summary.attention, quiet=quiet)
     if summary.target is not None:
         for line in target_lines(summary.target):
             say(line)
     return happened | failures_of(summary.verdict)
+
+
+def diagnosis_lines(summary: "DiagnosisFile", *, verbose: bool) -> "Iterator[str]":
+    """Yield the verdict, hypotheses and numbers to enter, joint by joint.
+
+    Without `verbose`, several joints have no hypotheses, and numbers no fields of simulators.
+    """
+    from bayesfric.export.entered import entered_lines
+    from bayesfric.probabilities import stated
+
+    yield f"{summary.verdict}: {summary.sentence}"
+    for block in summary.joints or (summary,):
+        if summary.joints:
+            of_joint = f"{block.joint}: {block.verdict}"
+            yield f"{of_joint}: {block.sentence}" if verbose else of_joint
+        if verbose or not summary.joints:
+            for name, chance in list(block.probabilities.items())[:5]:
+                yield f"  {name:<28} {stated(chance)}"
+        yield from entered_lines(block, fields=verbose)
+        if block.replay is not None:
+            yield f"  {block.replay.sentence}"

@@ -69,7 +69,7 @@ def export(
     with hold(folder, "export"):
         if to != "json":
             _refuse_ratios(folder)
-        if into is None and not (to == "isaaclab" or _of_several(folder)):
+        if into is None and not (to == "isaaclab" or _of_joints(folder, to)):
             _export_law(folder, to, draws)
         else:
             _export_joints(folder, to, into, joint or [], draws)
@@ -81,12 +81,17 @@ def _refuse_ratios(folder: Path) -> None:
     refuse_ratios(folder)
 
 
-def _of_several(folder: Path) -> bool:
+def _of_joints(folder: Path, to: str) -> bool:
+    """Return whether a format is written joint by joint; the Python law of pulleys is another."""
+    from bayesfric.physics.laws import OF_AXES
     from bayesfric.results import read_json
     from bayesfric.schemas import DiagnosisFile
 
     file = folder / "diagnosis.json"
-    return file.is_file() and bool(read_json(DiagnosisFile, file).joints)
+    if not file.is_file():
+        return False
+    diagnosis = read_json(DiagnosisFile, file)
+    return bool(diagnosis.joints) or (to == "python" and diagnosis.baseline in OF_AXES)
 
 
 def _export_law(folder: Path, to: str, draws: int | None) -> None:
@@ -118,6 +123,8 @@ def _export_joints(
     from bayesfric.schemas import DiagnosisFile
 
     joints = read_joints(folder)
+    for warning in (joint.warning for joint in joints if joint.warning is not None):
+        say(warning, err=True)
     if into is None:
         if to in OF_MODELS:
             expected = f"--into MODEL, your own in {to.upper()}: there are {len(joints)} joints"

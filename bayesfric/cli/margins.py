@@ -25,6 +25,7 @@ class LawName(StrEnum):
     refitted = "refitted"
 
 
+MEASURE_THAT = ": measure that."  # ends what an answer says of the number that it rests on most
 Loops = Annotated[
     list[Path] | None, typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops.")
 ]
@@ -83,6 +84,7 @@ def margins(
     seed: options.Seed = None,
     config: options.Config = None,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
     fail_on_list: Annotated[str, options.fails("margins")] = "",
 ) -> set[str]:
     """Compute controller margins over the draws of a fit; write margins.json.
@@ -122,6 +124,7 @@ def margins(
             ensembles=ensembles,
             mat=mat,
             quiet=quiet,
+            verbose=verbose,
         )
 
 
@@ -133,6 +136,7 @@ def margins_into(
     *,
     mat: Path | None = None,
     quiet: bool,
+    verbose: bool = False,
     **asked: Any,
 ) -> set[str]:
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
@@ -148,21 +152,33 @@ def margins_into(
         _say_sentences(computed.summary.law.sentence)
     happened = say_attention(computed.summary.attention, quiet=quiet)
     for loop in computed.summary.loops:
-        _say_loop(loop)
+        _say_loop(loop, verbose=verbose)
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
         if not quiet:
-            for warning in (line for line in loop.warnings if line not in loop.beyond):
-                say(f"warning: {loop.name}: {warning}", err=True)
+            _say_warnings(loop, verbose=verbose)
     return happened
 
 
-def _say_loop(loop: "LoopMargins") -> None:
-    """Print what was found of a loop."""
+def _say_warnings(loop: "LoopMargins", *, verbose: bool) -> None:
+    """Print what a loop assumes and leaves out, or how much of that there is."""
+    warnings = [line for line in loop.warnings if line not in loop.beyond]
+    if verbose:
+        for warning in warnings:
+            say(f"warning: {loop.name}: {warning}", err=True)
+    elif warnings:
+        remarks = "1 assumption or limit" if len(warnings) == 1 else f"{len(warnings)} assumptions "
+        remarks += "" if len(warnings) == 1 else "and limits"
+        say(f"note: {loop.name} has {remarks} (--verbose, or the report, lists them)", err=True)
+
+
+def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
+    """Print what margins say of a loop; without `verbose`, what it misses and what decides."""
     from bayesfric.margins.terms import (
         certificate_sentence,
         in_degrees_or_decibels,
+        is_missed,
         safe_up_to,
         safety_words,
         tuning_sentence,
@@ -173,13 +189,16 @@ def _say_loop(loop: "LoopMargins") -> None:
     up_to_words = (
         "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
     )
-    _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {loop.answer}")
+    said = _answer(loop.answer, verbose=verbose)
+    _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {said}")
     if loop.with_effects is not None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"
-        _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
+        said = _answer(loop.with_effects.answer, verbose=verbose)
+        _say_sentences(f"{loop.name} with {effects}: {said}")
     for metric in loop.metrics:
-        _say_metric(in_degrees_or_decibels(metric) or metric)
-    if (certificate := certificate_sentence(loop)) is not None:
+        if verbose or is_missed(loop, metric):
+            _say_metric(in_degrees_or_decibels(metric) or metric)
+    if verbose and (certificate := certificate_sentence(loop)) is not None:
         say(f"  {certificate}")
     if loop.tuning is not None:
         _say_sentences(f"  {tuning_sentence(loop.tuning)}")
@@ -187,6 +206,15 @@ def _say_loop(loop: "LoopMargins") -> None:
         _say_sentences(f"  {loop.following.answer}")
     if loop.verification is not None:
         _say_verified(loop.verification)
+
+
+def _answer(answer: str, *, verbose: bool) -> str:
+    """Return an answer; without `verbose`, its verdict and the number that it rests on most."""
+    from bayesfric.report.words import sentences
+
+    verdict, *others = sentences(answer)
+    kept = [line for line in others if verbose or line.endswith(MEASURE_THAT)]
+    return " ".join([verdict, *kept])
 
 
 def _say_sentences(text: str) -> None:

@@ -78,6 +78,9 @@ Scheduler = Annotated[
         "--scheduler", "ADDRESS", "Address of a Dask cluster that runs the cases: tcp://host:8786."
     ),
 ]
+Verbose = Annotated[
+    bool, switch("--verbose", "Print all that the results say, and not one screen of it.")
+]
 Quiet = Annotated[bool, switch("--quiet", "Print results only, without progress and remarks.")]
 
 

@@ -46,6 +46,7 @@ def run(
     seed: options.Seed = None,
     config: options.Config = None,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
     fail_on_list: Annotated[str, options.fails("run")] = "",
 ) -> set[str]:
     """Fit a recording, judge the claims, diagnose the gap, write the report, in one go.
@@ -74,6 +75,7 @@ def run(
             baseline=baseline,
             beside=workers > 1,
             quiet=quiet,
+            verbose=verbose,
         )
     if not quiet:
         say(f"{output / 'report.pdf'}", err=True)
@@ -92,19 +94,20 @@ def run_into(
     baseline: str,
     beside: bool,
     quiet: bool,
+    verbose: bool = False,
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name.
 
     Stages that are done, of the same recording, settings and code, are kept: neither `junit`
-    nor `quiet` changes a result. The diagnosis needs nothing of the fit: with `beside` it is
-    made while that is.
+    nor what is printed changes a result. The diagnosis needs nothing of the fit: with `beside`
+    it is made while that is.
     """
     from bayesfric.claims.junit import write_junit
     from bayesfric.cli.stages import Stages, digest_of_results
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile
 
-    common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
+    spoken: dict[str, Any] = {"quiet": quiet, "verbose": verbose}
     stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
     def begin() -> "Future[Diagnosed]":
@@ -112,10 +115,16 @@ def run_into(
 
     begun = begin() if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
-        "fit", lambda: fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
+        "fit",
+        lambda: fit_into(
+            [recording], output, analysis, rigs=rigs, loops=loops, baseline=baseline, quiet=quiet
+        ),
     )
     happened |= stages.after(
-        "claims", lambda: claims_into(recording, output, analysis, executor, rigs=rigs, **common)
+        "claims",
+        lambda: claims_into(
+            recording, output, analysis, executor, rigs=rigs, baseline=baseline, **spoken
+        ),
     )
     if junit is not None:  # whether the claims were judged now or before
         write_junit(read_json(ClaimsFile, output / "claims.json"), junit)
@@ -127,12 +136,12 @@ def run_into(
         return result
 
     happened |= stages.after(
-        "diagnosis", lambda: diagnose_into(output, diagnosis, quiet=quiet), elsewhere=elsewhere
+        "diagnosis", lambda: diagnose_into(output, diagnosis, **spoken), elsewhere=elsewhere
     )
     if loops:
         happened |= stages.after(
             "margins",
-            lambda: margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet),
+            lambda: margins_into(loops, output / "draws.nc", output, analysis, **spoken),
         )
     stages.after(
         "report",

@@ -192,7 +192,7 @@ def conclude(
     elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
     why = None if remainder is None else _why_overruled(model, judged, gap, practical, remainder)
     acting = model.amplitudes(best.at, best.acting)
-    instrument = rig.instrument(acting)
+    instrument = rig.instrument(acting, model.laws)
     contradicted = why is not None or elsewhere
     bent = None if contradicted else _why_bent(instrument, named, best, acting)
     apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
@@ -314,5 +314,6 @@ def _why_not_shown(
         why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)
         or why_bent(instrument)
+        or why_unsettled(instrument)
     )
     return first and "; ".join(filter(None, (first, rig.open_still)))

@@ -1,6 +1,7 @@
 """What is drawn of the effects: strengths, amplitudes and shapes, hypothesis after hypothesis."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,9 +13,11 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.priors import from_normal
 
 DRAWS = 1000
+MEANS = 5  # shapes at which the mean of a hypothesis' numbers is computed
 
 
 class EffectDraws:
@@ -42,9 +45,24 @@ class EffectDraws:
         own: LinearModel,
         weighed: Weighed,
         drawn: Array,
-        rng: np.random.Generator,
+        numbers: Array,
+        shapes: Sequence[Array],
     ) -> None:
-        """Take draws of effects with columns under a hypothesis."""
+        """Take draws of effects with columns under a hypothesis.
+
+        Parameters
+        ----------
+        rows : slice
+            Where they go; n of them.
+        own : LinearModel
+            Of the hypothesis.
+        weighed : Weighed
+            The hypothesis.
+        drawn, numbers : ndarray, shape (n, p)
+            Its numbers at the best shapes, and at those drawn.
+        shapes : sequence of ndarray
+            As of :func:`drawn_shapes`.
+        """
         model, residuals, full = self._model, self._residuals, self._model.full.layout
         acting = weighed.acting
         places = own.places(len(acting.laws))
@@ -56,11 +74,9 @@ class EffectDraws:
             if "period" in model.candidates[law.places[0]].effect.needs:
                 self.waves.setdefault(law.effect, []).append(mixed)
             self._keep(rows, law, strength * np.abs(values), felt * float(np.abs(values).mean()))
-            scale = model.amplitude_scale(law)
-            self.amplitudes.setdefault(law.effect, []).append(values * scale)
-            self.shapes.setdefault(law.effect, []).append(
-                _shape_draws(own, weighed, column, len(values), rng)
-            )
+            amplitude = numbers[:, places[column]] * model.amplitude_scale(law)
+            self.amplitudes.setdefault(law.effect, []).append(amplitude)
+            self.shapes.setdefault(law.effect, []).append(shape_values(own, law, shapes[column]))
 
     def take_phases(
         self,
@@ -129,14 +145,94 @@ def _log_spread(
     return float(np.sqrt(0.1**2 / max(2 * middle - below - above, 1e-2 * 0.1**2)))
 
 
+def drawn_shapes(
+    model: LinearModel, weighed: Weighed, count: int, rng: np.random.Generator
+) -> list[Array]:
+    """Return draws of each effect's shape around the best, others held, as normal quantiles.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of the hypothesis.
+    weighed : Weighed
+        The hypothesis.
+    count : int
+        S of draws.
+    rng : Generator
+        Source of randomness.
+
+    Returns
+    -------
+    list of ndarray, shape (S,) or (0,)
+        Of each effect with columns; empty of one without a shape.
+    """
+    return [
+        _shape_draws(model, weighed, column, count, rng) if law.has_shape else np.empty(0)
+        for column, law in enumerate(weighed.acting.laws)
+    ]
+
+
+def shape_values(model: LinearModel, law: Law, quantiles: Array) -> Array:
+    """Return shapes of a law in their unit, from normal quantiles."""
+    shape = model.candidates[law.places[0]].effect.shape
+    return np.empty(0) if shape is None else np.asarray(from_normal(shape.prior, quantiles))
+
+
+def numbers_at_shapes(
+    model: LinearModel,
+    weighed: Weighed,
+    wide: Wide | None,
+    forms: Mapping[str, FormShare],
+    drawn: Array,
+    shapes: Sequence[Array],
+) -> Array:
+    """Return draws of a hypothesis' numbers, moved to drawn shapes, (S, p).
+
+    Given a shape, amplitudes and the law are better known than they are: a weight on a lever
+    whose angle nobody knows takes more or less of the offset by what its angle is. What is
+    drawn at the best shape moves as the mean of the numbers does with the shape.
+
+    Parameters
+    ----------
+    model, weighed
+        As of :func:`drawn_shapes`.
+    wide, forms
+        As of :meth:`~bayesfric.diagnosis.model.LinearModel.prior`.
+    drawn : ndarray, shape (S, p)
+        Numbers at the best shapes.
+    shapes : sequence of ndarray
+        As of :func:`drawn_shapes`.
+    """
+    acting, psi = weighed.acting, weighed.at.psi
+    places = [place for law in acting.laws for place in law.places]
+    said = model.said_of(psi, places, acting.phases)
+
+    def mean_at(column: int, quantile: float) -> Array:
+        shapes_there = (*acting.shapes[:column], quantile, *acting.shapes[column + 1 :])
+        moved_acting = replace(acting, shapes=shapes_there)
+        return model.integrated(
+            psi, moved_acting, model.mixed(said, places, moved_acting), wide, forms
+        ).mean
+
+    numbers = drawn.copy()
+    for column, quantiles in enumerate(shapes):
+        if not quantiles.size:
+            continue
+        nodes = np.linspace(quantiles.min(), quantiles.max(), MEANS)
+        moves = np.stack([mean_at(column, float(node)) for node in nodes])
+        moves -= mean_at(column, acting.shapes[column])
+        near = [np.interp(quantiles, nodes, unit) for unit in np.eye(MEANS)]
+        numbers += np.transpose(near) @ moves
+    for place, law in zip(model.places(len(acting.laws)), acting.laws, strict=True):
+        if is_positive(model.amplitude_prior(law)):
+            numbers[:, place] = np.abs(numbers[:, place])
+    return numbers
+
+
 def _shape_draws(
     model: LinearModel, weighed: Weighed, column: int, count: int, rng: np.random.Generator
 ) -> Array:
-    """Draw the shape of an effect around the best, others held; nothing where there is none."""
-    law = weighed.acting.laws[column]
-    effect = model.candidates[law.places[0]].effect
-    if effect.shape is None:
-        return np.empty(0)
+    """Draw the shape of an effect around the best, others held, as normal quantiles."""
     places = [place for acting_law in weighed.acting.laws for place in acting_law.places]
     reduced = model.reduced(
         weighed.at.psi, Acting(phases=weighed.acting.phases), weighed.forms, places
@@ -158,4 +254,4 @@ def _shape_draws(
         centre, width = float(grid[np.argmax(logs)]), max(6 * sd, width / 15)
     picked = rng.choice(grid, size=count, p=weights)
     picked = picked + (grid[1] - grid[0]) * rng.uniform(-0.5, 0.5, count)
-    return np.asarray(from_normal(effect.shape.prior, np.clip(picked, -2.4, 2.4)))
+    return np.asarray(np.clip(picked, -2.4, 2.4))

@@ -141,7 +141,7 @@ def by_the_instrument(
         value = instrument.numbers.get(CALLED.get(name, name))
         if value is None:
             continue
-        if unsettled:
+        if unsettled or (name not in SIGNED and value.instrumental <= 0):
             numbers[name] = _by_as_much(name, number, value)
             continue
         error = value.instrumental_se * factors.get(name, UNCHANGED)[1]
@@ -177,12 +177,17 @@ def causes_by_the_instrument(
             amended.append(cause)
             continue
         least = 0.0 if is_positive(effect.amplitude.prior) else -np.inf
-        amplitude = Interval.of(*normal_above(value.instrumental, value.instrumental_se, least))
-        number = cause.parameters[key].model_copy(update=amplitude.model_dump())
+        before = cause.parameters[key]
+        # The instrument holds the shape, whose error the posterior has beside that of the noise.
+        shape2 = max((before.sd or 0.0) ** 2 - value.ordinary_se**2, 0.0)
+        error = float(np.hypot(value.instrumental_se, np.sqrt(shape2)))
+        amplitude = Interval.of(*normal_above(value.instrumental, error, least))
+        number = before.model_copy(update=amplitude.model_dump())
         low, high = cause.plausible_range
         changed = {
             "parameters": cause.parameters | {key: number},
             "plausible": low <= number.q50 <= high,
+            "strength": cause.strength * abs(number.q50 / before.q50) if before.q50 else 0.0,
         }
         amended.append(cause.model_copy(update=changed))
     return tuple(amended)

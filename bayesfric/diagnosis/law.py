@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
@@ -28,15 +29,24 @@ class RunScatter:
         Standard deviation over runs, of friction.
     runs : int
         How many there are.
+    modelled : float
+        What of it the model takes for scatter already, as a standard deviation over runs.
     """
 
     share: float
     runs: int
+    modelled: float = 0.0
 
     def deviations(self, count: int, rng: np.random.Generator) -> Array:
-        """Draw how far the mean of the machine is from that of these runs, of friction, (S,)."""
+        """Draw what the model leaves out of how far the mean of the machine is from these runs'.
+
+        With the model's own normal scatter its 90 % interval is that of Student's t, of friction,
+        (S,).
+        """
+        student, normal = scipy.stats.t(self.runs - 1).ppf(0.95), scipy.stats.norm.ppf(0.95)
+        beyond2 = max(self.share**2 - (self.modelled * normal / student) ** 2, 0.0)
         drawn = rng.standard_t(self.runs - 1, count)
-        return np.asarray(self.share / np.sqrt(self.runs) * drawn)
+        return np.asarray(np.sqrt(beyond2 / self.runs) * drawn)
 
 
 def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> RunScatter | None:
@@ -68,7 +78,10 @@ def scatter_of_runs(model: LinearModel, residuals: Residuals, left: Array) -> Ru
     deviation = along[there] / size[there]
     if deviation.size < RULES.runs_of_scatter:
         return None
-    return RunScatter(float(np.std(deviation, ddof=1)), int(deviation.size))
+    trials, setups = (np.unique(rows[own]).size for rows in (residuals.trial, residuals.setup))
+    tau2, omega2 = residuals.scatter[own].max(axis=0)
+    modelled = np.sqrt(deviation.size * (tau2 / trials + omega2 / setups))
+    return RunScatter(float(np.std(deviation, ddof=1)), int(deviation.size), float(modelled))
 
 
 def law_of_diagnosis(

@@ -54,6 +54,7 @@ class RefittedLaw:
         psi: Array,
         numbers: Array,
         own: Array,
+        shapes: Sequence[Array | float],
     ) -> None:
         """Take the draws of one hypothesis.
 
@@ -64,13 +65,15 @@ class RefittedLaw:
         model : LinearModel
             Of the hypothesis.
         acting : Acting
-            What acts in it. A shape is that at which the amplitudes were drawn.
+            What acts in it.
         psi : ndarray
             Logarithms of its noise.
         numbers : ndarray, shape (n, p)
             Its numbers.
         own : ndarray, shape (n, sizes, 3)
             How far the coefficients are from the model's, in its scales.
+        shapes : sequence of ndarray, shape (n,), or of float
+            At which the amplitude of each effect with columns was drawn, as normal quantiles.
         """
         self.coefficients[rows] = model.coefficients_of(own, drawn=True)
         count = sum(model.layout.nuisances)
@@ -82,7 +85,7 @@ class RefittedLaw:
             if name.startswith("omega"):
                 self.scatter.setdefault(name, np.zeros(self.draws))[rows] = value
         places = model.places(len(acting.laws))
-        for law, shape, place in zip(acting.laws, acting.shapes, places, strict=True):
+        for law, shape, place in zip(acting.laws, shapes, places, strict=True):
             effect = model.candidates[law.places[0]].effect
             self._begun(law.effect)
             self.amplitude[law.effect][rows] = numbers[:, place] * model.amplitude_scale(law)

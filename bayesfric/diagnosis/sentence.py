@@ -202,6 +202,10 @@ def _no_gap(statement: Statement) -> str:
 def _undecided(statement: Statement) -> str:
     gap, share = statement.gap, statement.share
     if statement.open_because is not None and not statement.considered:
+        if gap.probability_above_practical < RULES.likely:
+            chance = stated(gap.probability_above_practical)
+            there = f"Whether there is a gap that counts stays open (probability {chance})"
+            return f"{there}: {statement.open_because}.{statement.place}"
         there = f"There is a gap of {statement.size} {statement.chance}"
         return f"{there}; its cause stays open: {statement.open_because}.{statement.place}"
     if statement.open_because is not None:

@@ -4,6 +4,7 @@ The gap is the rms of the systematic force over the recording's conditions, once
 recalibrated: what effects, their forms, small amounts and smooth forces make together.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,12 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
-from bayesfric.diagnosis.effect_draws import DRAWS, EffectDraws
+from bayesfric.diagnosis.effect_draws import (
+    DRAWS,
+    EffectDraws,
+    drawn_shapes,
+    numbers_at_shapes,
+)
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
@@ -23,6 +29,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
 from bayesfric.hypothesis import UNKNOWN, Hypothesis
+from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.probabilities import total
 
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
@@ -107,6 +114,12 @@ def posterior_of(
         rows = slice(len(hypotheses), len(hypotheses) + count)
         own, weighed, wide = _hypothesis_of(model, search, hypothesis)
         drawn = _numbers(own, weighed, wide, count, rng)
+        shapes = drawn_shapes(own, weighed, count, rng)
+        forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
+        numbers = drawn
+        at: Sequence[Array | float] = weighed.acting.shapes
+        if model.data.rigs[0].along_path:
+            numbers, at = numbers_at_shapes(own, weighed, wide, forms, drawn, shapes), shapes
         moves = []
         for start in range(0, count, AT_ONCE):  # forces of all draws are large
             some = drawn[start : start + AT_ONCE]
@@ -114,9 +127,9 @@ def posterior_of(
             place = rows.start + start
             force[:, place : place + len(some)] = residuals.without_law(made)
             moves.append(moved)
-        refitted.take(rows, own, weighed.acting, weighed.at.psi, drawn, np.concatenate(moves))
-        effects.take_columns(rows, own, weighed, drawn, rng)
-        forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
+        of_law = np.concatenate(moves) + _of_the_law(own, numbers - drawn)
+        refitted.take(rows, own, weighed.acting, weighed.at.psi, numbers, of_law, at)
+        effects.take_columns(rows, own, weighed, drawn, numbers, shapes)
         hidden.append(effects.take_phases(rows, own, weighed, wide, forms, rng))
         hypotheses += [hypothesis] * count
     hidden2 = np.concatenate(hidden)
@@ -177,6 +190,13 @@ def _force_and_law(
     if model.data.rigs[0].along_path:
         local[:, :, _of_acting(model, acting)] = 0.0
     return force, moves + residuals.taken_by_law(_made(residuals, local))
+
+
+def _of_the_law(model: LinearModel, numbers: Array) -> Array:
+    """Return the coefficients among numbers, (S, p), of each size, (S, sizes, 3)."""
+    layout, sizes = model.layout, len(model.layout.sizes)
+    local = numbers[:, : layout.own * sizes].reshape(len(numbers), sizes, layout.own)
+    return np.asarray(local[:, :, :COEFFICIENTS])
 
 
 def _of_acting(model: LinearModel, acting: Acting) -> list[int]:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from bayesfric.analysis import HalfCauchy, HalfNormal, LogNormal, Normal, Prior, Uniform
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.inference.priors import from_normal
 
@@ -69,6 +70,12 @@ def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
     if effect.shape is not None:
         values[effect.shape.name] = np.float64(candidate.shape)
     return values, small
+
+
+def unit_response(candidate: Candidate, where: Any) -> Array:
+    """Return what an effect of amplitude 1 does at some places, by what a small one does."""
+    values, small = unit_values(candidate)
+    return np.asarray(candidate.effect.laws[candidate.law](values, where)) / small
 
 
 def prior_moments(prior: Prior) -> tuple[float, float]:

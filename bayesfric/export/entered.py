@@ -28,6 +28,12 @@ COLUMNS = (
     "90 % interval",
     *(CALLED[simulator] for simulator in SHOWN),
 )
+MEANT = {
+    "armature": "armature (the rotor's inertia)",
+    "coulomb": "coulomb (dry friction)",
+    "offset": "offset (a constant force, as of a sensor's zero)",
+}
+"""Numbers whose names alone do not say what they are."""
 NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
 
 
@@ -103,8 +109,8 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
             file = f"{number.snippet}.py"
             instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
         yield (
-            f"{who} field for {number.parameter}: without it the simulation stays off by {force}."
-            f"{instead}"
+            f"{who} field for {MEANT.get(number.parameter, number.parameter)}: without it the "
+            f"simulation stays off by {force}.{instead}"
         )
 
 
@@ -123,13 +129,15 @@ def _multiply(ratios: Sequence[Enter]) -> str:
     )
 
 
-def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:
+def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[str]:
     """Yield the table and its remarks as lines of a terminal; nothing where nothing is entered.
 
     Parameters
     ----------
     diagnosis : DiagnosisFile
         Of one joint, or of pulleys.
+    fields : bool
+        Whether the fields of simulators are among them, and what these lack.
     """
     if not diagnosis.enter:
         return
@@ -138,12 +146,14 @@ def entered_lines(diagnosis: DiagnosisFile) -> Iterator[str]:
     for remark in (why_untrusted(diagnosis), off_now(diagnosis)):
         if remark:
             yield f"  {remark}"
-    table = [COLUMNS[:-1], *(row[:-1] for row in entered_rows(diagnosis.enter))]
+    last = -1 if fields else -len(SHOWN)
+    table = [COLUMNS[:last], *(row[:last] for row in entered_rows(diagnosis.enter))]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
         yield f"  {'  '.join(cells).rstrip()}"
-    yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
+    if fields:
+        yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
 
 
 def _interval(number: Enter) -> str:

@@ -8,6 +8,8 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.export.stored_law import StoredLaw
 
+ROUNDING = 1e-9  # of friction
+
 
 @dataclass(frozen=True)
 class JointFriction:
@@ -38,6 +40,8 @@ class JointFriction:
     @property
     def said(self) -> str:
         """What the two numbers cost, a sentence."""
+        if self.error_rms <= ROUNDING * self.friction_rms:
+            return "Constant and damping are those of the law itself."
         return (
             f"Constant and damping miss the diagnosed law by {self.error_rms:.3g} rms and "
             f"{self.error_max:.3g} at most, {self.error_rms / self.friction_rms:.2%} of friction "

@@ -9,6 +9,7 @@ import xarray as xr
 from scipy.stats import norm, rankdata
 
 from bayesfric.arrays import Array
+from bayesfric.attention.diagnosis import why_untrusted
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
 from bayesfric.rigs.rotary import is_relative, turns
@@ -19,7 +20,14 @@ from bayesfric.schemas.diagnosis import Enter
 INERTIAS = ("inertia", "armature", "mass")
 """Names that the law may have for what is accelerated."""
 OF_LAW = (*INERTIAS, "coulomb", "viscous")
-NOT_BELOW_ZERO = {*OF_LAW, "air-drag.coefficient", "cubic-drag.coefficient"}
+POWER_OF_SPEED = {
+    "coulomb": 0,
+    "viscous": 1,
+    "air-drag.coefficient": 2,
+    "cubic-drag.coefficient": 3,
+}
+OF_SPEED = tuple(POWER_OF_SPEED)
+NOT_BELOW_ZERO = {*INERTIAS, *OF_SPEED}
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,8 @@ class ExportedJoint:
         By parameter, row by row together; without parameters that were not drawn.
     causes : tuple of str
         Effects that the diagnosis names.
+    warning : str or None
+        Why its numbers are not to be relied on; None where they are.
     """
 
     name: str
@@ -48,6 +58,7 @@ class ExportedJoint:
     numbers: Mapping[str, Enter]
     draws: Mapping[str, Array]
     causes: tuple[str, ...] = ()
+    warning: str | None = None
 
     @property
     def called(self) -> str:
@@ -58,6 +69,26 @@ class ExportedJoint:
     def inertia(self) -> str | None:
         """The name of the number that is accelerated; None without one."""
         return next((name for name in INERTIAS if name in self.numbers), None)
+
+    @property
+    def said(self) -> str:
+        """Which numbers these are, why they may be wrong, and what friction and damping lack."""
+        lacking = ", ".join(name for name in self.numbers if name not in (*OF_LAW, *OF_SPEED))
+        return " ".join(
+            [
+                "Numbers that diagnosis.json gives to enter in a simulator.",
+                *([] if self.warning is None else [f"{self.warning}."]),
+                *([f"Not in friction and damping: {lacking}."] if lacking else []),
+            ]
+        )
+
+    def friction(self, speed: Array) -> Array:
+        """Return friction against the motion at speeds [N or N·m]: a constant and powers."""
+        total = np.zeros(np.shape(speed))
+        for name, power in POWER_OF_SPEED.items():
+            if name in self.numbers:
+                total = total + self.numbers[name].value.mean * np.abs(speed) ** power
+        return total
 
     def possible_draws(self) -> tuple[dict[str, Array], int]:
         """Return the draws that a simulator takes, and how many it does not: those below zero."""
@@ -155,6 +186,7 @@ def _joint(block: DiagnosisFile, law: xr.Dataset) -> ExportedJoint:
         numbers=numbers,
         draws={name: values for name, values in draws.items() if name in numbers},
         causes=tuple(cause.effect for cause in block.causes),
+        warning=why_untrusted(block),
     )
 
 

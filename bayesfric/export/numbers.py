@@ -1,4 +1,4 @@
-"""The numbers of a stored law, with or without what acts beside it, and their draws."""
+"""The numbers of a stored law of pulleys, with or without what acts beside it, and their draws."""
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -13,12 +13,9 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_tree
 from bayesfric.schemas import DiagnosisFile, FitFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import LawNumber
 from bayesfric.stored_names import by_parameter
 
 MOST_DRAWS = 200
-OF_FIT = {"inertia": "mass", "armature": "mass"}  # by its name in a diagnosis
-OF_AXIS = ("mass", "coulomb", "viscous")  # in the places of c1, c2 and c3
 
 
 class Number(NamedTuple):
@@ -70,18 +67,13 @@ def _told_by_refit(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
     them, and the refit, which has both, tells neither.
     """
     alone = _fitted(fit)
-    law = _law_by_fit(diagnosis)
+    law = diagnosis.law
     apart = {_size(name) for name in law if name not in alone}
     return {
         name: Number(number.after, number.unit)
         for name, number in law.items()
         if diagnosis.causes and name in alone and _size(name) not in apart
     }
-
-
-def _law_by_fit(diagnosis: DiagnosisFile) -> dict[str, LawNumber]:
-    """Return the numbers of a diagnosis by the names that a fit has for them."""
-    return {OF_FIT.get(name, name): number for name, number in diagnosis.law.items()}
 
 
 def _size(name: str) -> str:
@@ -116,14 +108,11 @@ def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[
 def _of_refit(
     table: xr.Dataset, diagnosis: DiagnosisFile, wanted: Collection[str]
 ) -> dict[str, Array]:
-    """Return all draws of the refit by name; of an axis the columns are its own numbers."""
+    """Return all draws of the refit by name."""
     flat: dict[str, Array] = {}
     for size in map(str, table["pulley"].to_numpy()):
         columns = [table[name].sel(pulley=size).to_numpy() for name in Coefficients._fields]
         names = [coefficient_name(name, size) for name in Coefficients._fields]
-        law = _law_by_fit(diagnosis)
-        if not law.keys() & set(names):
-            names = list(OF_AXIS)
         flat |= dict(zip(names, columns, strict=True))
     flat = {name: values for name, values in flat.items() if name in wanted}
     scatter = [str(name) for name in table.data_vars if str(name).startswith("omega")]

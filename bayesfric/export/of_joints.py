@@ -7,10 +7,10 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.export.digits import by_error, rounded
-from bayesfric.export.joints import ExportedJoint
+from bayesfric.export.joints import OF_SPEED, ExportedJoint
 
 ISAACLAB = '''"""Actuators of Isaac Lab with friction and armature of joints, from Isaac Sim 5.0 on.
-{whole}
+{remarks}
 Friction is a torque or a force, viscous friction per rad/s or m/s. Gains of the drive are not a
 property of the joint: `None` leaves those of the USD file.
 """
@@ -39,7 +39,6 @@ def friction(joint, speed):
     along = viscous + quadratic * np.abs(speed) + cubic * speed**2
     return constant * np.sign(speed) + along * speed
 '''
-OF_PYTHON = ("coulomb", "viscous", "air-drag.coefficient", "cubic-drag.coefficient")
 
 
 def json_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
@@ -52,6 +51,7 @@ def json_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
                 "joint": joint.name or None,
                 "in_model": joint.in_model,
                 "causes": list(joint.causes),
+                "warning": joint.warning,
                 "enter": [number.model_dump(mode="json") for number in joint.numbers.values()],
                 "draws": {name: values.tolist() for name, values in joint.draws.items()},
             }
@@ -65,12 +65,13 @@ def python_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
     """Return a file that needs NumPy alone."""
     lines, left = [], []
     for joint in joints:
-        numbers = ", ".join(_text(joint, name) or "0.0" for name in OF_PYTHON)
+        left += _warnings([joint])
+        numbers = ", ".join(_text(joint, name) or "0.0" for name in OF_SPEED)
         lines.append(f"    {joint.called!r}: ({numbers}),\n")
         left += [
             f"{joint.called}: without {name}, {number.lost_without:.2g} rms."
             for name, number in joint.numbers.items()
-            if name not in (*OF_PYTHON, joint.inertia) and number.lost_without is not None
+            if name not in (*OF_SPEED, joint.inertia) and number.lost_without is not None
         ]
     remarks = _escaped("\n".join([f"Recording {recording!r}.", *left]))
     return PYTHON.format(remarks=remarks, joints="".join(lines))
@@ -95,8 +96,13 @@ def isaaclab_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
                  "        damping=None,\n"]  # fmt: skip
         lines += [f"        {key}={value},\n" for key, value in fields.items() if value is not None]
         groups.append(f"    {name!r}: ImplicitActuatorCfg(\n{''.join(lines)}    ),\n")
-    warning = f"\nThe armature is the whole inertia, of rotor and links, of: {', '.join(whole)}.\n"
-    return ISAACLAB.format(actuators="".join(groups), whole=_escaped(warning) if whole else "")
+    warning = f"The armature is the whole inertia, of rotor and links, of: {', '.join(whole)}."
+    remarks = "\n".join([*_warnings(joints), *([warning] if whole else [])])
+    return ISAACLAB.format(actuators="".join(groups), remarks=_escaped(remarks))
+
+
+def _warnings(joints: Sequence[ExportedJoint]) -> list[str]:
+    return [f"{joint.warning}." for joint in joints if joint.warning is not None]
 
 
 TEXTS_OF_JOINTS: Mapping[str, tuple[str, Callable[[Sequence[ExportedJoint], str], str]]] = {

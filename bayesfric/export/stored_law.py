@@ -1,18 +1,21 @@
 """The law of a folder of results: coefficients, causes, and friction where it was measured."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
+from bayesfric.export.joints import ExportedJoint, joints_of
 from bayesfric.export.numbers import Number, drawn_numbers, law_said, numbers_of
 from bayesfric.observation.coefficients import NO_PULLEY, law_of
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
+from bayesfric.physics.laws import OF_AXES
 from bayesfric.results import read_beside, read_json, refuse_mixed
 from bayesfric.schemas import DiagnosisFile, FitFile
 from bayesfric.schemas.causes import Cause
@@ -23,6 +26,8 @@ ABSENT = {
     "n_pulleys": 1.0,
     "wrap_angle": REFERENCE_WRAP_ANGLE_DEG,
 }
+ACCELERATED = {"inertia": "mass", "armature": "mass"}
+"""What a law that is written alone calls the number of a joint that is accelerated."""
 
 
 @dataclass(frozen=True)
@@ -101,49 +106,87 @@ def read_law(folder: Path) -> StoredLaw:
     Parameters
     ----------
     folder : Path
-        With the results of ``fit`` and of ``diagnose``, of one recording and one law.
+        With the results of ``diagnose`` and, of pulleys, those of ``fit``, of one recording and
+        one law.
 
     Raises
     ------
     InputError
-        A result is missing, or the two are of different recordings or laws.
+        A result is missing, or the two are of different recordings or laws, or a joint has no
+        number to enter.
     """
-    missing = [
-        Fault(file, f"it in {folder}: run `bayesfric {verb} RECORDING -o {folder}`")
-        for file, verb in (("fit.json", "fit"), ("diagnosis.json", "diagnose"))
-        if not (folder / file).is_file()
-    ]
-    if missing:
-        raise InputError(missing)
-    fit = read_json(FitFile, folder / "fit.json")
+    if not (folder / "diagnosis.json").is_file():
+        raise InputError([_missing(folder, "diagnosis.json", "diagnose")])
     diagnosis = read_json(DiagnosisFile, folder / "diagnosis.json")
+    curves = read_beside(diagnosis, folder / "diagnosis.nc")
+    if diagnosis.baseline in OF_AXES:
+        (joint,) = joints_of(diagnosis, curves)
+        return _of_joint(_measured(diagnosis, curves, folder), joint)
+    if not (folder / "fit.json").is_file():
+        raise InputError([_missing(folder, "fit.json", "fit")])
+    fit = read_json(FitFile, folder / "fit.json")
     if (fit.recording.sha256, fit.baseline) != (diagnosis.recording.sha256, diagnosis.baseline):
         expected = "a diagnosis of the recording and with the law of fit.json"
         raise InputError([Fault("diagnosis.json", expected)])
     refuse_mixed(fit, folder / "fit.json")
-    rows = read_beside(diagnosis, folder / "diagnosis.nc")["residuals"].to_dataset()
+    law, numbers = _measured(diagnosis, curves, folder), numbers_of(fit, diagnosis)
+    return replace(
+        law,
+        numbers=numbers,
+        said=law_said(fit, diagnosis),
+        coefficients=_coefficients(fit, numbers, law.friction),
+        draws=drawn_numbers(folder, fit, diagnosis),
+    )
+
+
+def _missing(folder: Path, file: str, verb: str) -> Fault:
+    return Fault(file, f"it in {folder}: run `bayesfric {verb} RECORDING -o {folder}`")
+
+
+def _measured(diagnosis: DiagnosisFile, curves: xr.DataTree, folder: Path) -> StoredLaw:
+    """Return where friction was measured, and what it was, without numbers of the law."""
+    rows = curves["residuals"].to_dataset()
     if "diagnosed_n" not in rows:
         expected = f"friction by the causes: run `bayesfric diagnose RECORDING -o {folder}` again"
         raise InputError([Fault("diagnosis.nc", expected)])
-    rows = rows.isel(row=rows["rig"].to_numpy() == fit.rigs[0])
+    rows = rows.isel(row=rows["rig"].to_numpy() == diagnosis.rigs[0])
     names = ("velocity", "tension", "n_pulleys", "wrap_angle")
     every = {name: np.asarray(rows[name].to_numpy(), dtype=np.float64) for name in names}
-    places = {name: at for name, at in every.items() if np.isfinite(at).all()}
-    friction = np.asarray(rows["diagnosed_n"].to_numpy(), dtype=np.float64)
-    numbers = numbers_of(fit, diagnosis)
     return StoredLaw(
-        name=fit.recording.name,
-        baseline=fit.baseline,
+        name=diagnosis.recording.name,
+        baseline=diagnosis.baseline,
         unit=diagnosis.gap.unit,
-        numbers=numbers,
-        said=law_said(fit, diagnosis),
-        coefficients=_coefficients(fit, numbers, friction),
-        draws=drawn_numbers(folder, fit, diagnosis),
+        numbers={},
+        said="",
+        coefficients={},
+        draws={},
         causes=diagnosis.causes,
-        places=places,
-        friction=friction,
+        places={name: at for name, at in every.items() if np.isfinite(at).all()},
+        friction=np.asarray(rows["diagnosed_n"].to_numpy(), dtype=np.float64),
         measured=np.asarray(rows["measured_n"].to_numpy(), dtype=np.float64),
         trial=rows["trial"].to_numpy(),
+    )
+
+
+def _of_joint(law: StoredLaw, joint: ExportedJoint) -> StoredLaw:
+    """Return the law of a driven joint: the numbers that its diagnosis gives to enter.
+
+    Friction is their constant and powers of speed; the residual of each row is kept. The rows'
+    own `diagnosed_n` is no friction here: the refit moves inertia and gravity in it as well.
+    """
+    numbers = {name: Number(given.value, given.unit) for name, given in joint.numbers.items()}
+    friction = joint.friction(law.place("velocity"))
+    means = {name: number.value.mean for name, number in numbers.items()}
+    return replace(
+        law,
+        numbers={ACCELERATED.get(name, name): number for name, number in numbers.items()},
+        said=joint.said,
+        coefficients={NO_PULLEY: Coefficients(0.0, means.get("coulomb", 0.0), 0.0)},
+        draws={
+            ACCELERATED.get(name, name): values.tolist() for name, values in joint.draws.items()
+        },
+        friction=friction,
+        measured=friction + (law.measured - law.friction),
     )
 
 

@@ -2,67 +2,44 @@
 
 from dataclasses import dataclass
 
-from bayesfric.rules import rule
-
 
 @dataclass(frozen=True)
 class SamplingRules:
-    """Thresholds of :mod:`bayesfric.inference`; :func:`bayesfric.rules.rules_of` lists them."""
+    """Thresholds of :mod:`bayesfric.inference`; :func:`bayesfric.rules.rules_of` lists them.
 
-    r_hat: float = rule(
-        1.01,
-        "1",
-        "draws have converged where R-hat, walkers pooled by ensemble, is below",
-        "convergence",
-    )
-    r_hat_walkers: float = rule(
-        1.02,
-        "1",
-        "and where R-hat with each walker as a chain, freed of chance, is below",
-        "convergence",
-    )
-    effective_draws: float = rule(
-        400.0,
-        "1",
-        "and where the effective draws of bulk and tail are at least this many",
-        "convergence",
-    )
-    pareto_k: float = rule(
-        0.7,
-        "1",
-        "importance weights whose tail has a larger shape are not to be relied on",
-        "importance-evidence",
-    )
-    bridge_r_hat_ensembles: float = rule(
-        1.1,
-        "1",
-        "ensembles whose multivariate R-hat is larger lie in separate modes",
-        "separated-modes",
-    )
-    bridge_r_hat_walkers: float = rule(
-        1.2,
-        "1",
-        "and so do walkers: one has so few draws that its own R-hat is a tenth above 1 by chance",
-        "separated-modes",
-    )
-    bridge_least_overlap: float = rule(
-        0.02,
-        "1",
-        "draws that overlap less with a Student-t fitted to them lie in separate modes",
-        "separated-modes",
-    )
-    difference_least_groups: int = rule(
-        20,
-        "1",
-        "with fewer groups the standard error of a difference of ELPD is too small",
-        "leave-one-out",
-    )
-    difference_least: float = rule(
-        4.0,
-        "nat",
-        "and so it is where the difference itself is smaller (Sivula et al.)",
-        "leave-one-out",
-    )
+    Each has its unit, the page of docs/decisions where it is argued, and what it decides.
+
+    Parameters
+    ----------
+    r_hat : 1 (convergence)
+        draws have converged where R-hat, walkers pooled by ensemble, is below
+    r_hat_walkers : 1 (convergence)
+        and where R-hat with each walker as a chain, freed of chance, is below
+    effective_draws : 1 (convergence)
+        and where the effective draws of bulk and tail are at least this many
+    pareto_k : 1 (importance-evidence)
+        importance weights whose tail has a larger shape are not to be relied on
+    bridge_r_hat_ensembles : 1 (separated-modes)
+        ensembles whose multivariate R-hat is larger lie in separate modes
+    bridge_r_hat_walkers : 1 (separated-modes)
+        and so do walkers: one has so few draws that its own R-hat is a tenth above 1 by chance
+    bridge_least_overlap : 1 (separated-modes)
+        draws that overlap less with a Student-t fitted to them lie in separate modes
+    difference_least_groups : 1 (leave-one-out)
+        with fewer groups the standard error of a difference of ELPD is too small
+    difference_least : nat (leave-one-out)
+        and so it is where the difference itself is smaller (Sivula et al.)
+    """
+
+    r_hat: float = 1.01
+    r_hat_walkers: float = 1.02
+    effective_draws: float = 400.0
+    pareto_k: float = 0.7
+    bridge_r_hat_ensembles: float = 1.1
+    bridge_r_hat_walkers: float = 1.2
+    bridge_least_overlap: float = 0.02
+    difference_least_groups: int = 20
+    difference_least: float = 4.0
 
 
 SAMPLING_RULES = SamplingRules()

@@ -102,7 +102,7 @@ def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: fl
     signal = shaft.loop.compensation.signal
     how = {"formula": "by formula", "simulation": "simulated"}[hunting.method]
     where = _range(hunting, shaft)
-    decided = "" if safe.condition is None else f"; {_worded(safe.condition, shaft)} decides"
+    decided = "" if safe.condition is None else f"; the worst is {_worded(safe.condition, shaft)}"
     missing = f" Not examined: {'; '.join(hunting.not_examined)}."
     if signal == "none":
         now = f"It hunts in {share_of(hunting.now)}, {where} ({how})"

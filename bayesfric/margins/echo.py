@@ -31,21 +31,22 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
     }
     sentence = (
         f"At the motor's shaft: ω_n {numbers['natural_frequency_hz']:.3g} Hz, ζ "
-        f"{numbers['damping_ratio']:.2g}, both ends ring on the cable at "
+        f"{numbers['damping_ratio']:.2g}, the cable's resonance "
         f"{numbers['resonance_hz']:.3g} Hz; inertia of motor "
         f"{numbers['motor_inertia_kg_m2']:.2g} and joint "
         f"{numbers['load_inertia_kg_m2']:.2g} kg·m². A turn of the motor is "
         f"1/{central(shaft.loop.drive.gearbox_ratio):.4g} of the capstan, "
         f"{2e3 * np.pi * numbers['cable_m_per_rad']:.3g} mm of cable and "
-        f"{2e3 * np.pi * numbers['tip_m_per_rad']:.3g} mm at the tip; the joint has "
-        f"{central(whole):.4g} rad of it per {way}."
+        f"{2e3 * np.pi * numbers['tip_m_per_rad']:.3g} mm at the tip. The motor "
+        f"turns {central(whole):.4g} rad for each {way} of the joint."
     )
     if len(shaft.stages) == 2:
         near, far = shaft.stages
         sentence += (
             f" Behind a shaft (inertia {_median(shaft.shaft_inertia):.2g} kg·m² at the motor's) a "
-            f"second cable goes {2e3 * np.pi * _median(far.per_rad):.3g} mm a turn of the motor; "
-            f"stiffness of the first and second {_median(near.stiffness):.2g} and "
+            f"second cable moves {2e3 * np.pi * _median(far.per_rad):.3g} mm for a turn of the "
+            "motor; "
+            f"the stiffnesses of the first and second are {_median(near.stiffness):.2g} and "
             f"{_median(far.stiffness):.2g} N·m/rad."
         )
     if shaft.sees_joint:

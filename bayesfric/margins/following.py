@@ -110,9 +110,9 @@ def observers(shaft: LoopAtShaft) -> dict[Compensator, Observer]:
     """
     period = np.full(shaft.friction.shape, shaft.sample_time)
     loop = shaft.sampled()
-    full = loop.array("compensation_gain") * loop.array("compensation_estimate")
+    full = loop.compensation_gain * loop.compensation_estimate
     inertia, viscous = (
-        np.full_like(period, np.median(loop.array(name))) for name in ("inertia", "viscous")
+        np.full_like(period, np.median(value)) for value in (loop.inertia, loop.viscous)
     )
     cutoff = CUTOFF * natural_frequency(shaft)
     stretch = np.maximum(band_of(shaft), BAND * full / shaft.kp)

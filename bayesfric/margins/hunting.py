@@ -26,6 +26,7 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import simulate
+from bayesfric.margins.swing import LoopMotion
 
 SHORTEST_S, LONGEST_S = 0.5, 60.0
 TRIED_AT_ONCE = 4
@@ -94,16 +95,16 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
         Durations from 0.5 s on.
     """
     tiny = np.finfo(np.float64).tiny
-    inertia, kp = loop.array("inertia"), np.maximum(np.abs(loop.array("kp")), tiny)
-    speed = np.abs(loop.per_draw("reference_speed", reference_speed))
-    friction, ki = loop.array("friction"), np.abs(loop.array("ki"))
-    lag = loop.array("delay") + loop.array("sample_time") / 2.0
-    damping = np.abs(loop.array("kd") + loop.array("viscous") - kp * lag)
+    inertia, kp = loop.inertia, np.maximum(np.abs(loop.kp), tiny)
+    speed = np.abs(np.broadcast_to(reference_speed, loop.draws))
+    friction, ki = loop.friction, np.abs(loop.ki)
+    lag = loop.delay + loop.sample_time / 2.0
+    damping = np.abs(loop.kd + loop.viscous - kp * lag)
     breakaway = loop.breakaway
     excess = breakaway - friction
     if loop.compensation_signal == "measured" and loop.at_rest == "off":
         # a compensator that is off at rest leaves more friction there
-        excess = excess + loop.array("compensation_gain") * loop.array("compensation_estimate")
+        excess = excess + loop.compensation_gain * loop.compensation_estimate
     sticks = excess > LEAST_EXCESS * friction
     with np.errstate(over="ignore"):  # endless times are cut to the longest
         settled = 16.0 * inertia / np.maximum(damping, tiny)
@@ -124,6 +125,19 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
     left = np.exp(-settling / 2.0 * damping / (2.0 * inertia))  # of a stretch of half of it
     lasts = np.clip((1.0 + left) / 2.0, *LASTS)
     return RunLength(np.minimum(wanted, LONGEST_S), settling, wanted, lasts)
+
+
+def after_a_kick(loop: SampledLoop, kick: Array, reference_speed: Array) -> LoopMotion:
+    """Simulate each draw until it has settled or hunts; arguments are of shape (draws,)."""
+    length = run_length(loop, reference_speed)
+    return simulate(
+        loop,
+        kick=kick,
+        duration=length.duration,
+        settling=length.settling,
+        lasts=length.lasts,
+        reference_speed=reference_speed,
+    )
 
 
 @dataclass(frozen=True)
@@ -148,7 +162,6 @@ def hunting_threshold(
     *,
     kick: ArrayLike,
     reference_speed: ArrayLike = 0.0,
-    duration: float | None = None,
     gammas: Sequence[float] = EVERY_TENTH,
     tolerance: float = 0.01,
     hunts_at: ArrayLike = np.inf,
@@ -169,8 +182,6 @@ def hunting_threshold(
         (conditions, draws).
     reference_speed : array_like
         Speed of the reference [rad/s], likewise.
-    duration : float or None
-        Length of each run [s]; None takes :func:`run_length`.
     gammas : sequence of float
         The γ that are tried first, increasing from 0.
     tolerance : float
@@ -185,17 +196,8 @@ def hunting_threshold(
     -------
     Thresholds
         Of each draw.
-
-    Raises
-    ------
-    ValueError
-        Where an argument cannot be used.
     """
-    if not (np.isfinite(tolerance) and tolerance > 0.0):
-        raise ValueError(f"tolerance: expected a positive number, got {tolerance}")
     grid = np.asarray(gammas, dtype=np.float64)
-    if not (grid.size and grid[0] == 0.0 and (np.diff(grid) > 0.0).all()):
-        raise ValueError(f"gammas: expected numbers that increase from 0, got {gammas}")
     kicks, speeds = (
         np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (kick, reference_speed)
     )
@@ -206,21 +208,12 @@ def hunting_threshold(
         """Return which conditions hunt, of shape (conditions, m)."""
         rows = np.tile(index, shape[0])
         tried = replace(loop.taken(rows), compensation_gain=np.tile(gamma, shape[0]))
-        speed = speeds[:, index].ravel()
-        length = run_length(tried, speed)
-        motion = simulate(
-            tried,
-            kick=kicks[:, index].ravel(),
-            duration=length.duration if duration is None else duration,
-            settling=length.settling,
-            lasts=length.lasts,
-            reference_speed=speed,
-        ).hunts
-        return motion.reshape(shape[0], index.size)
+        motion = after_a_kick(tried, kicks[:, index].ravel(), speeds[:, index].ravel())
+        return motion.hunts.reshape(shape[0], index.size)
 
     threshold, below = np.full(loop.draws, np.inf), np.zeros(loop.draws)
     condition = np.full(loop.draws, -1, dtype=np.intp)
-    most = loop.per_draw("hunts_at", hunts_at)
+    most = np.broadcast_to(hunts_at, loop.draws)
     before = np.concatenate([[-1.0], grid[:-1]])
     # a loop that hunts without compensation needs no more than the first
     first_group = 1 + min(max(expected, 1), TRIED_AT_ONCE)

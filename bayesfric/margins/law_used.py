@@ -108,7 +108,8 @@ def _refitted(path: Path, record: DiagnosisFile, diagnosed: Diagnosed, names: st
         causes=tuple(cause.effect for cause in record.causes),
         effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
         left_out=diagnosed.left_out,
-        sentence=f"Margins of the law refitted with {what}; --law fitted is the law alone."
+        sentence=f"Margins of the law refitted with {what}. "
+        "With --law fitted they are of the law alone."
         f"{left_out}",
     )
 

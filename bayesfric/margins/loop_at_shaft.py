@@ -7,9 +7,8 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole, taken
 from bayesfric.margins.cable_run import DIRECTIONS, Direction
 from bayesfric.margins.cable_stage import Stage, train_modes
-from bayesfric.margins.elastic_cable import Beyond, Cable
 from bayesfric.margins.loop_file import Loop
-from bayesfric.margins.sampled_loop import SampledLoop
+from bayesfric.margins.sampled_loop import Cable, SampledLoop
 from bayesfric.margins.wrist import Wrist
 
 STIFF = 5.0
@@ -269,7 +268,8 @@ class LoopAtShaft:
         softer = np.minimum(1.0, (STIFF / (self.ringing * self.sample_time)) ** 2)
         if not play and softer.min() < 1.0:
             return None
-        beyond = None
+        middle: tuple[Array, ...] = ()
+        rubs: tuple[Array, ...] = ()
         stored = self.lost_motion * self.stiffness
         behind = self.friction - self.drive_friction if play else stored
         if len(self.stages) == 2:
@@ -277,22 +277,16 @@ class LoopAtShaft:
             behind = far.behind + self.joint_friction
             of_near = near.friction if play else near.behind
             of_shaft = of_near + self.shaft_friction + far.friction - far.behind
-            beyond = Beyond(
-                inertia=self._heavy_shaft(softer),
-                share=of_shaft / self.friction,
-                stiffness=far.stiffness * softer,
-                damping=far.damping * np.sqrt(softer),
-            )
+            middle, rubs = (self._heavy_shaft(softer),), (of_shaft / self.friction,)
+        behind = np.minimum(behind / self.friction, 1.0)
         return Cable(
-            motor_inertia=self.motor_inertia,
-            load_inertia=self.load_inertia,
+            inertia=(self.motor_inertia, *middle, self.load_inertia),
+            rubs=(1.0 - behind - sum(rubs), *rubs, behind),
             load_viscous=self.load_viscous,
-            stiffness=self.stages[0].stiffness * softer,
-            damping=self.stages[0].damping * np.sqrt(softer),
-            behind=np.minimum(behind / self.friction, 1.0),
+            stiffness=tuple(stage.stiffness * softer for stage in self.stages),
+            damping=tuple(stage.damping * np.sqrt(softer) for stage in self.stages),
             hangs=self.load_torque,
             play=self.backlash,
-            beyond=beyond,
         )
 
     def _heavy_shaft(self, softer: Array) -> Array:
@@ -317,8 +311,10 @@ class LoopAtShaft:
         return SampledLoop(
             **{name: getattr(self, name) for name in ALIKE},
             load_torque=self.net_load,
-            velocity_cutoff=np.inf if self.cutoff is None else self.cutoff,
-            position_cutoff=np.inf if self.position_cutoff is None else self.position_cutoff,
+            velocity_cutoff=np.array(np.inf) if self.cutoff is None else self.cutoff,
+            position_cutoff=np.array(np.inf)
+            if self.position_cutoff is None
+            else self.position_cutoff,
             encoder_at=self.loop.controller.encoder_at,
             counts_per_revolution=self.counts,
             torque_limit=self.clip,

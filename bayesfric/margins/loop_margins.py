@@ -204,7 +204,7 @@ def _answer(
     spec = shaft.loop.spec
     sentences = [
         against_the_spec(judged.rows, judged.missed, judged.hunting.now, spec),
-        "All at once are met with probability "
+        "All specs at once are met with probability "
         f"{stated_of_draws(together, judged.hunting.now.size)}.",
     ]
     if beyond:

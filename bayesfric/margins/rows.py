@@ -198,7 +198,7 @@ def _note(about: _About, interval: Interval | None, value: Array, finite: Array)
             if used == {rule.name.removeprefix("friction_")}:
                 notes.append("this one is in the loop")
             if len(shaft.stages) == 2:
-                notes.append("both cables, as a force on that of the motor")
+                notes.append("of both cables, as a force on the cable at the motor")
         case "steady_error_servo":
             error = float(np.median(steady_error(shaft)))
             counts = error * float(np.median(shaft.counts)) / (2 * np.pi)

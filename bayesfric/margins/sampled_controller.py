@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bayesfric.arrays import Array, Whole, taken
+from bayesfric.arrays import Array, PerDraw, Whole
 from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
@@ -11,7 +11,7 @@ SILENT = 1e-9
 """Share of breakaway below which what is left of the filtered speed counts as none."""
 
 
-class Controller:
+class Controller(PerDraw):
     """The controller of each draw, with its state.
 
     The torque commanded is kp e + kd (ω_ref − ω) + ki ∫e dt plus the friction compensation
@@ -44,19 +44,19 @@ class Controller:
         self.observer = observer
         self.signal, self.at_rest = loop.compensation_signal, loop.at_rest
         self.reference = reference
-        self.kp, self.kd, self.ki = (loop.array(name) for name in ("kp", "kd", "ki"))
-        self.period = loop.array("sample_time")
-        self.limit = loop.array("torque_limit")
-        self.load = loop.array("load_torque")
+        self.kp, self.kd, self.ki = loop.kp, loop.kd, loop.ki
+        self.period = loop.sample_time
+        self.limit = loop.torque_limit
+        self.load = loop.load_torque
         self.breakaway = loop.breakaway
-        self.feed = loop.array("compensation_gain") * loop.array("compensation_estimate")
-        self.boundary = loop.array("boundary")
+        self.feed = loop.compensation_gain * loop.compensation_estimate
+        self.boundary = loop.boundary
         # share of a new value in a low-pass
         self.fresh, self.fresh_position = (
-            -np.expm1(-loop.array(name) * self.period)
-            for name in ("velocity_cutoff", "position_cutoff")
+            -np.expm1(-cutoff * self.period)
+            for cutoff in (loop.velocity_cutoff, loop.position_cutoff)
         )
-        counts = loop.array("counts_per_revolution")
+        counts = loop.counts_per_revolution
         self.stepped = counts > 0.0
         self.step = 2.0 * np.pi / np.where(self.stepped, counts, 1.0)
         self.integrates = bool((self.ki != 0.0).any())
@@ -69,13 +69,6 @@ class Controller:
         self.integral = np.zeros(loop.draws)
         self.last_share = np.zeros(loop.draws)
         self.last_torque = np.zeros(loop.draws)
-
-    def keep(self, rows: Whole) -> None:
-        """Keep some of the draws and drop the others."""
-        self.reference = taken(self.reference, rows)
-        for name, value in vars(self).items():
-            if isinstance(value, np.ndarray):
-                setattr(self, name, value[rows])
 
     def _read(self, position: Array) -> Array:
         return np.where(self.stepped, np.rint(position / self.step) * self.step, position)

@@ -5,16 +5,16 @@ less than a count a sample, so that shafts slip and stick at gains far below tho
 them hunt at rest. So a gain is safe only if it is safe at rest and at every speed.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Flags, Whole
-from bayesfric.margins.hunting import run_length
+from bayesfric.margins.hunting import after_a_kick
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.simulating import LoopMotion, simulate
+from bayesfric.margins.swing import LoopMotion
 
 COUNTS_A_SAMPLE = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 5.0, 10.0)
 """Reference speeds, besides rest, where the file has no range of its own."""
@@ -127,15 +127,7 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
     loop = loop.taken(np.tile(np.arange(loop.draws), len(conditions)))
     speed = np.concatenate([condition.speed_of(shaft) for condition in conditions])
     kick = np.concatenate([condition.kick_of(shaft) for condition in conditions])
-    length = run_length(loop, speed)
-    return simulate(
-        loop,
-        kick=kick,
-        duration=length.duration,
-        settling=length.settling,
-        lasts=length.lasts,
-        reference_speed=speed,
-    )
+    return after_a_kick(loop, kick, speed)
 
 
 def look(
@@ -170,11 +162,7 @@ def look(
     rows = np.concatenate([np.tile(few, len(gammas)), np.arange(draws)])
     gamma = np.concatenate([np.repeat(gammas, few.size), shaft.gamma])
     motion = run(shaft.taken(rows), speeds, gamma)
-    arrays = {
-        field.name: getattr(motion, field.name).reshape(len(speeds), -1)
-        for field in fields(motion)
-        if field.name != "traces"
-    }
+    arrays = {name: values.reshape(len(speeds), -1) for name, values in vars(motion).items()}
 
     def chart(name: str) -> NDArray[Any]:
         table = arrays[name][:, :mapped].reshape(len(speeds), len(gammas), few.size)

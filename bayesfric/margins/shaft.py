@@ -8,17 +8,19 @@ is integrated numerically. Friction that falls with speed alone is taken at the 
 an interval begins.
 """
 
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array, Flags, PerDraw, taken
+from bayesfric.margins.sampled_loop import SampledLoop
 
 SERIES_BELOW = 0.1
 SERIES_TERMS = 9  # the next term is 0.1⁹/11! ≈ 3e-17 of the sum
 
 
-class Shaft(NamedTuple):
+@dataclass(frozen=True)
+class Shaft:
     """Inertia and friction of a shaft, each of shape (draws,).
 
     Parameters
@@ -39,7 +41,8 @@ class Shaft(NamedTuple):
     breakaway: Array
 
 
-class Interval(NamedTuple):
+@dataclass(frozen=True)
+class Interval:
     """A time step and its weights, which stay the same over a whole run.
 
     Parameters
@@ -114,7 +117,7 @@ def turn(
     stops = np.flatnonzero((direction * end_speed <= 0.0) & slows & ~rests)
     if stops.size:
         travel[stops], end_speed[stops] = _after_a_stop(
-            Shaft(*(part[stops] for part in shaft)),
+            taken(shaft, stops),
             torque[stops],
             speed[stops],
             acceleration[stops],
@@ -154,34 +157,24 @@ def _weights(time: Array, rate: Array) -> tuple[Array, Array, Array]:
     return np.exp(-z), time * first, time**2 * second
 
 
-class StiffShaft:
+class StiffShaft(PerDraw):
     """The state of motor and joint as one shaft; it has the interface of a cable's `Ends`.
 
     Parameters
     ----------
-    shaft : Shaft
+    loop : SampledLoop
         What resists the torque.
-    falling, falling_speed : ndarray, shape (draws,)
-        Friction beyond the shaft's at the lowest speed, and the speed at which it has fallen to
-        1/e of that [N·m, rad/s].
-    load : ndarray, shape (draws,)
-        Torque against the motor [N·m].
     position, speed : ndarray, shape (draws,)
         At the beginning [rad, rad/s].
     """
 
-    def __init__(
-        self,
-        shaft: Shaft,
-        *,
-        falling: Array,
-        falling_speed: Array,
-        load: Array,
-        position: Array,
-        speed: Array,
-    ) -> None:
-        self.shaft, self.load = shaft, load
-        self.falling, self.falling_speed = falling, falling_speed
+    def __init__(self, loop: SampledLoop, position: Array, speed: Array) -> None:
+        self.shaft = Shaft(loop.inertia, loop.viscous, loop.friction, loop.breakaway)
+        self.load, self.falling, self.falling_speed = (
+            loop.load_torque,
+            loop.falling,
+            loop.falling_speed,
+        )
         self.position, self.speed = position, speed
 
     @property
@@ -207,19 +200,12 @@ class StiffShaft:
         """Return the number of steps of an interval, and the step."""
         return parts, Interval.of(length / parts, self.shaft)
 
-    def keep(self, rows: Whole) -> None:
-        """Keep some of the draws and drop the others."""
-        self.shaft = Shaft(*(part[rows] for part in self.shaft))
-        for name, value in vars(self).items():
-            if isinstance(value, np.ndarray):
-                setattr(self, name, value[rows])
-
     def advance(self, command: Array, step: Interval, running: Flags | None) -> None:
         """Advance the draws of `running` by one step; None is all of them."""
         shaft = self.shaft
         if self.falling.any():
             more = self.falling * np.exp(-np.abs(self.speed) / self.falling_speed)
-            shaft = shaft._replace(friction=shaft.friction + more)
+            shaft = replace(shaft, friction=shaft.friction + more)
         position, speed = turn(shaft, command - self.load, self.position, self.speed, step)
         if running is not None:
             position = np.where(running, position, self.position)

@@ -10,22 +10,24 @@ hunting, in which the shaft mostly stands, costs little. A shaft that has moved,
 briefly, for as long as its linear loop takes to settle is judged by what follows at once.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bayesfric.arrays import Array, Flags
+from bayesfric.arrays import Array, Flags, PerDraw
 from bayesfric.margins.elastic_cable import Ends
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import ConstantSpeed, Reference
 from bayesfric.margins.sampled_controller import Controller
 from bayesfric.margins.sampled_loop import SampledLoop
-from bayesfric.margins.shaft import Shaft, StiffShaft
-from bayesfric.margins.swing import Swing
-from bayesfric.margins.traces import Record, Traces
+from bayesfric.margins.shaft import StiffShaft
+from bayesfric.margins.swing import LoopMotion, Swing
+
+Recorder = Callable[[Array, Array, Array, Array], None]
 
 EARLY_TWICE = 2
 """Times that a shaft which stands again after all may be judged early: slow cycles end, too."""
@@ -33,42 +35,6 @@ STANDS_IN_SETTLING = 4
 """Stands in a settling time: who stands for less at a time counts as moving."""
 LOOKED_AT_EVERY = 8
 """Samples between looks at which shafts stand still and which runs are over."""
-
-
-@dataclass(frozen=True)
-class LoopMotion:
-    """The motion of a loop after a kick, a number a draw.
-
-    Parameters
-    ----------
-    hunts : ndarray of bool, shape (draws,)
-        Whether the measured end still swings around the reference in the last quarter of the
-        run: at least two reversals against the reference there, an amplitude above one encoder
-        count, and not below a share of the quarter before.
-    amplitude : ndarray, shape (draws,)
-        Half of the range of the error in the last quarter [rad].
-    frequency : ndarray, shape (draws,)
-        Of the reversals in the last half [Hz]; 0 where there are fewer than three.
-    cycles : ndarray, shape (draws,)
-        In the last half, by its reversals.
-    final_error : ndarray, shape (draws,)
-        Reference minus true position of the measured end, at the end [rad].
-    rms_error : ndarray, shape (draws,)
-        Of the last half [rad].
-    twist : ndarray, shape (draws,)
-        Of the cable at the end, motor minus joint [rad].
-    traces : Traces or None
-        The motion itself, where it was asked for.
-    """
-
-    hunts: Flags
-    amplitude: Array
-    frequency: Array
-    cycles: Array
-    final_error: Array
-    rms_error: Array
-    twist: Array
-    traces: Traces | None = None
 
 
 def simulate(
@@ -80,7 +46,7 @@ def simulate(
     settling: ArrayLike = np.inf,
     lasts: ArrayLike = MARGIN_RULES.swing_lasts,
     substeps: int = 1,
-    traces: bool = False,
+    record: Recorder | None = None,
 ) -> LoopMotion:
     """Run the loop for some time after a kick.
 
@@ -111,34 +77,20 @@ def simulate(
     substeps : int
         Parts into which every interval of constant torque is cut, or each step on an elastic
         cable. The motion of a stiff shaft is exact with 1; more serve for finer traces.
-    traces : bool
-        Whether to keep the motion itself.
+    record : callable or None
+        Told the motion itself, interval by interval of constant torque: its length [s], position
+        and speed at its end [rad, rad/s], and the torque [N·m], each of shape (draws,).
 
     Returns
     -------
     LoopMotion
         A number a draw.
-
-    Raises
-    ------
-    ValueError
-        Where kick, duration, speed or substeps cannot be used.
     """
-    begin = loop.per_draw("kick", kick)
-    reference = loop.per_draw("reference_speed", reference_speed)
-    length = loop.per_draw("duration", duration)
-    if not (np.isfinite(begin).all() and np.isfinite(reference).all()):
-        raise ValueError("kick, reference_speed: expected finite numbers")
-    if not (np.isfinite(length).all() and (length > 0.0).all()):
-        raise ValueError(f"duration: expected a positive time, got {length.min()}")
-    if substeps < 1:
-        raise ValueError(f"substeps: expected at least 1, got {substeps}")
-    settled = loop.per_draw("settling", settling)
-    if not (settled > 0.0).all():
-        raise ValueError(f"settling: expected a positive time, got {settled.min()}")
-    kept = loop.per_draw("lasts", lasts)
+    begin, reference, length, settled, kept = (
+        np.broadcast_to(np.asarray(values, dtype=np.float64), loop.draws)
+        for values in (kick, reference_speed, duration, settling, lasts)
+    )
     run = _Run(loop, begin, ConstantSpeed(reference), length, settled, kept, substeps)
-    record = Record(begin, reference) if traces else None
     looks = 0
     while run.rows.size:
         run.advance(record)
@@ -152,13 +104,13 @@ def simulate(
             over = run.k >= run.swing.end
             if over.sum() > 0.1 * over.size or over.all():
                 run.retire(over)
-    return LoopMotion(**run.results, traces=None if record is None else record.traces())
+    return LoopMotion(**run.results)
 
 
 def follow(
     loop: SampledLoop,
     reference: Reference,
-    duration: ArrayLike,
+    duration: float,
     observer: Observer | None = None,
 ) -> Array:
     """Return by how much the joint is behind a reference, sample by sample.
@@ -171,8 +123,8 @@ def follow(
         The loop.
     reference : Reference
         Of as many draws, at 0 at the beginning.
-    duration : array_like
-        Length of the run [s], rounded up to whole samples, a scalar or (draws,).
+    duration : float
+        Length of the run [s], rounded up to whole samples.
     observer : Observer or None
         Adds its estimate of friction to the command.
 
@@ -183,7 +135,7 @@ def follow(
         other draws take more samples.
     """
     whole, never = np.zeros(loop.draws), np.full(loop.draws, np.inf)
-    length = loop.per_draw("duration", duration)
+    length = np.full(loop.draws, duration)
     run = _Run(loop, whole, reference, length, never, whole, 1, observer)
     errors = [run.joint_error()]
     while (run.k < run.swing.end).any():
@@ -192,7 +144,7 @@ def follow(
     return np.array(errors)
 
 
-class _Run:
+class _Run(PerDraw):
     """The state of a running simulation; each draw is at a sample of its own."""
 
     def __init__(
@@ -208,21 +160,22 @@ class _Run:
     ) -> None:
         self.controller = Controller(loop, begin, reference, observer)
         period = self.controller.period
-        self.plant = _plant(loop, begin, reference.speed(np.zeros(loop.draws)))
+        at = begin.copy(), reference.speed(np.zeros(loop.draws)).copy()
+        self.plant: StiffShaft | Ends = (
+            StiffShaft(loop, *at) if loop.cable is None else Ends(loop, loop.cable, *at)
+        )
         # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
-        samples_late = loop.array("delay") / period
+        samples_late = loop.delay / period
         self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
         self.alike = bool((self.whole == self.whole[0]).all())
         late = np.maximum(samples_late - self.whole, 0.0) * period
-        self.intervals = [
+        self.intervals = tuple(
             (older, *self.plant.cut(length, substeps))
             for older, length in ((1, late), (0, period - late))
             if length.any()
-        ]
+        )
         # what acts before the first command: none
-        self.commands: list[Array] = [
-            np.zeros(loop.draws) for _ in range(int(self.whole.max()) + 2)
-        ]
+        self.commands = (np.zeros(loop.draws),) * (int(self.whole.max()) + 2)
         self.k = np.zeros(loop.draws, dtype=np.intp)
         self.quiet = np.zeros(loop.draws, dtype=np.intp)  # samples without a reading of motion
         samples = np.ceil(duration / period - 1e-9).astype(np.intp)
@@ -235,16 +188,17 @@ class _Run:
         self.times = np.zeros(loop.draws, dtype=np.intp)  # that this was so
         self.moving = np.zeros(loop.draws, dtype=np.intp)  # samples since the shaft stood for long
         self.rows = np.arange(loop.draws)
-        names = ("amplitude", "frequency", "cycles", "final_error", "rms_error", "twist")
-        self.results: dict[str, NDArray[Any]] = {name: np.zeros(loop.draws) for name in names}
-        self.results["hunts"] = np.zeros(loop.draws, dtype=bool)
+        self.results: dict[str, NDArray[Any]] = {
+            field.name: np.zeros(loop.draws, dtype=bool if field.name == "hunts" else float)
+            for field in fields(LoopMotion)
+        }
 
-    def advance(self, record: Record | None) -> None:
+    def advance(self, record: Recorder | None) -> None:
         """Advance all running draws by one sample."""
         running = self.k < self.swing.end
         plant = self.plant
         torque, reading = self.controller.command(self.k, plant.position)
-        self.commands = [torque, *self.commands[:-1]]
+        self.commands = (torque, *self.commands[:-1])
         self.quiet = np.where((reading == 0.0) & plant.stands, self.quiet + 1, 0)
         some = None if running.all() else running
         for older, count, step in self.intervals:
@@ -252,9 +206,8 @@ class _Run:
             for _ in range(count):
                 plant.advance(acting, step, some)
                 if record is not None:
-                    record.add(
-                        np.where(running, step.length, 0.0), plant.position, plant.speed, acting
-                    )
+                    length = np.where(running, step.length, 0.0)
+                    record(length, plant.position, plant.speed, acting)
         self.k = self.k + running
         self.moving = np.where(STANDS_IN_SETTLING * self.quiet > self.settling, 0, self.moving + 1)
         error = self._error()
@@ -298,11 +251,10 @@ class _Run:
         constant, linear, square = constant[some], linear[some], square[some]
         before = self._error()[rows]
         self.controller.wait(self.k, rows, samples)
-        for age, command in enumerate(self.commands):
-            j = samples - 1 - age
-            command = command.copy()
-            command[rows] = constant + linear * j + square * j**2
-            self.commands[age] = command
+        past = np.stack(self.commands)
+        j = samples - 1 - np.arange(depth)[:, None]
+        past[:, rows] = constant + linear * j + square * j**2
+        self.commands = tuple(past)
         self.k[rows] += samples
         self.quiet[rows] += samples
         self.swing.pass_over(rows, samples, self.k, before, self._error()[rows])
@@ -326,50 +278,12 @@ class _Run:
 
     def retire(self, over: Flags) -> None:
         """Store the results of some draws, and go on with the others."""
-        seen = self.swing.judged()
-        values = {
-            "hunts": seen.hunts,
-            "amplitude": seen.amplitude,
-            "frequency": seen.frequency,
-            "cycles": seen.cycles,
-            "final_error": self._error(),
-            "rms_error": seen.rms,
-            "twist": self.plant.twist,
-        }
-        for name, value in values.items():
+        motion = self.swing.judged(self._error(), self.plant.twist)
+        for name, value in vars(motion).items():
             self.results[name][self.rows[over]] = value[over]
         kept = np.flatnonzero(~over)
-        self.controller.keep(kept)
-        self.swing.keep(kept)
-        self.plant.keep(kept)
-        self.intervals = [
-            (older, count, type(step)(*(part[..., kept] for part in step)))
-            for older, count, step in self.intervals
-        ]
-        self.commands = [command[kept] for command in self.commands]
-        for name, value in vars(self).items():
-            if isinstance(value, np.ndarray):
-                setattr(self, name, value[kept])
-
-
-def _plant(loop: SampledLoop, position: Array, speed: Array) -> StiffShaft | Ends:
-    """Return the plant at a position and a speed: one shaft, or both ends of an elastic cable."""
-    falling, falling_speed = loop.array("falling"), loop.array("falling_speed")
-    friction, viscous, load = (loop.array(name) for name in ("friction", "viscous", "load_torque"))
-    common = {"falling": falling, "falling_speed": falling_speed, "load": load,
-              "position": position.copy(), "speed": speed.copy()}  # fmt: skip
-    if loop.cable is None:
-        shaft = Shaft(loop.array("inertia"), viscous, friction, loop.breakaway)
-        return StiffShaft(shaft, **common)
-    stiction = loop.array("stiction_ratio")
-    return Ends(
-        loop.cable,
-        friction=friction,
-        stiction_ratio=stiction,
-        viscous=viscous,
-        encoder_at=loop.encoder_at,
-        **common,
-    )
+        for part in (self, self.controller, self.swing, self.plant):
+            part.keep(kept)
 
 
 def _reached(constant: Array, linear: Array, square: Array) -> Array:

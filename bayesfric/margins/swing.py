@@ -1,39 +1,47 @@
 """Whether a run ends in a sustained swing, followed sample by sample over all draws."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array, Flags, PerDraw, Whole
 from bayesfric.margins.margin_rules import MARGIN_RULES
 
 
-class Judged(NamedTuple):
-    """How draws swing, each of shape (draws,).
+@dataclass(frozen=True)
+class LoopMotion:
+    """The motion of a loop after a kick, a number a draw.
 
     Parameters
     ----------
-    hunts : ndarray of bool
-        Enough reversals in the last quarter, a way between two of them beyond what counts as
-        still, as far out and back again, and no decay from the third.
-    amplitude : ndarray
+    hunts : ndarray of bool, shape (draws,)
+        Whether the measured end still swings around the reference in the last quarter of the
+        run: at least two reversals against the reference there, a way between two of them beyond
+        one encoder count, as far out and back again, and no decay from the quarter before.
+    amplitude : ndarray, shape (draws,)
         Half of the range of the error in the last quarter [rad].
-    frequency : ndarray
+    frequency : ndarray, shape (draws,)
         Of the reversals in the last half [Hz]; 0 where there are fewer than three.
-    cycles : ndarray
-        Half of the reversals in the last half.
-    rms : ndarray
-        Of the error in the last half [rad].
+    cycles : ndarray, shape (draws,)
+        In the last half, by its reversals.
+    rms_error : ndarray, shape (draws,)
+        Of the last half [rad].
+    final_error : ndarray, shape (draws,)
+        Reference minus true position of the measured end, at the end [rad].
+    twist : ndarray, shape (draws,)
+        Of the cable at the end, motor minus joint [rad].
     """
 
     hunts: Flags
     amplitude: Array
     frequency: Array
     cycles: Array
-    rms: Array
+    rms_error: Array
+    final_error: Array
+    twist: Array
 
 
-class Swing:
+class Swing(PerDraw):
     """Ranges and reversals in the third and fourth quarter of each draw's run.
 
     Parameters
@@ -61,11 +69,6 @@ class Swing:
         self._turned_at, self._widest = np.full(count, np.nan), np.zeros(count)
         # and neither is an error that moves one way only, as of a shaft that begins to follow
         self._rise, self._fall = np.zeros((2, count))
-
-    def keep(self, rows: Whole) -> None:
-        """Keep some of the draws and drop the others."""
-        for name, value in vars(self).items():
-            setattr(self, name, value[rows])
 
     def judge_from(self, rows: Whole, begin: Whole, half: Whole) -> None:
         """Judge some draws by two stretches of their own, in place of the last two quarters.
@@ -163,8 +166,8 @@ class Swing:
             + step**2 * samples * (samples + 1) * (2 * samples + 1) / 6.0
         )
 
-    def judged(self) -> Judged:
-        """Return the judgement of the recorded samples."""
+    def judged(self, final_error: Array, twist: Array) -> LoopMotion:
+        """Return the judgement of the recorded samples, beside the last error and twist."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
         least_way = np.min([self._widest, self._rise, self._fall], axis=0)
         reverses = self._reversals >= MARGIN_RULES.swing_least_reversals
@@ -174,4 +177,4 @@ class Swing:
         span = np.where(turns >= 3, self._last - self._first, 1.0)
         frequency = np.where(turns >= 3, (turns - 1) / (2.0 * span), 0.0)
         rms = np.sqrt(self._squares / np.maximum(self.end - self.begin + 1, 1))
-        return Judged(hunts, after, frequency, turns / 2.0, rms)
+        return LoopMotion(hunts, after, frequency, turns / 2.0, rms, final_error, twist)

@@ -63,7 +63,14 @@ def safety_words(loop: LoopMargins) -> str:
     at = "" if loop.compensation_signal == "none" else f" at γ = {loop.compensation_gain:.3g}"
     if HUNTS in missed:
         return f"not safe{at}"
-    return f"safe{at}, {'misses' if missed else 'meets'} its spec"
+    return f"safe from hunting{at}, {'but misses' if missed else 'and meets'} its spec"
+
+
+def is_missed(loop: LoopMargins, metric: Metric) -> bool:
+    """Tell whether a metric misses its spec more often than the loop's file allows."""
+    name = " ".join(filter(None, (metric.name, metric.direction)))
+    own = HUNTS if metric.name == "gamma_hunting" else name
+    return metric.spec is not None and bool({name, own} & {*(loop.missed_specs or ())})
 
 
 def safe_up_to(loop: LoopMargins) -> str | None:

@@ -18,7 +18,8 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
-from bayesfric.margins.simulating import LoopMotion, simulate
+from bayesfric.margins.simulating import simulate
+from bayesfric.margins.swing import LoopMotion
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas.margins import Held, Verification, VerifiedDraw
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn
-from bayesfric.effects.candidates import Candidate, on_friction, unit_values
+from bayesfric.effects.candidates import Candidate, on_friction, unit_response
 from bayesfric.inference.smooths import Smooth
 from bayesfric.observation.layout import Layout, ModelColumns
 from bayesfric.observation.linear import LinearRig, LinearRows
@@ -41,9 +41,7 @@ class LaidRows(LinearRows):
             return where
         if effect.components:
             return self.unseen_phases
-        values, small = unit_values(candidate)
-        size = np.asarray(effect.laws[candidate.law](values, where)) / small
-        return self.added(effect.acts_on, size)
+        return self.added(effect.acts_on, unit_response(candidate, where))
 
     @abstractmethod
     def nuisance_columns(self) -> Array:

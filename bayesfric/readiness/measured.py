@@ -21,12 +21,14 @@ from bayesfric.claims.comparison import FOUND_WITH
 from bayesfric.diagnosis.acting import Acting, Law
 from bayesfric.diagnosis.baseline import fitted_baseline
 from bayesfric.diagnosis.compared import Compared, compare_hypotheses
+from bayesfric.diagnosis.gravity import by_gravity, gravity_hides_inertia
 from bayesfric.diagnosis.judging import Judged, judge
 from bayesfric.diagnosis.law import FRICTION, scatter_of_runs
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.widening import MASS
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.inference.power import (
@@ -85,6 +87,9 @@ def power_of_measured(question: Question) -> Power:
             sources.draws,
         )
         spread = _spread_of_law(compared, judged, sources.scatter)
+        hides = gravity_hides_inertia(compared.model, judged.residuals.turns)
+        for factor, _ in by_gravity(hides, judged.named).values():
+            spread[MASS] *= factor
         numbers = tellable.coefficients
         return replace(
             tellable,

@@ -1,6 +1,6 @@
 """The chapters in order, as far as there are results for them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 
 from bayesfric.report.chapters.blind import blind_chapter, scored_from
@@ -59,10 +59,23 @@ def build_document(stored: StoredResults) -> Document:
         if law
         else "Cable-pulley friction",
         subtitle=subtitle,
-        blocks=(*_blocks(stored), *_mentioned(details)),
+        blocks=(*without_empty_chapters(_blocks(stored)), *_mentioned(details)),
         details=details,
         date=None if created is None else datetime.fromisoformat(created),
     )
+
+
+def without_empty_chapters(blocks: Iterable[Block]) -> Iterator[Block]:
+    """Yield the blocks without chapters of which there is nothing but the heading."""
+    heading: Heading | None = None
+    for block in blocks:
+        if isinstance(block, Heading) and block.level == 1:
+            heading = block
+            continue
+        if heading is not None:
+            yield heading
+            heading = None
+        yield block
 
 
 def _rigs(stored: StoredResults) -> tuple[str, ...]:

@@ -66,8 +66,8 @@ Text: TypeAlias = Inline | Sequence[Inline]
 def inlines(text: Text) -> tuple[Inline, ...]:
     """Return a text as a sequence of inlines, whichever way it was written.
 
-    Stored sentences write 12% or 1.6e-05, as a terminal does; in words they are set as
-    everywhere else.
+    Stored sentences write 12%, 1.6e-05 or c2[small], as a terminal does; in words they are set
+    as everywhere else: 12 %, 1.6 × 10⁻⁵ and c₂ (small).
     """
     if isinstance(text, str) or not isinstance(text, Sequence):
         return (_set(text),)
@@ -77,6 +77,8 @@ def inlines(text: Text) -> tuple[Inline, ...]:
 _PERCENT = re.compile(r"(?<=\d)[ \u00a0]?%")
 _BOUND = re.compile(r"([<>≤≥]) (?=[\d−-])")  # its number stays on its line
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w.]*\w)")
+_COEFFICIENT = re.compile(r"(?<![\w./-])c([123])(?:\[(\w+)\])?(?![\w\[])")
+_LOWERED = str.maketrans("123", "₁₂₃")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -94,7 +96,13 @@ def _typeset(words: str) -> str:
         lambda match: f"{match[1]} × 10{(match[2].strip('+') + match[3]).translate(_RAISED)}",
         words,
     )
+    words = _COEFFICIENT.sub(_coefficient, words)
     return words.replace("ω_n", "ωₙ")
+
+
+def _coefficient(match: re.Match[str]) -> str:
+    whose = f" ({match[2]})" if match[2] else ""
+    return f"c{match[1].translate(_LOWERED)}{whose}"
 
 
 def sentences(text: str) -> list[str]:

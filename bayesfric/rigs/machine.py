@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from bayesfric.arrays import Array
     from bayesfric.effects.candidates import Candidate
+    from bayesfric.physics.friction import Coefficients
     from bayesfric.rigs.model_amounts import ModelAmounts
     from bayesfric.schemas.causes import LawNumber
     from bayesfric.schemas.instrument import Instrument
@@ -67,13 +68,17 @@ class MachineTrials:
         del mean, covariance
         return None
 
-    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+    def instrument(
+        self, acting: Sequence[tuple[Candidate, float]], laws: Mapping[str, Coefficients]
+    ) -> Instrument | str:
         """Return the law by an instrument, which errors in a loop do not move; else why not.
 
         Parameters
         ----------
         acting : sequence of (Candidate, float)
             Effects that act beside the law, with their amplitudes.
+        laws : mapping of str to Coefficients
+            Around which they act, of whose friction amplitudes are shares.
         """
-        del acting
+        del acting, laws
         return "no controller moves it along a path"

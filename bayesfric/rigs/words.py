@@ -27,7 +27,7 @@ class Words:
         Whether it is one of the paper's own, which its protocols are for.
     thresholds : dataclass or None
         By which its log is read, where there are some: fields made by
-        :func:`bayesfric.rules.rule`.
+        :func:`bayesfric.rules.rules_of`.
     """
 
     rig: str

@@ -1,4 +1,6 @@
-"""Diagnoses of joints that MuJoCo moves, with something withheld; see ``mujoco_joints``.
+"""Diagnoses of joints that MuJoCo moves, with something withheld; see ``joint_worlds``.
+
+The campaign that plays them is ``joint_rounds``.
 
 A cause is right where it acts, or where the diagnosis itself says that it cannot tell the two
 apart. What the law takes up all but a fiftieth of friction of, once it is fitted again, may go
@@ -8,25 +10,29 @@ before the figures of the other half stand.
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations, count, islice
 
-from campaigns.evidence import Gathered
-from campaigns.promises import rate
-from scipy.stats import binomtest
+import numpy as np
+from joint_worlds import simulator
+from joint_worlds.arm import Machine
 
-from bayesfric.blind.engines import mujoco_joints
 from bayesfric.blind.engines.reference import Withheld
-from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 
-FINGERPRINT = ("effects", "likelihood.axis", "diagnosis.axis", "whole.axis")
 FULL, WEAK = 1.0, 0.3
 FIRST_SEED = 1
 ALIKE = ({"hysteresis", "presliding"}, {"delay", "actuator-lag"})
 CERTAIN = 0.9
+GRAVITY = 9.81  # m/s²
 PRACTICAL = 0.02  # of friction: a gap below it is none
-NUMBER = {"perfect": 60, "real": 60}
-FIXED = ("none-2", "spring-10", "delay-17")
+CONTRADICTS = 0.1  # below the model's shrink, of a held-out one's whole interval
+MOVES = {
+    "direction-asymmetry": {"offset"},
+    "gravity-torque": {"offset", "gravity"},
+    "spring": {"offset", "gravity"},
+}
+"""Numbers of the law that an effect is a part of: their truth is not what was drawn for them."""
 
 
 def is_sealed(name):
@@ -36,12 +42,12 @@ def is_sealed(name):
 
 def names(sealed):
     """Return the effects of one half of the catalogue."""
-    return tuple(name for name in mujoco_joints.effect_names() if is_sealed(name) == sealed)
+    return tuple(name for name in simulator.effect_names() if is_sealed(name) == sealed)
 
 
 def _kinds(sealed) -> Iterator[tuple[str, tuple]]:
     """Yield what is withheld, without end: kinds take turns."""
-    effects, outsiders = names(sealed), mujoco_joints.outsider_names()
+    effects, outsiders = names(sealed), simulator.outsider_names()
     pairs = [pair for pair in combinations(effects, 2) if not any(set(pair) <= a for a in ALIKE)]
     for turn in count():
         for place, name in enumerate(effects):
@@ -72,13 +78,14 @@ def cases(number, design="perfect", sealed=False, first_seed=FIRST_SEED):
 def made(given):
     """Return the recording of a case, and the truth about it."""
     kind, effects, seed, design = given
-    return mujoco_joints.make(Withheld(kind, tuple(effects), "own"), seed, design=design)
+    return simulator.make(Withheld(kind, tuple(effects), "own"), seed, design=design)
 
 
 def case(given):
     """Diagnose one case, and say what was named beside what acts."""
     case_made = made(given)
     truth = case_made.truth
+    world = simulator.drawn_world(given[2], needs_of(given[1]), given[3])
     summary = diagnose(case_made.recording).summary
     joints = {diagnosed.joint or truth["joint"]: diagnosed for diagnosed in summary.joints} or {
         truth["joint"]: summary
@@ -91,23 +98,70 @@ def case(given):
     own = judged.pop(truth["joint"])
     if truth["noise_free_gap"] < PRACTICAL and set(own["missing"]) <= {n for n, _ in given[1]}:
         own["exact"] = not own["wrong"]
-    law = joints[truth["joint"]].law
     return own | {
         "kind": given[0],
         "withheld": [name for name, _ in given[1]],
         "strength": [strength for _, strength in given[1]],
         "seed": given[2],
-        "knows": truth["world"]["knows"],
+        "knows": world.knows,
         "gap": truth["noise_free_gap"],
         "others_wrong": {
             joint: other["named"] for joint, other in judged.items() if other["wrong"]
         },
-        "law": {
-            name: [truth["law"][name], value.after.mean, value.after.q05, value.after.q95]
-            for name, value in law.items()
-            if name in truth["law"]
-        },
+        "contradicts": [contradicts(diagnosed) for diagnosed in joints.values()],
+        "numbers": numbers_of(joints[truth["joint"]], truths_of(world, truth, given[1])),
     }
+
+
+def needs_of(effects):
+    """Return what a world must have in which some effects act."""
+    return frozenset().union(*(simulator.BY_NAME[name].needs for name, _ in effects))
+
+
+def truths_of(world, truth, effects):
+    """Return numbers of the joint looked at that are what was drawn for them, by name.
+
+    Of a joint whose rigid bodies nobody knows the inertia is that of link and rotor.
+    """
+    arm, moved = world.arm, set().union(*(MOVES.get(name, set()) for name, _ in effects))
+    truths = {name: truth["law"][name] for name in ("coulomb", "viscous", "offset")}
+    if world.knows == "known-force":
+        truths["inertia"] = truth["law"]["armature"]
+    if world.knows == "model":
+        truths["armature"] = truth["law"]["armature"]
+    if world.knows == "nothing":
+        bare = replace(arm, armature=(0.0,) * arm.joints)
+        machine = Machine(bare, world.control, (), world.target, 0.0, 0.0)
+        truths["inertia"] = float(machine.inertia()[0]) + arm.armature[0]
+        if not arm.upright:
+            truths["gravity"] = float(GRAVITY * arm.masses[0] * arm.lengths[0] / 2)
+    return {name: value for name, value in truths.items() if name not in moved}
+
+
+def numbers_of(summary, truths):
+    """Return truth, ends of the 90 % interval and the median of each number that is told."""
+    intervals = {name: number.after for name, number in summary.law.items()}
+    for cause in summary.causes:
+        if cause.effect == "gravity-torque" and "torque" in cause.parameters:
+            intervals["gravity"] = cause.parameters["torque"]
+    numbers = {}
+    for name, truth in truths.items():
+        if name in intervals:
+            ends = intervals[name]
+            sign = np.sign(ends.q50) if name == "gravity" else 1.0
+            low, middle, high = sorted(
+                float(sign * value) for value in (ends.q05, ends.q50, ends.q95)
+            )
+            numbers[name] = [truth, low, middle, high]
+    return numbers
+
+
+def contradicts(summary):
+    """Return whether held-out data contradict what is named; None where nobody can say."""
+    of_held_out, of_model = summary.gap.shrink, summary.gap.shrink_of_model
+    if summary.verdict != "named" or of_held_out is None or of_model is None:
+        return None
+    return bool(of_held_out.q95 < of_model.q50 - CONTRADICTS)
 
 
 def judge(summary, acts, kind):
@@ -142,91 +196,3 @@ def judge(summary, acts, kind):
         "possible": bool(missing) and possible,
         "sentence": summary.sentence,
     }
-
-
-def figures(judged):
-    """Return how many cases are right, of those that are there.
-
-    Parameters
-    ----------
-    judged : list of dict
-        As of :func:`case`.
-    """
-    acting = [row for row in judged if row["kind"] in ("effect", "pair")]
-    full = [row for row in acting if min(row["strength"]) == FULL]
-    weak = [row for row in acting if row["kind"] == "effect" and min(row["strength"]) < FULL]
-    empty = [row for row in judged if row["kind"] == "none"]
-    outsiders = [row for row in judged if row["kind"] == "outsider"]
-    exact = sum(row["exact"] and not row["others_wrong"] for row in full)
-    interval = binomtest(exact, max(len(full), 1)).proportion_ci(0.95)
-    return {
-        "exact": exact,
-        "of": len(full),
-        "interval": [interval.low, interval.high],
-        "possible": sum(not row["exact"] and row["possible"] for row in full),
-        "wrongly_named": sum(bool(row["wrong"] or row["others_wrong"]) for row in full),
-        "weak_named_or_possible": sum(
-            (row["exact"] or row["possible"]) and not row["wrong"] for row in weak
-        ),
-        "of_weak": len(weak),
-        "empty_named": sum(bool(row["wrong"] or row["others_wrong"]) for row in empty),
-        "of_empty": len(empty),
-        "outsiders_named": sum(bool(row["wrong"]) for row in outsiders),
-        "outsiders_unknown": sum(row["exact"] for row in outsiders),
-        "of_outsiders": len(outsiders),
-    }
-
-
-def gather(folder):
-    """Run the campaign: both halves of the catalogue, perfect signals and real ones."""
-    whole = {
-        f"{design}-{half}-{name}": given
-        for design, number in NUMBER.items()
-        for half, sealed in (("open", False), ("sealed", True))
-        for name, given in cases(number, design, sealed).items()
-    }
-    done = run_on_processes(case, whole, folder, workers=2)
-
-    def of(start):
-        return figures([row for name, row in done.items() if name.startswith(start)])
-
-    starts = [f"{design}-{half}-" for design in NUMBER for half in ("open", "sealed")]
-    return Gathered(
-        seeds=[FIRST_SEED, FIRST_SEED + max(NUMBER.values()) - 1],
-        figures={start.rstrip("-"): of(start) for start in starts},
-        cases=list(done.values()),
-        fixed={name: done[f"perfect-open-{name}"] for name in FIXED},
-    )
-
-
-def promises(figures):
-    """Return what was promised beside what was found."""
-    promised = []
-    for which, counts in figures.items():
-        promised += [
-            rate(
-                f"{which}: an effect is named, and nothing else",
-                counts["exact"],
-                counts["of"],
-                least=0.95,
-            ),
-            rate(
-                f"{which}: an empty joint has something named",
-                counts["empty_named"],
-                counts["of_empty"],
-                most=0,
-            ),
-            rate(
-                f"{which}: an outsider is named as an effect",
-                counts["outsiders_named"],
-                counts["of_outsiders"],
-                most=0,
-            ),
-            rate(
-                f"{which}: at 3 % it is named or possible",
-                counts["weak_named_or_possible"],
-                counts["of_weak"],
-                least=0.85,
-            ),
-        ]
-    return promised

@@ -2,17 +2,16 @@
 
 Half of them carry a payload that was weighed, on an arm of known length, in two of four runs:
 their numbers are told in newton metres. Of the other half all are over the servo's stiffness.
-The simulation is ``rigs/servos.py`` of the tests, which shares no code with the package.
+The simulation is ``rigs/servos.py`` of the tests, which shares no code with the package; the
+campaign that plays them is ``joint_rounds``.
 """
 
 import numpy as np
-from campaigns.evidence import gathered_over_seeds
 from campaigns.promises import Outcome, rate
 from rigs.servos import Servo
 
 from bayesfric.diagnosis import diagnose
 
-FINGERPRINT = ("likelihood.axis", "diagnosis.axis", "whole.axis")
 SEEDS = range(60)
 FIXED_SEEDS = (0, 1)
 PER_K = " per K"
@@ -115,7 +114,11 @@ def figures(cases):
         held = inside(cases, name)
         numbers = [record["numbers"][name] for record in cases if name in record["numbers"]]
         off = [abs(middle / truth - 1) for truth, _, middle, _ in numbers if truth]
-        reported[name] = {"inside": sum(held), "of": len(held), "median_off": float(np.median(off))}
+        reported[name] = {
+            "inside": sum(held),
+            "of": len(held),
+            "median_off": float(np.median(off)) if off else None,
+        }
     loaded = [record for record in cases if record["loaded"]]
     free = [record for record in cases if not record["loaded"]]
     return {
@@ -124,11 +127,6 @@ def figures(cases):
         "absolute": [sum(record["absolute"] for record in loaded), len(loaded)],
         "false": [record["seed"] for record in cases if record["false"]],
     }
-
-
-def gather(folder):
-    """Run the campaign."""
-    return gathered_over_seeds(case, SEEDS, figures, FIXED_SEEDS, folder)
 
 
 def promises(figures):

@@ -42,20 +42,27 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder, monkeypatch):
     """In this process, and in another."""
     arguments = ["margins", "joint.toml", "--draws", "draws.nc", "--seed", "4", "-o"]
     monkeypatch.chdir(folder)
-    first = CliRunner().invoke(app, [*arguments, "one"])
+    first = CliRunner().invoke(app, [*arguments, "one", "--verbose"])
     assert first.exit_code == 0, first.stderr
     assert [path.name for path in (folder / "one").iterdir()] == ["margins.json"]
     found = read_json(MarginsFile, folder / "one" / "margins.json")
     answer = found.loops[0].answer
     law, said = first.stdout.split("\n", 1)
     assert law == "Margins of the law as it was fitted: no diagnosis lies beside the draws."
-    assert said.startswith("my-joint: safe at γ = 1, meets its spec.\n  Up to γ = ")
+    assert said.startswith(
+        "my-joint: safe from hunting at γ = 1, and meets its spec.\n  Up to γ = "
+    )
     assert "\n  " + answer.replace(". ", ".\n  ") + "\n" in said
     assert answer.count(". ") >= 1  # a sentence a line
     assert "warning: my-joint: Assumed" in first.stderr
     assert found.seed == 4
     again = bayesfric(*arguments, "two", "--quiet", "--mat", "two/loops.mat", cwd=folder)
     assert again.stderr == ""
+    on_one_screen = again.stdout.splitlines()
+    assert {*on_one_screen} < {*first.stdout.splitlines()}
+    assert answer.partition(". ")[0] in again.stdout
+    assert "Not examined" in said
+    assert "Not examined" not in again.stdout
     assert loadmat(folder / "two" / "loops.mat", simplify_cells=True)["loops"]["name"] == "my-joint"
     first_bytes, second_bytes = (
         (folder / name / "margins.json").read_bytes() for name in ("one", "two")

@@ -30,10 +30,13 @@ def a_model(runs, *, pulleys=False):
     return SimpleNamespace(data=SimpleNamespace(rigs=[rig]), rigs=[rows])
 
 
-def windows_of(runs):
+def windows_of(runs, tau=0.0):
     count = 2 * runs * 10
+    trial = np.repeat(np.arange(2 * runs), 10)
     return SimpleNamespace(
-        trial=np.repeat(np.arange(2 * runs), 10),
+        trial=trial,
+        setup=trial,
+        scatter=np.tile([tau**2, 0.0], (count, 1)),
         friction_n=np.full(count, 2.0),
         weight=np.full(count, 1 / count),
     )
@@ -48,6 +51,16 @@ def test_runs_whose_friction_differs_by_a_percent_leave_the_mean_as_uncertain_as
     drawn = scatter.deviations(40_000, np.random.default_rng(1))
     # The 95 % quantile of Student's t with three degrees of freedom is 2.353.
     assert np.quantile(drawn, 0.95) == pytest.approx(2.353 * scatter.share / 2, rel=0.05)
+
+
+def test_scatter_that_the_model_has_is_not_added_again():
+    """Eight trials of four runs that scatter by 1 %: with the model's, Student's 90 % interval."""
+    left = np.repeat(2.0 * np.array([0.01, -0.01, 0.01, -0.01]), 20)
+    scatter = scatter_of_runs(a_model(4), windows_of(4, tau=0.01), left)
+    rng = np.random.default_rng(1)
+    modelled = 0.01 / np.sqrt(8) * rng.standard_normal(100_000)
+    both = modelled + scatter.deviations(100_000, rng)
+    assert np.quantile(both, 0.95) == pytest.approx(2.353 * scatter.share / 2, rel=0.03)
 
 
 @pytest.mark.parametrize(("runs", "pulleys"), [(3, False), (4, True)])

@@ -112,6 +112,13 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     assert "no cause is sure" not in weak
 
 
+def test_a_gap_that_is_less_likely_than_not_is_not_said_to_be_there():
+    gap = diagnosis().gap.model_copy(update={"probability_above_practical": 0.25})
+    said = told("undecided", gap, 0.02, open_because="few windows")
+    assert "Whether there is a gap that counts stays open (probability 0.25): few windows" in said
+    assert "There is a gap" not in said
+
+
 def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     gap = diagnosis().gap
     share = gap.systematic.q05 / gap.friction_rms

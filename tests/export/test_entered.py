@@ -35,7 +35,8 @@ def test_digits_go_by_the_error_and_fields_by_the_simulator():
 
 def test_what_a_simulator_lacks_is_named_with_its_force():
     assert list(entered_remarks([COULOMB])) == [
-        "Drake has no field for coulomb: without it the simulation stays off by 0.61 N·m rms."
+        "Drake has no field for coulomb (dry friction): without it the simulation stays off by "
+        "0.61 N·m rms."
     ]
     assert list(entered_remarks([COULOMB, SHARE]))[1] == (
         "No simulator has a field for load-friction.share: without it the simulation stays off by "

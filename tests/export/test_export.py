@@ -142,24 +142,20 @@ def test_sdf_has_what_its_schema_asks_for(unit):
 
 def test_numbers_are_those_of_the_refit_where_a_cause_is_named():
     """0.0522 alone, 0.0500 fitted with what acts: the latter, and that it is, in every format."""
-    law = {
-        "mass": LawNumber(unit="kg·m²", before=interval(0.0522, 5e-4), after=interval(0.05, 5e-4)),
-    }
+    refit = LawNumber(unit="1", before=interval(0.0522, 5e-4), after=interval(0.05, 5e-4))
+    law = {"c1[small]": refit}
     fit = read_json(FitFile, reference_folder() / "fit.json")
-    alone = fit.pulleys["small"]["c1"].model_copy(update={"mean": 0.0522, "unit": "kg·m²"})
-    fit = fit.model_copy(update={"pulleys": {}, "parameters": {"mass": alone}})
-    named = diagnosis(causes=(cause("gravity-torque"),), law=law)
+    alone = fit.pulleys["small"]["c1"].model_copy(update={"mean": 0.0522})
+    fit = fit.model_copy(update={"pulleys": {"small": {"c1": alone}}, "parameters": {}})
+    named = diagnosis(causes=(cause("viscous"),), law=law)
     numbers = numbers_of(fit, named)
-    assert numbers["mass"].value.mean == 0.05
-    assert numbers_of(fit, diagnosis(causes=(), law=law))["mass"].value.mean == 0.0522
-    found = axis_law(
-        unit="N·m", numbers=numbers_of(fit, named), said=law_said(fit, named), causes=named.causes
-    )
+    assert numbers["c1[small]"].value.mean == 0.05
+    assert numbers_of(fit, diagnosis(causes=(), law=law))["c1[small]"].value.mean == 0.0522
+    found = axis_law(numbers=numbers, said=law_said(fit, named), causes=named.causes)
     for to in FORMATS:
         text = export_text(found, to)
-        assert "refitted with what diagnosis.json names: gravity-torque" in text
+        assert "refitted with what diagnosis.json names: viscous" in text
         assert "0.0522" not in text
-    assert 'armature="0.05000"' in export_text(found, "mjcf")
 
 
 def test_points_without_a_load_have_the_constant_of_the_refit(stored):
@@ -222,6 +218,6 @@ def test_json_has_draws_of_the_posterior_in_step(stored):
 def test_what_is_missing_is_told_and_nothing_written(tmp_path):
     found = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mjcf"])
     assert found.exit_code == 2
-    assert "bayesfric fit" in found.output
+    assert "bayesfric diagnose" in found.output
     assert not (tmp_path / "law.xml").exists()
     assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", "usd"]).exit_code == 2

@@ -5,6 +5,7 @@ import csv
 import json
 import re
 import sys
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -72,6 +73,38 @@ def test_the_diagnosis_says_what_the_model_has_and_what_to_enter(hinge):
         assert entered[name].in_your_simulator == getattr(OWN, field)
         truth = getattr(hinge.truth, field)
         assert entered[name].value.q05 < truth < entered[name].value.q95
+
+
+@pytest.mark.parametrize(("to", "file"), [("mjcf", "law.xml"), ("urdf", "law.urdf")])
+def test_a_model_of_the_joint_alone_has_the_numbers_to_enter(hinge, to, file):
+    """Friction of each window at its own speed: those of the whole run are another law."""
+    exported(hinge.folder, "--to", to)
+    alone = mujoco.MjModel.from_xml_string((hinge.folder / "out" / file).read_text())
+    entered = {number.parameter: number.value for number in hinge.summary.enter}
+    for name, made in (("coulomb", alone.dof_frictionloss), ("viscous", alone.dof_damping)):
+        assert made[0] == pytest.approx(entered[name].mean, abs=0.06 * entered[name].sd)
+        assert abs(made[0] - getattr(hinge.truth, NUMBERS[name])) < 4 * entered[name].sd
+
+
+def test_python_of_the_joint_alone_is_its_friction_at_any_speed(hinge):
+    exported(hinge.folder, "--to", "python")
+    module: dict = {}
+    exec((hinge.folder / "out" / "joints.py").read_text(), module)
+    speed = np.array([0.01, 0.3, 20.0])
+    truth = hinge.truth.frictionloss + hinge.truth.damping * speed
+    assert module["friction"]("joint", speed) == pytest.approx(truth, rel=0.02)
+
+
+def test_numbers_that_are_not_to_be_relied_on_say_so_wherever_they_go(tmp_path, monkeypatch):
+    warned = replace(joint(number("coulomb", 0.6, 0.01)), warning="Do not enter these numbers yet")
+    for to in ("json", "python", "isaaclab"):
+        assert warned.warning in TEXTS_OF_JOINTS[to][1]([warned], "log")
+    assert warned.warning in warned.said
+    monkeypatch.setattr("bayesfric.export.joints.read_joints", lambda folder: (warned,))
+    (tmp_path / "out").mkdir()
+    (tmp_path / "one.xml").write_text(OWN.model())
+    command = ["export", str(tmp_path / "out"), "--to", "mjcf", "--into", str(tmp_path / "one.xml")]
+    assert warned.warning in CliRunner().invoke(app, command).output
 
 
 def test_a_number_that_the_recording_does_not_tell_leaves_what_the_model_has(tmp_path):
@@ -152,7 +185,7 @@ def two_joints(monkeypatch, folder):
     folder.mkdir()
     both = (joint(COULOMB, name="shoulder"), joint(COULOMB, name="elbow"))
     monkeypatch.setattr(read, "read_joints", lambda _: both)
-    monkeypatch.setattr(verb, "_of_several", lambda _: True)
+    monkeypatch.setattr(verb, "_of_joints", lambda *_: True)
 
 
 @pytest.mark.parametrize(

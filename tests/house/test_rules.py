@@ -1,6 +1,6 @@
 """Thresholds of an engine: each has a unit, a sentence and a page, and none can be changed."""
 
-from dataclasses import FrozenInstanceError, dataclass
+from dataclasses import FrozenInstanceError, dataclass, fields
 from pathlib import Path
 
 import pytest
@@ -9,7 +9,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
-from bayesfric.rules import Rule, rule, rules_of
+from bayesfric.rules import Rule, rules_of
 
 ENGINES = (MARGIN_RULES, SAMPLING_RULES, RULES, AXIS_RULES)
 DECISIONS = Path(__file__).parents[2] / "docs" / "decisions"
@@ -17,7 +17,16 @@ DECISIONS = Path(__file__).parents[2] / "docs" / "decisions"
 
 @dataclass(frozen=True)
 class Bench:
-    longest: float = rule(2.5, "s", "a run that takes longer is left out", "rigs")
+    """Thresholds of a bench.
+
+    Parameters
+    ----------
+    longest : s (rigs)
+        a run that takes longer
+        is left out
+    """
+
+    longest: float = 2.5
 
 
 def test_a_rule_has_name_value_unit_and_sentence():
@@ -27,6 +36,7 @@ def test_a_rule_has_name_value_unit_and_sentence():
 
 @pytest.mark.parametrize("rules", ENGINES, ids=lambda rules: type(rules).__name__)
 def test_each_threshold_of_an_engine_says_what_it_decides(rules):
+    assert [said.name for said in rules_of(rules)] == [entry.name for entry in fields(rules)]
     for name, value, unit, sentence, page in rules_of(rules):
         assert value > 0, name
         assert unit, name

@@ -242,4 +242,4 @@ def test_a_stiff_cable_with_play_is_still_two_masses():
     cable = shaft({**stiff, **PLAY}).cable
     assert cable.ringing * 1e-3 == pytest.approx(5.0)
     # all friction but the motor's is behind the play
-    assert cable.behind == pytest.approx(1.541e-3 / 3.541e-3)
+    assert cable.rubs[-1] == pytest.approx(1.541e-3 / 3.541e-3)

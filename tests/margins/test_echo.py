@@ -18,7 +18,7 @@ def test_the_plant_of_the_bench_by_hand():
     assert found.cable_m_per_rad == pytest.approx(1e-3)
     assert found.tip_m_per_rad == pytest.approx(0.5 / 100)
     assert "1/10 of the capstan, 6.28 mm of cable and 31.4 mm at the tip" in found.sentence
-    assert "100 rad of it per rad" in found.sentence
+    assert "The motor turns 100 rad for each rad of the joint." in found.sentence
 
 
 def test_a_forgotten_gearbox_shows():

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from margins.loops import loop, posterior, shaft, write_draws
+from margins.traced import traced
 from scipy import signal
 from typer.testing import CliRunner
 
@@ -18,7 +19,7 @@ from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reference import ConstantSpeed, Stroke
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.sampled_loop import SampledLoop
-from bayesfric.margins.simulating import follow, simulate
+from bayesfric.margins.simulating import follow
 
 MOVES = {"kick.reference_range_rad_s": None}
 SOFT = {"cable.length_m": 1.0, "cable.damping_ratio": 0.3}
@@ -56,7 +57,7 @@ def test_a_ramp_from_the_first_sample_on_is_the_constant_speed(compensator):
                  compensation_estimate=2e-3, boundary=0.1)  # fmt: skip
     moving = follow(one, ConstantSpeed(np.array([3.0])), 0.4)
     np.testing.assert_array_equal(moving, follow(one, stroke(ramp=3.0), 0.4))
-    traces = simulate(one, kick=0.0, duration=0.4, reference_speed=3.0, traces=True).traces
+    traces = traced(one, kick=0.0, duration=0.4, reference_speed=3.0).traces
     last = 3.0 * traces.time[-1] - traces.position[-1]
     assert moving[-1] == pytest.approx(last, abs=1e-12)
 
@@ -201,7 +202,7 @@ def test_errors_of_a_ramp_are_the_closed_form_draw_by_draw():
     cable = some.cable
     for one, fed in zip(ramp[:2], (0.0, 1.0), strict=True):
         servo = (some.friction - fed * some.estimate) / some.kp
-        wanted = some.tip_per_rad * (servo + cable.behind * some.friction / some.stiffness)
+        wanted = some.tip_per_rad * (servo + cable.rubs[-1] * some.friction / some.stiffness)
         assert one.rms_m.q50 == pytest.approx(np.median(np.abs(wanted)), rel=0.02)
         assert one.q50_m[-1] == pytest.approx(np.median(wanted), rel=0.02, abs=2e-8)
     assert ramp[0].q50_m[0] == 0.0  # at rest
@@ -227,13 +228,13 @@ def test_speeds_are_the_files_or_those_of_the_scan():
 
 def test_the_band_of_the_error_is_the_files_or_twice_the_stuck_band():
     some = drawn()
-    band = with_compensator(some, "error").array("boundary")
+    band = with_compensator(some, "error").boundary
     assert band == pytest.approx(2 * some.estimate / some.kp)
     given = drawn({"compensation.boundary_rad": 0.07, "compensation.boundary_rad_s": 0.2})
-    assert with_compensator(given, "error").array("boundary") == pytest.approx(0.07)
-    assert with_compensator(given, "reference").array("boundary") == pytest.approx(0.2)
+    assert with_compensator(given, "error").boundary == pytest.approx(0.07)
+    assert with_compensator(given, "reference").boundary == pytest.approx(0.2)
     its_own = with_compensator(given, "measured")
-    assert its_own.array("boundary") == pytest.approx(0.2)
+    assert its_own.boundary == pytest.approx(0.2)
 
 
 def test_a_reference_that_never_moves_is_refused(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from margins.test_sampled_loop import a_loop, random_loop
+from margins.traced import traced
 
 from bayesfric.margins.simulating import simulate
 
@@ -26,7 +27,7 @@ def test_waiting_in_closed_form_changes_nothing(signal, at_rest):
     )
     kick, speed = rng.uniform(-1, 1, draws), rng.choice([0.0, -0.05, 0.1, 1.0], draws)
     arguments = {"kick": kick, "duration": 1.0, "reference_speed": speed}
-    one_by_one = simulate(loop, **arguments, traces=True)  # traces have every sample
+    one_by_one = traced(loop, **arguments)  # traces have every sample
     at_once = simulate(loop, **arguments)
     assert at_once.hunts.tolist() == one_by_one.hunts.tolist()
     for name in ("amplitude", "frequency", "final_error", "rms_error"):
@@ -59,7 +60,7 @@ def test_the_derivative_lags_by_its_low_pass():
     # a shaft under a constant load of −1 speeds up by 1 rad/s², whatever this kd does to it
     loop = a_loop(kp=0.0, kd=1e-6, friction=0.0, delay=0.0, velocity_cutoff=200.0, inertia=1.0,
                   load_torque=-1.0)  # fmt: skip
-    torque = simulate(loop, kick=0.0, duration=0.2, traces=True).traces.torque[-1, 0]
+    torque = traced(loop, kick=0.0, duration=0.2).traces.torque[-1, 0]
     share = 1 - np.exp(-0.2)
     late = 0.5e-3 + (1 - share) / share * 1e-3  # of the difference, and of the low-pass
     assert torque / -1e-6 == pytest.approx(0.199 - late, rel=1e-4)

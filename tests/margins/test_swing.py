@@ -15,7 +15,7 @@ def hunts(error):
     for k in range(1, LENGTH + 1):
         against = np.array([error[k - 1] - error[k]])  # the shaft's speed beyond the reference's
         swing.see(np.array([k]), np.array([error[k]]), against, np.array([True]))
-    return bool(swing.judged().hunts[0])
+    return bool(swing.judged(error, error).hunts[0])
 
 
 @pytest.mark.parametrize(

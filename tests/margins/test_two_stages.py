@@ -234,8 +234,8 @@ def test_friction_acts_where_pulleys_and_bearings_are(play):
     near, far = 1e-3 * NEAR_N, 0.5e-3 * FAR_N
     before = 0.0 if play else near / 2
     cable = one.cable
-    assert cable.behind * one.friction == pytest.approx(far / 2 + 2e-4)
-    assert cable.beyond.share * one.friction == pytest.approx(near - before + 3e-4 + far / 2)
+    assert cable.rubs[-1] * one.friction == pytest.approx(far / 2 + 2e-4)
+    assert cable.rubs[1] * one.friction == pytest.approx(near - before + 3e-4 + far / 2)
 
 
 @pytest.mark.parametrize("where", [{}, AT_JOINT])
@@ -260,10 +260,11 @@ def test_gamma_that_hunts_is_that_of_three_inertias():
 def test_a_light_shaft_is_simulated_heavier_and_it_does_not_show():
     light = {**STAGE, "shaft_inertia_kg_m2": 4e-7}  # 1e-9 at the motor
     one = shaft({**SOFT, "second_stage": light})
-    assert one.cable.beyond.inertia == pytest.approx((NEAR_K + FAR_K) * 1e-6)  # 1 rad a sample
+    assert one.cable.inertia[1] == pytest.approx((NEAR_K + FAR_K) * 1e-6)  # 1 rad a sample
     kick = float(one.kick[0])
     found = simulate(one.sampled(np.zeros(1)), kick=kick, duration=1.0, substeps=4)
-    exact = replace(one.cable, beyond=replace(one.cable.beyond, inertia=one.shaft_inertia))
+    motor, _, joint = one.cable.inertia
+    exact = replace(one.cable, inertia=(motor, one.shaft_inertia, joint))
     slow = replace(one.sampled(np.zeros(1)), cable=exact)
     other = simulate(slow, kick=kick, duration=1.0)
     assert found.rms_error == pytest.approx(other.rms_error, rel=0.02)
@@ -281,7 +282,7 @@ def test_what_is_not_for_two_cables_says_so():
     one = shaft({**TWO, "compensation.boundary_rad_s": 2.0})
     assert "two cables" in not_applicable(one)
     told = plant_of(one).sentence
-    assert "second cable goes 3.14 mm a turn" in told
+    assert "second cable moves 3.14 mm for a turn" in told
     assert "2e-07 kg" in told
 
 

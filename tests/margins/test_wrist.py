@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from margins.loops import loop, posterior, shaft, write_draws
+from margins.traced import traced
 from scipy.optimize import linprog
 
 from bayesfric.margins.assembly import draw_assembly
@@ -12,7 +13,6 @@ from bayesfric.margins.describing import effective_damping, natural_frequency
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
-from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import find_hunting
 
 AT_TIP = ("steady_error_servo", "lost_motion", "reversal_error", "cable_stretch", "backdrive_force")
@@ -197,7 +197,7 @@ def test_a_motor_swings_as_it_does_while_the_other_is_held():
                     joint__load_n_m=0.0, controller__kd_n_m_s_per_rad=2e-4,
                     cable__length_m=0.001)  # fmt: skip
     one = shaft(changes)
-    found = simulate(one.sampled(np.zeros(1)), kick=1.5, duration=0.4, traces=True)
+    found = traced(one.sampled(np.zeros(1)), kick=1.5, duration=0.4)
     path = two_motors(TWO, inertia=[0.1, 0.2], motor_inertia=2e-5, kp=0.02, kd=2e-4,
                       load=np.zeros(2), friction=float(one.friction[0]), kick=[1.5, 0.0],
                       held=(1,), duration=0.4)  # fmt: skip

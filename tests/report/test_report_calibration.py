@@ -38,13 +38,13 @@ def test_what_is_not_uniform_is_said_on_page_one_and_in_the_table(found):
     line = calibration_line(found)
     assert line.kind == "attention"
     assert "1 of 2 quantities" in words(line.text)
-    assert "not c1[small]" in words(line.text)
+    assert "not c₁ (small)" in words(line.text)
     blocks = list(calibration(found))
     (table,) = [one for one in blocks if isinstance(one, Table)]
     rows = {words(row[0]): [words(cell) for cell in row[1:]] for row in table.rows}
     assert rows["tau"][1:] == ["uniform", "uniform(low=0.007, high=0.013)"]
-    assert rows["c1[small]"][1] == "not uniform"
-    assert any("c1[small]" in words(b.text) for b in blocks if isinstance(b, Notice))
+    assert rows["c₁ (small)"][1] == "not uniform"
+    assert any("c₁ (small)" in words(b.text) for b in blocks if isinstance(b, Notice))
 
 
 def test_the_figure_draws_what_is_stored(found):

@@ -16,14 +16,14 @@ from pypdf import PdfReader
 from report.told import told
 
 from bayesfric.errors import InputError
-from bayesfric.report.assembly import build_document
+from bayesfric.report.assembly import build_document, without_empty_chapters
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.methods import thresholds
 from bayesfric.report.chapters.one_left_out import left_out
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.chapters.symbols import symbol
-from bayesfric.report.content import Document, Notice, Table
+from bayesfric.report.content import Document, Heading, Notice, Paragraph, Table
 from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
@@ -258,3 +258,9 @@ def test_the_thresholds_of_each_engine_are_printed_with_their_page():
     assert sure[4] == "inclusion"
     assert ("quiet", "0.003", "drive force") in [row[:3] for row in of_axis.rows]
     assert list(thresholds(StoredResults())) == []
+
+
+def test_a_chapter_of_which_there_is_only_the_heading_is_left_out():
+    said = [Heading(1, "A"), Paragraph("a"), Heading(1, "B"), Heading(1, "C"), Heading(2, "c")]
+    kept = list(without_empty_chapters([*said, Heading(1, "D")]))
+    assert kept == [said[0], said[1], said[3], said[4]]

@@ -107,3 +107,12 @@ def test_stored_sentences_are_set_like_all_others():
     assert inlines("P > 0.985, a ≤ −2, a < b") == ("P >\u00a00.985, a ≤\u00a0−2, a < b",)
     for name in ("-2", "run-1e5", "g0001", "%d", "abc-1e-05x"):  # a user's own
         assert inlines(name) == (name,)
+
+
+def test_a_coefficient_has_one_spelling_in_words():
+    assert inlines(["c1, c2[small] and c3.", Strong("c1"), Code("c1"), "c10, ac1, run/c1"]) == (
+        "c₁, c₂ (small) and c₃.",
+        Strong("c₁"),
+        Code("c1"),
+        "c10, ac1, run/c1",
+    )

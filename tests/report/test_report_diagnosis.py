@@ -160,7 +160,8 @@ def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
     assert "where" not in figures(stored)
     assert "axes" not in tables(stored)
     document = build_document(StoredResults(diagnosis=stored))
-    assert "explains" not in told(document).replace("no axis explains one", "")
+    assert "There is no gap to place along an axis." in told(document)
+    assert "explains" not in told(document)
 
 
 def test_an_undecided_board_says_what_may_act():
@@ -200,6 +201,30 @@ def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
 def test_an_unknown_board_says_that_no_effect_makes_it():
     told = glance(stored_diagnosis(verdict="unknown", causes=()))
     assert told["Which effect causes it?"] == "a force that no effect of the list makes"
+
+
+@pytest.mark.parametrize(
+    ("axis", "advice"),
+    [
+        ("velocity", "Measure next: one condition again, with velocity alone changed"),
+        ("displacement", "what belongs to the cable moves with it."),
+        (None, "Measure next: further conditions, each of which changes one thing alone."),
+    ],
+)
+def test_page_one_says_what_to_do_about_an_unknown_force(axis, advice):
+    unknown = stored_diagnosis(verdict="unknown", causes=(), next_experiment=()).record
+    leading = next(entry for entry in unknown.where if entry.answers)
+    where = () if axis is None else (leading.model_copy(update={"axis": axis}),)
+    said = words(verdict_line(unknown.model_copy(update={"where": where})).text)
+    assert "use the numbers below only at the conditions measured." in said
+    assert advice in said
+
+
+def test_numbers_of_an_open_verdict_are_the_best_so_far():
+    named, *_ = numbers_to_use(stored_diagnosis().record)
+    open_still, *_ = numbers_to_use(stored_diagnosis(verdict="undecided").record)
+    assert named.caption.startswith("Use these numbers: ")
+    assert open_still.caption.startswith("The best numbers while the verdict is open: ")
 
 
 def test_verdict_stands_on_page_one_and_leads_to_the_chapter(document):

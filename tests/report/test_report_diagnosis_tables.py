@@ -111,7 +111,7 @@ def test_all_blind_axes_are_no_failure():
 
 def test_gap_table_is_in_newtons_row_by_row():
     found = rows(stored_diagnosis(), "gap")
-    assert found["folds over assemblies"] == [
+    assert found["cross-validation over assemblies"] == [
         "0.095 [0.087,\u00a00.103]",
         "0.0523 [0.0480,\u00a00.0566]",
         "0.0187 [0.0172,\u00a00.0202]",
@@ -137,12 +137,12 @@ def test_reasons_that_differ_in_a_number_are_one_reason_with_its_range():
     changed = gap.model_copy(update={"held_out": held})
     note = words(tables(stored_diagnosis(gap=changed))["gap"].note)
     assert note.count("No figure for shrink") == 1
-    assert "No figure for shrink: above with 0.65 to 0.9 only (folds over assemblies, " in note
+    assert "shrink: above with 0.65 to 0.9 only (cross-validation over assemblies, " in note
 
 
 def test_tuning_and_effect_are_told_apart_in_the_caption():
     caption = words(figures(stored_diagnosis())["how-far"].caption)
-    assert "takes the gap from 0.095 [0.087, 0.103]\u202fN to 0.0523 [0.0480, 0.0566]" in caption
+    assert "changes the gap from 0.095 [0.087, 0.103]\u202fN to 0.0523 [0.0480, 0.0566]" in caption
     assert "removes 98.1 [97.4, 98.8]\u202f% of the systematic gap (mean square)" in caption
 
 

@@ -98,7 +98,7 @@ def test_page_one_of_a_fit_fits_a_screen_in_markdown(stored):
 
 
 def test_many_remarks_stay_on_page_one(stored):
-    lines = tuple(f"c{k} has not converged: R-hat 1.5000 (limit 1.01)" for k in range(9))
+    lines = tuple(f"b{k} has not converged: R-hat 1.5000 (limit 1.01)" for k in range(9))
     poor = changed(stored, converged=False, attention=lines)
     (notice,) = page_one.worries(StoredResults(poor))
     assert notice.points == [f"{line}." for line in lines]

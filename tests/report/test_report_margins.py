@@ -28,6 +28,20 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import Certificate, FollowedWith, Following, Trajectory
 
 
+def test_what_is_assumed_stands_beside_the_answer_and_draws_are_counted_once(computed):
+    bench = computed.summary.loops[0]
+    hunts = "At γ = 1, as in the file, it hunts in 3 of 20 draws (at 95 % confidence)."
+    warned = bench.model_copy(
+        update={"warnings": ("Assumed: The wind is calm.", "It rings."), "answer": hunts}
+    )
+    summary = computed.summary.model_copy(update={"loops": (warned,)})
+    lines = list(gain_lines(summary, alone=True))
+    (assumed,) = [line for line in lines if getattr(line, "title", "").startswith("Assumed")]
+    assert assumed.text == "The wind is calm."
+    (specs,) = [line for line in lines if isinstance(line, Table)]
+    assert specs.note.endswith("Hunting is simulated in 20 draws; all else is over 200 draws.")
+
+
 @pytest.fixture(scope="module")
 def computed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("margins")
@@ -53,7 +67,8 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     loop = computed.summary.loops[0]
     box, _, specs, decided, _, of_law, hunting = gain_lines(computed.summary, alone=True)
     gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
-    assert box.title == f"bench: safe at γ = {loop.compensation_gain:g}, meets its spec"
+    at = f"γ = {loop.compensation_gain:g}"
+    assert box.title == f"bench: safe from hunting at {at}, and meets its spec"
     assert f" Up to γ = {gamma:.2f} it hunts in at most 5\u202f% of the draws." in box.text
     assert re.match(r"It hunts in \d[\d.]* (of \d+ draws|% .* of the draws)\. Up", box.text)
     assert len(box.text) < 100  # the answer and no more

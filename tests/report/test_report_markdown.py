@@ -103,7 +103,7 @@ def test_points_of_a_notice_stand_inside_of_its_box():
     notice = Notice("attention", "2 remarks:", points=["c2 is biased.", "1 trial left out."])
     page = Document("Page one", "", (notice, Paragraph("After it.")))
     assert (
-        "> **Attention.** 2 remarks:\n> \n> - c2 is biased.\n> - 1 trial left out.\n\nAfter it."
+        "> **Attention.** 2 remarks:\n> \n> - c₂ is biased.\n> - 1 trial left out.\n\nAfter it."
     ) in render_summary(page)
     box = re.search(r'<div class="notice attention".*?</div>', render_html(page), re.DOTALL)
     assert box is not None

@@ -135,8 +135,8 @@ def test_why_the_papers_estimator_has_no_value(stored):
     points["large"] = points["large"].model_copy(update={"c1": None, "c1_why": "one tension"})
     fit = stored.fit.model_copy(update={"paper_estimator": points})
     text = paragraphs(summary.summary(dataclasses.replace(stored, fit=fit)))
-    assert "no c3 of small (one angle only)" in text
-    assert "no c1 of large (one tension)" in text
+    assert "no c₃ of small (one angle only)" in text
+    assert "no c₁ of large (one tension)" in text
 
 
 def test_coverage_is_the_stored_one(stored, checked):

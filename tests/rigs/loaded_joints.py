@@ -36,6 +36,7 @@ class LoadedJoint:
     resolution: float = 1e-5
     noise: float = 0.004
     payloads: tuple = ()  # gravity of each run, over that of the first
+    lifts_alone: bool = False  # moves to where the weight is lifted, at each pose
     seed: int = 1
     constants: dict = field(default_factory=lambda: {"force_is": "motor"})
 
@@ -43,6 +44,8 @@ class LoadedJoint:
         """Return time, position, speed, acceleration of a run."""
         rng = np.random.default_rng([self.seed, number])
         time = np.arange(round(self.seconds * self.sampled_hz)) / self.sampled_hz
+        if self.lifts_alone:
+            return time, *self._lifted(time, rng), rng
         position, speed, acceleration = np.zeros((3, time.size))
         for rate, share in zip((0.17, 0.41, 0.9), (0.72, 0.22, 0.06), strict=True):
             rate = 2 * np.pi * rate * rng.uniform(0.85, 1.2)
@@ -52,6 +55,15 @@ class LoadedJoint:
             speed += stroke * rate * np.cos(phase)
             acceleration -= stroke * rate**2 * np.sin(phase)
         return time, position, speed, acceleration, rng
+
+    def _lifted(self, time, rng):
+        """Return position, speed and acceleration of one way up, now quicker and now slower."""
+        rate = 2 * np.pi * rng.uniform(0.3, 0.6)
+        mean = 0.9 * self.stroke_rad / self.seconds
+        size, phase = 0.8 * mean / rate, rate * time + rng.uniform(0, 2 * np.pi)
+        position = 0.1 * self.stroke_rad + mean * time + size * (np.sin(phase) + 1)
+        speed = mean + size * rate * np.cos(phase)
+        return position, speed, -size * rate**2 * np.sin(phase)
 
     def samples(self, number, temperature):
         """Return the log of a run; `temperature` goes from 0 to 1 over the recording."""

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from rigs.looped_joint import LoopedJoint
 
+from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.instruments import compared, without_clock
+from bayesfric.rigs.single_axis.instruments import Compared, Estimate, compared, without_clock
 
 AXIS = all_rigs()["single-axis"]
 TRUTH = {"inertia": 0.06, "viscous": 0.05, "coulomb": 0.2}
@@ -54,10 +55,32 @@ def test_weak_instruments_and_few_windows_raise_no_alarm():
     assert few == "60 windows in 4 stretches are too few to tell"
 
 
+def test_instruments_that_tell_a_sum_alone_are_weak():
+    """Either regressor goes with both instruments, and beside the other with neither."""
+    rng = np.random.default_rng(2)
+    both, own = rng.standard_normal(600), rng.standard_normal((600, 2))
+    columns = np.column_stack([both[:, None] + own, np.ones(600)])
+    seen = both[:, None] + 0.1 * rng.standard_normal((600, 2))
+    instruments = np.column_stack([seen, np.full((600, 2), np.nan)])
+    force = columns @ [0.06, 0.05, 0.2] + 0.01 * rng.standard_normal(600)
+    assert compared(force, columns, instruments, np.arange(600) // 16).strength < 10
+
+
+def test_least_squares_that_are_off_by_less_than_the_instruments_error_raise_no_alarm():
+    """Coulomb friction is 2.4 % apart, and the error of the difference 1.8 %."""
+    numbers = {"inertia": Estimate(0.06, 1e-4), "coulomb": Estimate(0.2, 1e-3)}
+    beside = numbers | {"coulomb": Estimate(0.2048, 3.7e-3)}
+    figures = Compared("reference", 30.0, 1e-8, 50.0, beside, numbers, 600, {})
+    assert not figures.alarms
+    surely = beside | {"coulomb": Estimate(0.2048, 1.5e-3)}
+    assert figures._replace(instrumental=surely).alarms
+
+
 def test_a_looped_joint_has_its_figure():
     """Counts of 1e-2 rad in the loop: the instrument is as near the truth as its error says."""
     joint = LoopedJoint(count=1e-2, stiffness=20.0, damping=0.8, gravity=0.0)
-    found = AXIS.trials(joint.recording()).instrument(())
+    law = Coefficients(joint.inertia, joint.coulomb, joint.viscous)
+    found = AXIS.trials(joint.recording()).instrument((), {"axis": law})
     assert found.kind == "earlier motion"
     assert found.strength > 10
     number = found.numbers["inertia"]

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from rigs.driven_mass import Machine, write
+from rigs.joints import Joint
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis
@@ -128,6 +129,23 @@ def test_a_path_at_another_speed_takes_the_force_of_its_closed_form(tmp_path):
         force = np.abs(faster**2 * a + 1.5 * np.sign(v)).max()
         assert one["drive_force_n"] == pytest.approx(force, rel=0.03)
         assert one["duration_s"] == pytest.approx(SECONDS / max(faster, 1.0), rel=0.01)
+
+
+def test_a_run_takes_what_a_weight_pulls_with_too():
+    """A weight of 2 N·m at 90°: the drive holds it wherever the path goes."""
+    joint = Joint(gravity=2.0, seconds=6.0, sampled_hz=50.0, strokes_rad=(1.2, 0.3))
+    trials = all_rigs()["single-axis"].trials(joint.recording())
+    law = Coefficients(joint.inertia, joint.coulomb, joint.viscous)
+    runs = trials.next_trials({"axis": law})
+    asked, rows = runs.table["drive_torque_n_m"].to_numpy(), runs.readings
+    for trial, most in enumerate(asked):
+        own = rows.trial == trial
+        speed = rows.speed[own] @ rows.weights
+        needed = joint.inertia * rows.acceleration[own] + joint.coulomb + joint.viscous * speed
+        needed = rows.way[own] * needed + 2.0 * np.sin(rows.position[own] @ rows.weights)
+        # The peak may lie between windows, each of which is a mean.
+        assert most == pytest.approx(np.abs(needed).max(), rel=0.1, abs=0.05)
+    assert asked.max() <= np.abs(trials.readings.drive).max() * 1.001
 
 
 @pytest.mark.nightly

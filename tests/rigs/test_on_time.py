@@ -61,3 +61,14 @@ def test_runs_too_short_for_a_force_to_be_moved_have_it_as_logged():
     samples = LoopedJoint(sampled_hz=200.0, **CLOSED).recording().axis.samples
     (fault,) = AXIS.left_out(recording_of(samples.iloc[:16]))
     assert "it takes 8: record it for longer" in fault.expected
+
+
+@pytest.mark.parametrize("late_s", [-1.13, 1.13])
+def test_a_force_that_is_later_than_is_looked_for_is_refused(late_s):
+    """Beside the farthest delay the squares still fall: no law of this log is right."""
+    samples = Joint(sampled_hz=100.0, seconds=12.0, rates_hz=(0.31, 0.83), gravity=0.0).samples()
+    time, force = samples["time_s"].to_numpy(), samples["force_n"].to_numpy()
+    moved = samples.assign(force_n=np.interp(time + late_s, time, force))
+    (fault,) = AXIS.left_out(recording_of(moved, force_is="measured"))
+    acts = "later" if late_s > 0 else "earlier"
+    assert f"fits best where it acts 1.1 s {acts} than it stands in the log" in fault.expected

@@ -64,24 +64,33 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
     )
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
     if lacking and by_verdict["refuted"]:
-        said += [" ", Strong("Refuted:"), " ", *_codes(by_verdict["refuted"])]
         said.append(
-            f". The claims are judged by laws that lack {lacking}, which may be the reason."
+            f" The claims are judged by laws that lack {lacking}: that may be why some are refuted."
         )
-    for claim in () if lacking else by_verdict["refuted"]:
-        said += [" ", Strong("Refuted:"), " ", Code(claim.id), f": {claim.reason}"]
-    for verdict, word in (("undecided", "Undecided"), ("not-testable", "Not testable")):
-        if by_verdict[verdict]:
-            said += [f" {word}: ", *_codes(by_verdict[verdict]), "."]
+    points: list[list[Inline]] = []
+    if lacking:
+        points += _stated("Refuted", by_verdict["refuted"])
+    else:
+        points += [
+            [Strong("Refuted:"), f" {claim.statement} {claim.reason}"]
+            for claim in by_verdict["refuted"]
+        ]
+    points += _stated("Undecided", by_verdict["undecided"])
     all_hold = len(by_verdict["supported"]) == len(judged.claims)
     kind: Kind = "attention" if by_verdict["refuted"] else "good" if all_hold else "info"
-    return Notice(kind, said, title="The paper's claims")
+    return Notice(kind, said, title="The paper's claims", points=points)
 
 
-def _codes(claims: Sequence[ClaimResult]) -> Iterator[Inline]:
-    """Yield the names of claims, with commas between them."""
-    for place, claim in enumerate(claims):
-        yield from (", " if place else "", Code(claim.id))
+def _stated(verdict: str, claims: Sequence[ClaimResult]) -> Iterator[list[Inline]]:
+    """Yield a sentence of what the claims of a verdict state; their names are in the chapter."""
+    stated = [claim.statement.removesuffix(".") for claim in claims]
+    if stated:
+        yield [Strong(f"{verdict}:"), f" {'; '.join(_inside(text) for text in stated)}."]
+
+
+def _inside(statement: str) -> str:
+    """Return a statement as it is written within a sentence."""
+    return statement if statement.startswith("Table") else statement[:1].lower() + statement[1:]
 
 
 def _untestable(judged: ClaimsFile) -> bool:
@@ -115,10 +124,10 @@ def _verdicts(judged: ClaimsFile) -> Table:
             for claim in judged.claims
         ],
         label="verdicts",
-        note="Bayes factors are in favour of the claim, against the best of its rivals; Δelpd "
-        "says how much better than that one the claim predicts an assembly that was left "
-        "out, in nat; its error stands in brackets where it is not to be relied on (a difference "
-        "below 4 nat, fewer than 20 assemblies, or a bad Pareto k). A claim without rivals "
+        note="Bayes factors are in favour of the claim, against the best of its rivals. Δelpd: by "
+        "how many nat the claim predicts an assembly left out better than that rival does. Its "
+        "error stands in brackets where it is not reliable (a difference below 4 nat, fewer than "
+        "20 assemblies, or a bad Pareto k). A claim without rivals "
         "rests on a probability or on arithmetic.",
     )
 

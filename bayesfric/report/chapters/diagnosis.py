@@ -53,6 +53,7 @@ from bayesfric.schemas.diagnosis import Axis, Gap
 
 ALL_BUT = 0.999  # a share is never printed as all of it
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
+ALONG_THE_WAY = ("displacement", "travel")
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 
 
@@ -84,6 +85,9 @@ def _measure_next(record: DiagnosisFile) -> Iterator[str]:
         rivals = " and ".join(proposed.separates)
         yield f"Measure next: {condition_words(proposed.condition)}, which separates {rivals}. "
         return
+    if record.verdict == "unknown":
+        yield from _look_for_it(record)
+        return
     low, high = (end / gap.friction_rms for end in (gap.systematic.q05, gap.systematic.q95))
     if record.verdict == "undecided" and gap.no_share is None and low < share < high:
         yield (
@@ -91,6 +95,25 @@ def _measure_next(record: DiagnosisFile) -> Iterator[str]:
             f"between {format_share(low, 3)} and {format_share(high, 3)} of friction, and "
             f"{format_share(share)} is where it begins to count. "
         )
+
+
+def _look_for_it(record: DiagnosisFile) -> Iterator[str]:
+    """Yield what to do about a force without a cause: where it holds, and what to measure."""
+    yield "Until its cause is known, use the numbers below only at the conditions measured. "
+    leading = next((axis.axis for axis in record.where if axis.answers), None)
+    if leading in ALONG_THE_WAY:
+        yield (
+            "Look along the travel for what the force belongs to: a splice or kink of the cable, a "
+            "worn pulley, a magnet. Measure next: the same condition with the cable moved on by a "
+            "known length; what belongs to the cable moves with it. "
+        )
+    elif leading is not None:
+        yield (
+            f"Measure next: one condition again, with {axis_words(leading)} alone changed over its "
+            "whole range. "
+        )
+    else:
+        yield "Measure next: further conditions, each of which changes one thing alone. "
 
 
 def _once_entered(record: DiagnosisFile) -> str:
@@ -105,7 +128,7 @@ def _with_meanings(record: DiagnosisFile) -> str:
     said = record.sentence
     for cause in record.causes:
         said = said.replace(cause.effect, f"{cause.effect} ({cause.sentence})", 1)
-    return said
+    return said[:1].upper() + said[1:]
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
@@ -138,7 +161,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
             yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
         yield _where(stored)
     else:
-        yield Paragraph("There is no gap, so that no axis explains one.")
+        yield Paragraph("There is no gap to place along an axis.")
     yield from remainder(record)
     yield from asked(record.target)
     yield Heading(2, "What to measure next")
@@ -148,8 +171,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
 def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
-    large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and less "
-    large += f"than {format_share(record.practical_share)} of that is no gap"
+    large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and a gap "
+    large += f"below {format_share(record.practical_share)} of that counts as none"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [
@@ -170,10 +193,10 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
         rows.append(["Where does it lie?", _lies_along(record)])
     rows.append(
         [
-            "What of it is unexplained?",
-            "a further force is asked for"
+            "How much of it is unexplained?",
+            "more than these data let chance explain"
             if record.remainder.significant
-            else "nothing that shows",
+            else "nothing that these data show",
         ]
     )
     if record.next_experiment:
@@ -276,7 +299,8 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
             " ",
             *most,
             "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
-            "Right: how strong it is then, with its 90 % interval; dashed is the practical share. ",
+            "Right: how strong it is then, with its 90 % interval; dashed is the size from which "
+            "on a gap counts. ",
             *hypotheses,
         ],
         "Left, a horizontal bar for each effect; the longest is "
@@ -300,7 +324,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),
             "Bars: rms on conditions that the fit has not seen, and the posterior of the "
-            "systematic gap. Lines: 90 % intervals. Dashed: the practical share."
+            "systematic gap. Lines: 90 % intervals. Dashed: the size from which on a gap counts."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
@@ -327,7 +351,7 @@ def _tuning(gap: Gap) -> list[str]:
     if gap.as_shipped is None:
         return [f"No figure for values as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
-    return [f"Recalibration alone takes the gap from {shipped} to {before}. "]
+    return [f"Recalibration alone changes the gap from {shipped} to {before}. "]
 
 
 def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:

@@ -284,7 +284,7 @@ def gap_table(diagnosis: DiagnosisFile) -> Table:
     """Return every figure of the gap on data that the fit has not seen."""
     gap, groups = diagnosis.gap, group_words(diagnosis.rigs)[1]
     rows: list[tuple[str, int, Gap | GapRow]] = [
-        *((row.name.replace(Words.groups, groups), 0, row) for row in gap.held_out),
+        *((_held_out_words(row.name, groups), 0, row) for row in gap.held_out),
         ("not held out: the data of the fit", 0, gap.in_sample),
     ]
     if gap.trajectory is not None:
@@ -305,11 +305,17 @@ def gap_table(diagnosis: DiagnosisFile) -> Table:
         ],
         label="gap",
         note=[
-            "Medians. ",
+            "Medians. Recalibrated: all parameters fitted anew. Floor: what scatter alone makes. ",
             "Shrink: (before² − after²) / (before² − floor²). " if diagnosis.causes else "",
             *_reasons(gap, rows, boards=not own_law(diagnosis.rigs)),
         ],
     ).filled()
+
+
+def _held_out_words(name: str, groups: str) -> str:
+    """Return what was held out in words of the report."""
+    said = name.replace(Words.groups, groups).replace("folds over", "cross-validation over")
+    return said.replace(", from the rest", ", predicted from the others")
 
 
 def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]], *, boards: bool) -> list[str]:

@@ -1,10 +1,10 @@
 """Controller margins on page one: whether a loop meets its spec, and which gain to set."""
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from bayesfric.margins.spec import HUNTS
-from bayesfric.margins.terms import chance_of_missing, safe_up_to, safety_words
+from bayesfric.margins.terms import chance_of_missing, is_missed, safe_up_to, safety_words
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
@@ -24,7 +24,13 @@ from bayesfric.report.content import (
     from_file,
     right_columns,
 )
-from bayesfric.report.quantities import MISSING, format_interval, format_number, format_share
+from bayesfric.report.quantities import (
+    MISSING,
+    format_count,
+    format_interval,
+    format_number,
+    format_share,
+)
 from bayesfric.report.words import sentences
 from bayesfric.schemas import MarginsFile
 from bayesfric.schemas.margins import LoopMargins, Metric
@@ -41,6 +47,7 @@ HUNTING = (
     "To hunt is to swing about the target instead of coming to rest; γ is the share of the "
     "modelled friction that the controller compensates."
 )
+ASSUMED = "Assumed: "  # begins a remark of a loop's file on what nobody measured
 LITTLE = 0.01  # of a variance
 LAW = "c1, c2, c3"  # the group of a variance that the friction law is
 WORDS = {
@@ -48,7 +55,7 @@ WORDS = {
     "friction_recursive": "friction, pulley by pulley",
     "steady_error_servo": "steady error of the servo",
     "lost_motion": "lost motion of the cable",
-    "headroom_clip": "headroom to the clip",
+    "headroom_clip": "headroom to the torque limit",
     "headroom_continuous": "headroom to continuous torque",
     "gamma_necessary": "γ necessary to hunt",
     "gamma_hunting": "γ from which it hunts",
@@ -63,8 +70,8 @@ WORDS = {
     "smallest_step": "smallest step",
     "reversal_error": "reversal error",
     "cable_stretch": "stretch of the cable",
-    "least_tension": "least tension of a side",
-    "peak_tension": "peak tension of a side",
+    "least_tension": "least cable tension",
+    "peak_tension": "peak cable tension",
     "sensitivity_peak": "peak of the sensitivity, Ms",
     "complementary_peak": "peak of the complementary sensitivity, Mt",
 }
@@ -85,15 +92,35 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         yield Notice(_kind(loop), " ".join([*_gain(loop), *beside]), title=_title(loop))
     if not alone:
         return
-    yield from _specs(margins.loops)
+    yield from _specs(margins)
     for loop in margins.loops:
         decided = " ".join(_decided(loop))
         if decided:
             yield Paragraph([Code(loop.name), f": {decided}"])
     if margins.law is not None:
         yield Paragraph(margins.law.sentence)
-    beyond = " What is assumed, and what was not examined: "
+    yield from _assumed(margins.loops)
+    beyond = " What was not examined: "
     yield Paragraph([HUNTING, beyond, Reference("margins"), "."])
+
+
+def _assumed(loops: Sequence[LoopMargins]) -> Iterator[Notice]:
+    """Yield what the files of the loops assume, which the answer rests on."""
+    for loop in loops:
+        assumed = [
+            _ended(warning.removeprefix(ASSUMED))
+            for warning in loop.warnings
+            if warning.startswith(ASSUMED)
+        ]
+        if assumed:
+            of = "" if len(loops) == 1 else f"{loop.name}: "
+            yield Notice(
+                "info", " ".join(assumed), title=f"{of}{'a' if of else 'A'}ssumed, not measured"
+            )
+
+
+def _ended(text: str) -> str:
+    return text.removesuffix(".") + "."
 
 
 def _title(loop: LoopMargins) -> str:
@@ -112,12 +139,8 @@ def _called(metric: Metric) -> str:
 
 
 def _missing(loop: LoopMargins) -> Iterator[Metric]:
-    """Yield the metrics that miss their specs more often than the file allows."""
-    for metric in loop.metrics:
-        name = " ".join(filter(None, (metric.name, metric.direction)))
-        own = HUNTS if metric.name == "gamma_hunting" else name
-        if metric.spec is not None and {name, own} & {*(loop.missed_specs or ())}:
-            yield metric
+    """Return the metrics that miss their specs more often than the file allows."""
+    return (metric for metric in loop.metrics if is_missed(loop, metric))
 
 
 def _at_all(loops: Sequence[LoopMargins]) -> str:
@@ -183,8 +206,9 @@ def _decided(loop: LoopMargins) -> Iterator[str]:
         yield f"The assumed {first} makes {format_share(shares[first])}: measure that."
 
 
-def _specs(loops: Sequence[LoopMargins]) -> Iterator[Table]:
+def _specs(margins: MarginsFile) -> Iterator[Table]:
     """Yield the figures that have a spec, those that miss it in bold; none where there is none."""
+    loops = margins.loops
     rows = [
         [*([] if len(loops) == 1 else [loop.name]), *row] for loop in loops for row in _judged(loop)
     ]
@@ -199,8 +223,20 @@ def _specs(loops: Sequence[LoopMargins]) -> Iterator[Table]:
             rows,
             label="specs",
             note="Bold: misses its spec more often than the file allows. γ from which it hunts "
-            "does not depend on the γ that is set.",
+            f"does not depend on the γ that is set.{_simulated(margins)}",
         )
+
+
+def _simulated(margins: MarginsFile) -> str:
+    """Return in how many draws hunting is looked for, where these are not all."""
+    said = " ".join(line for loop in margins.loops for line in _gain(loop))
+    counts = {int(count) for count in re.findall(r" of (\d+) draws", said)} - {margins.draws}
+    if not counts:
+        return ""
+    return (
+        f" Hunting is simulated in {' or '.join(map(str, sorted(counts)))} draws; all else is over "
+        f"{format_count(margins.draws)} draws."
+    )
 
 
 def _judged(loop: LoopMargins) -> Iterator[list[Text]]:

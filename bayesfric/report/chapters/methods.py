@@ -96,13 +96,14 @@ def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
     yield Heading(2, "The diagnosis")
     yield Paragraph(
         "A hypothesis is a set of effects that act beside the law, or an unknown smooth force. "
-        "Around the fitted law each effect's force is linear in its amplitude, so that given the "
-        "noise the evidence of a hypothesis is a closed form; the noise is climbed to its own mode "
-        f"in each. Prior probabilities by number of effects: {prior}, shared equally within a "
-        "number. Every hypothesis has the same small discrepancy, since no law is quite right. "
+        "Around the fitted law each effect's force is linear in its amplitude. So the evidence of "
+        "a hypothesis is a closed form once the noise is given; each hypothesis has its own most "
+        f"probable noise. Prior probabilities by number of effects: {prior}, shared equally within "
+        "a number. Every hypothesis has the same small error of the law, since no law is exact. "
         f"Where effects leave more than {100 * RULES.foreign:g}\u202f% of the squared gap at their "
         "best amplitudes, that hypothesis counts as an unknown force. "
-        f"Scatter of trials and of {groups} is normal, whatever the fit takes it to be."
+        f"Scatter of trials and of {groups} is taken as normal here, even where the fit takes it "
+        "as Student-t."
     )
     yield Paragraph(
         "The gap is the rms of the residual friction force, resolved along the travel, on "

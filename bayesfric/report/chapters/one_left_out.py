@@ -81,7 +81,8 @@ def _uniform(test: Uniformity) -> str:
     words = rig_words(test.rig)
     return (
         f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, chance alone "
-        f"departs from that as far with p = {format_probability(test.p_value)}. They lie "
+        f"departs as far from uniform with probability {format_probability(test.p_value)}. The "
+        f"{words.trials} lie "
         f"{format_fixed(test.spread, 2)} times as far from their prediction as the model says; "
         f"{format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} is expected "
         "(90 %)."
@@ -106,14 +107,12 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
         svg_of(assemblies_left_out, stored.predictive),
         from_file(
             "predictive.nc",
-            f"{groups.capitalize()}, each against what all others predict of it. Above, left: "
-            "distribution of "
-            "the probabilities less the uniform one, with a band that 95 % of sets of independent "
-            "ones stay inside everywhere. Beside it: normal scores of these over those expected of "
-            "their rank, with 90 % of each; and those of single trials given the others of their "
-            f"{group}, with 90 % of recordings made again. Below: the scores by condition, or "
-            f"in their order where there is one condition; a condition whose {groups} all lie "
-            "on one side is one that the law misses.",
+            f"{groups.capitalize()}, each compared with its prediction from all others. Above, "
+            "left: distribution of their probabilities minus the uniform distribution; by chance "
+            "95 % of such curves stay inside the band. Beside it: the same probabilities as normal "
+            "scores, in order, against the scores expected; then single trials, each predicted "
+            f"from the others of its {group}. Below: the scores by condition. If all {groups} of a "
+            "condition lie on one side, the law misses that condition.",
         ),
         "Of each rig a step line around zero inside a band, points along a diagonal, and points by "
         "condition about zero, most of them within a shaded band of the 90 percent interval.",
@@ -131,9 +130,10 @@ def _assembly(check: AssemblyCheck) -> str:
         for outlier in check.outlying
     )
     return (
-        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, p = "
-        f"{format_probability(check.p_value)}. They lie {format_fixed(check.spread, 2)} times as "
-        f"far from their prediction as the model says; {format_fixed(check.spread_q05, 2)} to "
+        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, chance alone "
+        f"departs as far from uniform with probability {format_probability(check.p_value)}. The "
+        f"{words.groups} lie {format_fixed(check.spread, 2)} times as far from their prediction "
+        f"as the model says; {format_fixed(check.spread_q05, 2)} to "
         f"{format_fixed(check.spread_q95, 2)} is expected (90 %). "
         f"{f'Beyond 3 sd: {far}.' if far else 'None lies beyond 3 sd.'}"
     )

@@ -38,10 +38,10 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
             " and ",
             Reference("prior-conditions"),
             " show the friction that the priors alone expect at the conditions of this recording. "
-            "If they were as narrow as the posterior, they and not the data would have decided "
-            "it; if they held friction that nobody believes, evidences would suffer.",
-            " Draws under which a board would not move are part of the priors. The data rule "
-            "them out, since each trial moved." * moving,
+            "The priors should be much wider than the posterior: then the data decide. They should "
+            "hold no absurd friction: that would lower the evidence of the law.",
+            " The priors include friction at which a board would not move. The data rule it out, "
+            "since each trial moved." * moving,
         ]
     )
     sizes = ordered_sizes(table["pulley"].to_numpy())
@@ -73,17 +73,17 @@ def _by_size(table: xr.Dataset, sizes: list[str], moving: bool) -> Table:
             Column("prior", "N", align="right"),
             Column("posterior", "N", align="right"),
             Column("measured", "N", align="right"),
-            *right_columns("prior pushes", "does not move", "some condition"),
+            *right_columns("negative", "does not move", "in some condition"),
         ],
         rows,
         label="prior-friction",
         note="Median, and 5 % to 95 % in brackets, over draws of the law and conditions at the "
-        "tension measured; without scatter. Measured: least to largest mean of a condition. Prior "
-        "pushes: draws and conditions with a friction below zero"
+        "tension measured; without scatter. Measured: least to largest mean of a condition. "
+        "Negative: share of the prior's draws and conditions with a friction below zero"
         + (", which c3 makes at wrap angles far from 85°." if pulleys else ".")
         + (
-            " Does not move: draws and conditions in which friction at rest holds the board; some "
-            "condition: draws with at least one such condition."
+            " Does not move: share in which friction at rest holds the board. In some condition: "
+            "share of draws with at least one such condition."
             if moving
             else ""
         ),

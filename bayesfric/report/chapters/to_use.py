@@ -61,7 +61,10 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
         return
     if causes:
         formula = PAPERS_LAW if diagnosis.baseline == "paper" else ""
-        yield _with_causes(diagnosis.law, causes, formula)
+        title = {"named": "Use these numbers", "no-gap": "Use these numbers"}.get(
+            diagnosis.verdict, "The best numbers while the verdict is open"
+        )
+        yield _with_causes(title, diagnosis.law, causes, formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
     elif alone and diagnosis.law:
@@ -77,7 +80,9 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
         ).filled()
 
 
-def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause], formula: str) -> Table:
+def _with_causes(
+    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], formula: str
+) -> Table:
     """Return the law refitted with the causes, and below it the law alone."""
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
@@ -92,12 +97,13 @@ def _with_causes(law: Mapping[str, LawNumber], causes: Sequence[Cause], formula:
         for whose, cells in _numbers(law, lambda number: number.before)
     ]
     return Table(
-        f"Use these numbers: the law refitted together with {names}.",
+        f"{title}: the law refitted together with {names}.",
         ["", *_heads(law), *damping],
         rows,
         label="use",
         note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}. "
-        f"So are fit.json, draws.nc and the chapters on the fit.{slope}{formula}",
+        f"fit.json, draws.nc and the chapters on the fit have these biased numbers.{slope}"
+        f"{formula}",
     ).filled()
 
 

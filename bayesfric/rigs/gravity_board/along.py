@@ -79,7 +79,7 @@ class EffectsAlong:
         if active.effect.acts_on != "reading":
             return places.columns(list(places.slowing(active, unit)))
         assert places.events is not None
-        sensors = places.events.regressors[:2] != 0
+        sensors = places.events.of_sensors
         both = places.misread(active, unit)
         return places.read_columns(
             np.concatenate([both * sensor for sensor in sensors if sensor.any()])

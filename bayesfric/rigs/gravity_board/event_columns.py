@@ -23,7 +23,7 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.double_integral import POINTS, DoubleIntegral
-from bayesfric.rigs.gravity_board.event_rows import rows_of_trials, variance_of, with_accelerations
+from bayesfric.rigs.gravity_board.event_rows import variance_of, with_accelerations
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s, clock_shifts, late_column
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
@@ -218,4 +218,4 @@ class EventColumns(ReferenceMotion, LinearRows):
 
     def rows_of_trials(self) -> Iterator[slice]:
         """Yield the rows of each trial."""
-        return rows_of_trials(self.events)
+        return self.events.rows_of_trials()

@@ -1,6 +1,5 @@
 """Rows of the linear gravity board: its events, accelerations beside them, and their noise."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +12,6 @@ from bayesfric.rigs.gravity_board.trial_motion import Events
 ROUGH_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 LEAST_SD_M = 1e-7  # of an event: below it, as without noise, rounding is all that is left
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
-
-
-def rows_of_trials(events: Events) -> Iterator[slice]:
-    """Yield the rows of each trial."""
-    ends = np.append(events.starts[1:], events.tau.size)
-    for start, end in zip(events.starts, ends, strict=True):
-        yield slice(start, end)
 
 
 def with_accelerations(
@@ -90,7 +82,7 @@ def variance_of(rows: Events, rough: Array, speed2: Array, alone: Flags, stated_
     elif slope < 0:
         level, slope = square[~alone].mean(), 0.0
     variance = level + slope * speed2
-    for own in rows_of_trials(rows):
+    for own in rows.rows_of_trials():
         # Where no smooth path follows a trial, as where the cable all but stops, what a
         # force does along it is not known: the trial counts by so much less.
         beyond = square[own].mean() / variance[own].mean()

@@ -68,16 +68,15 @@ def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
     if not events.tau.size:
         return paths, residual
     grid = np.linspace(0, 1, POINTS)
-    ends = np.append(events.starts[1:], events.tau.size)
-    for start, end in zip(events.starts, ends, strict=True):
-        trial, duration = int(events.trial[start]), float(events.tau[start:end].max())
-        place, displacement = events.tau[start:end] / duration, events.displacement[start:end]
-        sensors = events.regressors[:2, start:end] != 0
+    for of_trial in events.rows_of_trials():
+        trial, duration = int(events.trial[of_trial.start]), float(events.tau[of_trial].max())
+        place, displacement = events.tau[of_trial] / duration, events.displacement[of_trial]
+        sensors = events.of_sensors[:, of_trial]
         # Each sensor by itself, lest one that slips disturbs what the other leaves.
         for rows in sensors:
             if rows.any():
                 left = _fit(place[rows], displacement[rows])[1]
-                residual[start:end][rows] = left
+                residual[of_trial][rows] = left
         # Together for the motion, up to where they stand and by what part they differ.
         both = sensors.any(axis=1).all()
         apart = [sensors[1] * column for column in (1.0, displacement)] if both else []

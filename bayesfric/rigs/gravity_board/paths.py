@@ -135,17 +135,15 @@ def trial_paths(gravity: Gravity, rig: RigConstants) -> Paths:
 def _smooth(events: Events) -> tuple[Array, Array, Array]:
     """Return step, speed and acceleration of each trial."""
     count = events.starts.size
-    ends = np.append(events.starts[1:], events.tau.size)
     duration = np.maximum.reduceat(events.tau, events.starts)
     grid = np.linspace(-1, 1, POINTS)
     speed = np.empty((count, POINTS))
     acceleration = np.empty((count, POINTS))
-    for trial, (start, end) in enumerate(zip(events.starts, ends, strict=True)):
-        rows = slice(start, end)
+    for trial, rows in enumerate(events.rows_of_trials()):
         place = 2 * events.tau[rows] / duration[trial] - 1
         sensors = events.regressors[:2, rows][events.present[:2, trial]]
         # A trial of few events a sensor carries no more than a constant acceleration.
-        degree = min(DEGREE, max(2, (end - start) // 5))
+        degree = min(DEGREE, max(2, place.size // 5))
         columns = [-sensors.T, legendre.legvander(place, degree)[:, 1:]]
         fit = np.linalg.lstsq(np.hstack(columns), events.displacement[rows], rcond=None)[0]
         series = np.append(0.0, fit[-degree:])

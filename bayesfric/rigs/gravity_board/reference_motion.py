@@ -10,7 +10,7 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.effects import State
-from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.effects.candidates import Candidate, unit_response
 from bayesfric.observation.coefficients import intercept_of, law_of_rows
 from bayesfric.observation.linear import rank
 from bayesfric.physics.friction import Coefficients
@@ -95,9 +95,7 @@ class ReferenceMotion:
             state = self._state_at(travel, speed)
             force = np.zeros_like(travel)
             for candidate, amplitude in acting:
-                values, small = unit_values(candidate)
-                law = candidate.effect.laws[candidate.law]
-                force = force + amplitude / small * np.asarray(law(values, state))
+                force = force + amplitude * unit_response(candidate, state)
             return np.asarray(self.acceleration[:, None] - self._slowed * force)
 
         from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)

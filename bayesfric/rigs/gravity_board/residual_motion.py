@@ -31,9 +31,8 @@ def whitening(
         Whether what the two sensors differ by is a nuisance: a force is what both see.
     """
     white = 1 / np.sqrt(board.variance[rows])
-    nuisance = board.events.regressors[:3, rows]
-    nuisance = nuisance[(nuisance != 0).any(axis=1)] * white
-    sensors = board.events.regressors[:2, rows] != 0
+    nuisance = board.events.nuisances(rows) * white
+    sensors = board.events.of_sensors[:, rows]
     if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
         travel = board.events.displacement[rows] / board.events.displacement[rows].max()
         halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
@@ -180,8 +179,7 @@ def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
     late = board.clock_column()[rows]
     if not late.any():
         return left
-    nuisance, tau = board.events.regressors[:3, rows], board.events.tau[rows]
-    nuisance = nuisance[(nuisance != 0).any(axis=1)]
+    nuisance, tau = board.events.nuisances(rows), board.events.tau[rows]
     white = 1 / np.sqrt(board.variance[rows])
     basis = np.linalg.qr((np.vstack([nuisance, tau**2]) * white).T)[0]
     shown = late * white - basis @ (basis.T @ (late * white))

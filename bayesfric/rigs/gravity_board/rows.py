@@ -1,13 +1,12 @@
 """Effects on the gravity board, as columns of its rows: of forces, and of errors of readings."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from bayesfric.arrays import Array, Flags
-from bayesfric.effects import ActsOn, Effect, Law, Reading
-from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.effects import ActsOn, Effect, Reading
+from bayesfric.effects.candidates import Candidate, unit_response
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.event_columns import EventColumns
 from bayesfric.rigs.gravity_board.measured_motion import LEAST_ACCELERATION
@@ -42,15 +41,13 @@ class GravityRows(EventColumns):
         effect = candidate.effect
         if reason := self._untold(effect):
             return reason
-        values, small = unit_values(candidate)
-        law = effect.laws[candidate.law]
         if effect.acts_on == "reading":
-            beyond = self._beyond(law, values) / small
+            beyond = self._beyond(candidate)
             if not effect.components:
                 return np.asarray(-np.broadcast_to(beyond, self.residual.shape)[:, None])
-            sensors = self.events.regressors[:2] != 0
+            sensors = self.events.of_sensors
             return np.stack([-part * seen for part in beyond for seen in sensors], axis=1)
-        force = np.asarray(law(values, self.state)) / small
+        force = unit_response(candidate, self.state)
         if not effect.components:  # one that knows no direction here is a number, and nothing
             force = np.broadcast_to(force, self._travel.shape)[None]
         return self.forces(force)
@@ -66,11 +63,9 @@ class GravityRows(EventColumns):
         effect = candidate.effect
         if effect.acts_on not in ("friction", "drive") or effect.components:
             return None
-        values, small = unit_values(candidate)
-        law = effect.laws[candidate.law]
-        moved = (PUSHED * self._before)[:, None]
-        further = law(values, self.state._replace(travel_m=self._travel + moved))
-        change = (np.asarray(further) - np.asarray(law(values, self.state))) / small
+        further = self._travel + (PUSHED * self._before)[:, None]
+        moved = unit_response(candidate, self.state._replace(travel_m=further))
+        change = moved - unit_response(candidate, self.state)
         return self.forces(change) if np.any(change) else None
 
     def uneven_column(self, candidate: Candidate) -> Array:
@@ -85,10 +80,8 @@ class GravityRows(EventColumns):
         column = np.zeros_like(self.residual)
         if effect.acts_on != "reading" or effect.components or self._untold(effect):
             return column
-        values, small = unit_values(candidate)
-        law = effect.laws[candidate.law]
-        if self._of_one_sensor(law, values):
-            column -= self._beyond(law, values) / small * self._seen_by_both()
+        if self._of_one_sensor(candidate):
+            column -= self._beyond(candidate) * self._seen_by_both()
         return column
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
@@ -114,8 +107,7 @@ class GravityRows(EventColumns):
                 return np.asarray(self._pretended(columns) / self.friction_n[:, None])
             off = np.array([self._parabola(rows, columns[rows]) for rows in self.rows_of_trials()])
             return np.asarray(self.condition.total_mass_kg * off.T / self.friction_n)[:, :, None]
-        values, small = unit_values(candidate)
-        force = np.asarray(effect.laws[candidate.law](values, self.state)) / small / friction
+        force = unit_response(candidate, self.state) / friction
         return force if effect.components else force[None]
 
     def _pretended(self, columns: Array) -> Array:
@@ -123,9 +115,7 @@ class GravityRows(EventColumns):
         newton, _ = self.window_columns(PRETENDED)
         forces = np.zeros((columns.shape[1], len(self.table), PRETENDED))
         for trial, rows in enumerate(self.rows_of_trials()):
-            nuisance = self.events.regressors[:3, rows]
-            nuisance = nuisance[(nuisance != 0).any(axis=1)]
-            design = np.column_stack([newton[:, rows].T, nuisance.T])
+            design = np.column_stack([newton[:, rows].T, self.events.nuisances(rows).T])
             size = np.linalg.norm(design, axis=0)
             size = np.where(size > 0, size, 1.0)
             solved = np.linalg.lstsq(design / size, columns[rows], rcond=1e-9)[0] / size[:, None]
@@ -152,9 +142,7 @@ class GravityRows(EventColumns):
 
     def _parabola(self, rows: slice, displacement: Array) -> Array:
         """Return the accelerations of parabolas through columns of one trial, (C,) [m/s²]."""
-        nuisance = self.events.regressors[:3, rows]
-        nuisance = nuisance[(nuisance != 0).any(axis=1)]
-        design = np.column_stack([self.events.tau[rows] ** 2 / 2, *nuisance])
+        design = np.column_stack([self.events.tau[rows] ** 2 / 2, *self.events.nuisances(rows)])
         return np.asarray(np.linalg.lstsq(design, displacement, rcond=None)[0][0])
 
     def window_columns(self, count: int) -> tuple[Array, dict[str, Array]]:
@@ -185,10 +173,10 @@ class GravityRows(EventColumns):
         }
         return columns, places
 
-    def _beyond(self, law: Law, values: Mapping[str, Any]) -> Array:
-        """Return how far magnets pass beyond their places [m]."""
+    def _beyond(self, candidate: Candidate) -> Array:
+        """Return how far magnets pass beyond their places at amplitude 1 [m]."""
         reading = self.readings()
-        if self._of_one_sensor(law, values):
+        if self._of_one_sensor(candidate):
             # Seen by one sensor alone: where there is another one, that tells it from any
             # motion, so that what was read and how fast may stand for the reference law's.
             both = self._seen_by_both()
@@ -196,21 +184,23 @@ class GravityRows(EventColumns):
                 displacement_m=np.where(both, self.events.displacement, reading.displacement_m),
                 speed_m_s=np.where(both, self._speed, reading.speed_m_s),
             )
-        return np.asarray(law(values, reading))
+        return unit_response(candidate, reading)
 
-    def _of_one_sensor(self, law: Law, values: Mapping[str, Any]) -> bool:
+    def _of_one_sensor(self, candidate: Candidate) -> bool:
         """Return whether an error is one sensor's alone, in any of all the trials."""
-        whole, asked = self._whole, (law, *sorted(values.items()))
+        whole, asked = self._whole, (candidate.effect.name, candidate.law, candidate.shape)
         if asked not in self._one_sided:
             reading = whole.readings()
             at_ends = [np.full_like(whole.residual, end) for end in (0.0, 1.0)]
-            moved = [np.any(law(values, reading._replace(is_load=end))) for end in at_ends]
+            moved = [
+                np.any(unit_response(candidate, reading._replace(is_load=end))) for end in at_ends
+            ]
             self._one_sided[asked] = not all(moved)
         return self._one_sided[asked]
 
     def _seen_by_both(self) -> Flags:
         """Return which rows are of trials that both sensors recorded, shape (E,)."""
-        sensors = self.events.regressors[:2] != 0
+        sensors = self.events.of_sensors
         both = [sensors[:, rows].any(axis=1).all() for rows in self.rows_of_trials()]
         return np.array(both)[self.events.trial]
 

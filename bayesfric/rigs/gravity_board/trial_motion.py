@@ -4,6 +4,7 @@ A trial's motion is x(t) = v0 τ + a τ²/2 since its first event, with an offse
 sensor: linear in all four.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,6 +89,21 @@ class Events:
             self.present[:, trials],
         )
 
+    def rows_of_trials(self) -> Iterator[slice]:
+        """Yield the rows of each trial."""
+        ends = np.append(self.starts[1:], self.tau.size)
+        yield from map(slice, self.starts, ends)
+
+    def nuisances(self, rows: slice) -> Array:
+        """Return what offsets and first speed do to a trial's rows; those that it has."""
+        columns = self.regressors[:NUISANCES, rows]
+        return np.asarray(columns[(columns != 0).any(axis=1)])
+
+    @property
+    def of_sensors(self) -> Flags:
+        """Which rows are of which of both sensors, shape (2, E)."""
+        return np.asarray(self.regressors[:2] != 0)
+
     def total(self, values: Array) -> Array:
         """Sum events over each trial (last axis)."""
         return np.add.reduceat(values, self.starts, axis=-1)
@@ -110,10 +126,9 @@ class Events:
         columns = np.vstack([self.regressors, response])
         row, column = np.triu_indices(len(columns))
         whole = np.empty((len(weights), self.starts.size, len(columns), len(columns)))
-        stops = np.append(self.starts[1:], response.size)
-        for trial, (start, stop) in enumerate(zip(self.starts, stops, strict=True)):
-            block = columns[:, start:stop]  # fits a cache, as all events at once do not
-            sums = weights[:, start:stop] @ (block[row] * block[column]).T
+        for trial, rows in enumerate(self.rows_of_trials()):
+            block = columns[:, rows]  # fits a cache, as all events at once do not
+            sums = weights[:, rows] @ (block[row] * block[column]).T
             whole[:, trial, row, column] = whole[:, trial, column, row] = sums
         for place in range(NUISANCES):
             whole[:, ~self.present[place], place, place] = 1.0

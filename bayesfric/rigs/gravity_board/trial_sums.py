@@ -155,7 +155,7 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
         ):
             across[trial, :height] = own_along
         sums.right[trial, :height] = along[:, q]
-        nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
+        nuisances = len(board.events.nuisances(rows))
         sums.freedom[trial] = white.size - nuisances
         sums.constant[trial] = np.log(white).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
         for beyond in sums.beyond.values():

@@ -43,6 +43,22 @@ def without_answers(log: EvenLog, half: int, limit: float) -> EvenLog:
     return replace(log, force=log.force - np.where(np.abs(log.force) < limit, answered, 0.0))
 
 
+def goes_to_and_fro(differences: Array) -> bool:
+    """Return whether positions, differenced :data:`DIFFERENCED` times, are errors of samples."""
+    return bool(differences[1:] @ differences[:-1] < -TO_AND_FRO * (differences @ differences))
+
+
+def shaken_by_counts(log: EvenLog) -> float:
+    """Return the correlation of quick forces with errors of positions; 0 where these are motion.
+
+    Of a log that has every few commands of its loop alone it is weaker, for half of the answers
+    are to counts that the log has not; a correlation with the motion between rows is nearly lost.
+    """
+    force, position = (np.diff(values, DIFFERENCED) for values in (log.force, log.position))
+    size = float(np.linalg.norm(force) * np.linalg.norm(position))
+    return float(force @ position) / size if size > 0 and goes_to_and_fro(position) else 0.0
+
+
 def _answer(log: EvenLog) -> Array | None:
     """Return what the force answers to a position of this sample and of each of the last, (L,).
 
@@ -54,8 +70,7 @@ def _answer(log: EvenLog) -> Array | None:
     force, position = (np.diff(values, DIFFERENCED) for values in (log.force, log.position))
     size, scale = position.size, float(np.abs(position).max())
     force, whole = force[TAPS - 1 :], float(force @ force)
-    to_and_fro = position[1:] @ position[:-1] < -TO_AND_FRO * (position @ position)
-    if scale == 0 or whole == 0 or not to_and_fro:
+    if scale == 0 or whole == 0 or not goes_to_and_fro(position):
         return None
     lagged = [position[TAPS - 1 - lag : size - lag] / scale for lag in range(TAPS)]
     columns = np.stack(lagged, axis=1)

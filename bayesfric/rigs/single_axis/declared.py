@@ -71,7 +71,12 @@ def doubts(
         # An effect that goes with the acceleration may take the place of a mass: the law alone
         # counts too, where what it leaves out has not bent it.
         alone = [number.before] if contradicts(constants, rough_mass) else []
-        yield from _contradicted(mass, sd, [number.after, *alone], number.unit)
+        by_data = [_by_the_data(interval, mass, sd) for interval in (number.after, *alone)]
+        if number.least_squares is not None:  # an instrument's number has no prior in it
+            by_data[0] = number.after.mean, number.after.sd
+        yield from _contradicted(
+            mass, sd, [estimate for estimate in by_data if estimate], number.unit
+        )
     if constants.force_is == "link":
         yield (
             "The force is one behind the gear (rig.force_is = link): friction before the sensor, "
@@ -108,13 +113,9 @@ def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[s
 
 
 def _contradicted(
-    declared: float, sd: float, numbers: Sequence[Interval], unit: str
+    declared: float, sd: float, estimates: Sequence[tuple[float, float]], unit: str
 ) -> Iterator[str]:
-    for number in numbers:
-        by_data = _by_the_data(number, declared, sd)
-        if by_data is None:
-            continue
-        value, error = by_data
+    for value, error in estimates:
         apart = abs(value - declared) / float(np.hypot(error, sd))
         if apart > AXIS_RULES.contradicted:
             yield (

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from bayesfric.arrays import Array, Flags
+from bayesfric.rigs.single_axis.answered import shaken_by_counts
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog, smooth_motion
 from bayesfric.rigs.single_axis.run_rows import SMOOTHED, turns_back
@@ -79,7 +80,9 @@ def _turned_back(log: EvenLog, mass: float, half: int, noise: float) -> tuple[Ar
     quick, moved = _quick(log.force, half), _quick(np.diff(log.position, prepend=0.0), half)
     moved[: half + 1] = 0.0  # nothing is known from before the first sample
     size = float(np.linalg.norm(quick) * np.linalg.norm(moved))
-    if not mass > 0 or size == 0 or quick @ moved > -AXIS_RULES.answers * size:
+    if not mass > 0 or size == 0:
+        return way, nothing
+    if min(float(quick @ moved) / size, shaken_by_counts(log)) > -AXIS_RULES.answers:
         return way, nothing
     kicked = _quick(np.cumsum(quick), half) * log.interval_s / mass
     within = 0.5 * np.abs(quick) * log.interval_s / mass  # from the middle of a step to its end

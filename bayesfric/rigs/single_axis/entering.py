@@ -107,8 +107,10 @@ def entering(
     interval = float(np.median([log.interval_s for log in logs]))
     late_s = 0.0
     if servo is None:  # what a servo is late by is in its log already
-        on_one_clock, late_s = on_time(logs, resolution, AXIS_RULES.early * margin_s(interval))
-        logs = list(on_one_clock)
+        clocked = on_time(logs, resolution, AXIS_RULES.early * margin_s(interval))
+        if clocked.why_refused is not None:
+            return Unsupported(clocked.why_refused)
+        logs, late_s = list(clocked.logs), clocked.late_s
     logs, limited, dither = _within_limit(logs, recorded.starts, constants, calm=servo is None)
     too_few = refused_for_few_windows(None if limited is None else limited[0])
     if limited is None or too_few is not None:

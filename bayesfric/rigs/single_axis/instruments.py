@@ -12,6 +12,7 @@ References
 ----------
 A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
 robot identification", IEEE Transactions on Control Systems Technology 22 (1), 2014.
+J. A. Hausman, "Specification tests in econometrics", Econometrica 46 (6), 1978.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -51,7 +52,8 @@ class Compared(NamedTuple):
     statistic, p_value : float
         Of Durbin, Wu and Hausman.
     strength : float
-        The smaller F statistic of the instruments, for acceleration and for speed.
+        The smaller F statistic of the instruments, for acceleration beside speed and for speed
+        beside acceleration.
     instrumental, ordinary : dict of str to Estimate
         Inertia, viscous and Coulomb friction.
     rows : int
@@ -78,13 +80,11 @@ class Compared(NamedTuple):
             or self.strength < AXIS_RULES.weak_instrument
         ):
             return False
-        off = (
-            abs(self.instrumental[name].value - number.value)
-            > AXIS_RULES.instrument_matters * abs(number.value)
+        return any(
+            _is_off(number, self.instrumental[name])
             for name, number in self.ordinary.items()
             if name != "viscous"
         )
-        return any(off)
 
     def stored(self, unit: Callable[[str], str], units: Mapping[str, str]) -> Instrument:
         """Return it as it is stored, its numbers in the axis' own units, `units` of effects."""
@@ -106,6 +106,17 @@ class Compared(NamedTuple):
             numbers=numbers,
             effects=effects,
         )
+
+
+def _is_off(ordinary: Estimate, instrumental: Estimate) -> bool:
+    """Return whether two estimates of a number differ by what matters, and by more than chance.
+
+    The variance of their difference is that of their variances (Hausman, 1978).
+    """
+    apart = abs(instrumental.value - ordinary.value)
+    chance = np.sqrt(max(instrumental.error**2 - ordinary.error**2, 0.0))
+    matters = AXIS_RULES.instrument_matters * abs(ordinary.value)
+    return bool(apart > max(matters, AXIS_RULES.instrument_errors * chance))
 
 
 def _stored(unit: str, instrumental: Estimate, ordinary: Estimate) -> InstrumentNumber:
@@ -214,7 +225,7 @@ def compared(
     moved, rest = columns[:, :MOVED], columns[:, MOVED:]
     excluded = np.column_stack([own, rest])
     fitted = excluded @ _least_squares(excluded, moved)
-    strength = min(_wald(moved[:, [place]], own, rest, groups)[0] for place in range(MOVED))
+    strength = min(_strength(moved, fitted, own, rest, groups, place) for place in range(MOVED))
     left = moved - fitted
     statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
@@ -234,6 +245,23 @@ def compared(
         len(force),
         {name: (instrumental[place], ordinary[place]) for name, place in place_of.items()},
     )
+
+
+def _strength(
+    moved: Array, fitted: Array, own: Array, rest: Array, groups: Whole, place: int
+) -> float:
+    """Return the F statistic of the instruments for one regressor beside the other.
+
+    References
+    ----------
+    E. Sanderson, F. Windmeijer, "A weak instrument F-test in linear IV models with multiple
+    endogenous variables", Journal of Econometrics 190 (2016).
+    """
+    other = MOVED - 1 - place
+    numbers = _least_squares(np.column_stack([fitted[:, other], rest]), moved[:, place])
+    left = moved[:, place] - np.column_stack([moved[:, other], rest]) @ numbers
+    count, statistic = own.shape[1], _wald(left[:, None], own, rest, groups)[0]
+    return float(statistic * count / (count - 1))
 
 
 def _independent(columns: Array) -> list[int]:

@@ -22,10 +22,10 @@ WORDS = Words(
     "less a constant offset and less Coulomb and viscous friction, which oppose the motion. "
     "Acceleration is never measured, and no difference of positions is taken: force "
     "and position are multiplied by a smooth test function over short windows in which the axis "
-    "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
-    "together by the errors of positions and forces, and by friction that wanders along the path; "
+    "runs one way, and integrated by parts, so that each window gives a mean force. Windows are "
+    "correlated by the errors of positions and forces, and by friction that varies along the path; "
     "friction scatters from run to run (τ) and from setup to setup (ω). The clocks of force "
-    "and position may be off by a little (latency), which no friction is blamed for.",
+    "and position may differ by a little (latency); the fit does not take that for friction.",
     "setup",
     "setups",
     "accelerated",

@@ -1,14 +1,15 @@
 """Runs that the axis could make next: recorded paths again, and others over the same range.
 
 Each run gives four paths, and each path is run at several speeds. A path is a spline, so that
-its speed and acceleration are known in closed form; the drive force is what the law takes for
-it. No run leaves the positions of the run that it is made of or takes longer, and none but
-a recorded run again asks for a larger drive force than was seen.
+its speed and acceleration are known in closed form. The drive force is what the law takes for
+it, with what pulled at each place of what was recorded, as a weight does. No run leaves the
+positions of the run that it is made of or takes longer, and none but a recorded run again asks
+for a larger drive force than was seen.
 """
 
 from collections.abc import Collection, Mapping
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.rough import places_of, pull_basis
 from bayesfric.rigs.single_axis.simulated import log_of
 
 SETTINGS = ("run", "path", "velocity_m_s", "duration_s", "drive_force_n")
@@ -62,14 +64,14 @@ def lay_out(
     logs = {run: log for run, log in read.items() if log is not None and run in moved}
     own = {run: _spline(log, log.position, like.half_s) for run, log in logs.items()}
     tops = {run: _top(path) for run, path in own.items()}
-    most = float(np.abs(like.drive).max())
+    most, pull = float(np.abs(like.drive).max()), _Pull.of(like, law)
     speeds = _speeds(tops, rig)
     made, rows = [], []
     for run in _chosen(axis.runs, tops):
         name = str(run["run"])
         paths = _paths(logs[name], own[name], like.half_s, speeds[-1])
         for (kind, path), speed in product(paths.items(), sorted({*speeds, tops[name]})):
-            log = _faster(path, speed / _top(path), logs[name], law)
+            log = _faster(path, speed / _top(path), logs[name], law, pull)
             length = log.time_s.size * log.interval_s
             peak = float(np.abs(log.force).max())
             again = kind == "as recorded" and speed == tops[name]
@@ -87,6 +89,35 @@ def lay_out(
     moving = np.unique(readings.trial)
     table = pd.DataFrame(rows).drop(columns="order", errors="ignore").iloc[moving]
     return numbered(table), readings.of(moving)
+
+
+class _Pull(NamedTuple):
+    """The force that a place takes beside the law, as against a weight or a spring.
+
+    Parameters
+    ----------
+    middle, half : float
+        Of the positions that were recorded [m or rad].
+    amounts : ndarray, shape (m,)
+        Of functions of the place; see :func:`.rough.pull_basis` [N or N·m].
+    """
+
+    middle: float
+    half: float
+    amounts: Array
+
+    @classmethod
+    def of(cls, rows: Readings, law: AxisLaw) -> "_Pull":
+        """Return what rows leave of the law, as a function of the place."""
+        position, speed = rows.position @ rows.weights, rows.speed @ rows.weights
+        left = rows.force - law.mass * rows.acceleration - law.coulomb - law.viscous * speed
+        basis = pull_basis(position, *places_of(position))
+        amounts = np.linalg.lstsq(basis, rows.way * left, rcond=None)[0]
+        return cls(*places_of(position), np.asarray(amounts, dtype=np.float64))
+
+    def at(self, position: Array) -> Array:
+        """Return the force at places, shape (N,) [N or N·m]."""
+        return np.asarray(pull_basis(position, self.middle, self.half) @ self.amounts)
 
 
 def _spline(log: EvenLog, position: Array, knot_s: float) -> "scipy.interpolate.BSpline":
@@ -144,12 +175,13 @@ def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any
 
 
 def _faster(
-    path: "scipy.interpolate.BSpline", faster: float, log: EvenLog, law: AxisLaw
+    path: "scipy.interpolate.BSpline", faster: float, log: EvenLog, law: AxisLaw, pull: _Pull
 ) -> EvenLog:
     """Return a path run so much faster, and the drive force that it takes, on time."""
     time = np.arange(0.0, path.t[-1] / max(faster, 1.0), log.interval_s)
-    velocity = faster * path(faster * time, 1)
+    position, velocity = path(faster * time), faster * path(faster * time, 1)
     force = law.mass * faster**2 * path(faster * time, 2)
     force = force + np.sign(velocity) * law.coulomb + law.viscous * velocity
+    force = force + pull.at(position)
     is_free = np.ones(time.size, dtype=np.bool_)
-    return EvenLog(time, path(faster * time), force, is_free, log.interval_s, {})
+    return EvenLog(time, position, force, is_free, log.interval_s, {})

@@ -31,7 +31,7 @@ from bayesfric.rigs.single_axis.windows import (
 
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
-REACH_S = 1.0  # looked at, either way
+REACH_S = 1.1  # looked at, either way: a second is set right
 OF_A_RUN = 0.15  # of the shortest run, no more of which is looked at
 STEPS = 40  # tried either way
 LAGS = 12  # time constants that are tried
@@ -59,10 +59,13 @@ class OnTime(NamedTuple):
     late_s : float
         By how much the force was moved: it acts so much later than it was logged, or, below 0,
         earlier [s]; 0 where nothing was done.
+    why_refused : str or None
+        Why no law can be told of these runs; None where one can.
     """
 
     logs: tuple[EvenLog, ...]
     late_s: float = 0.0
+    why_refused: str | None = None
 
 
 def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) -> OnTime:
@@ -80,22 +83,31 @@ def on_time(logs: Sequence[EvenLog], resolution: float | None, margin_s: float) 
     squares = _Squares.of(logs, resolution)
     if squares is None:
         return OnTime(tuple(logs))
-    step = squares.reach_s / STEPS
+    reach_s = squares.reach_s  # beyond it a window of the force leaves its run
+    step = reach_s / STEPS
     delays = step * np.arange(-STEPS, STEPS + 1)
     left = np.array([squares.delayed(late) for late in delays])
     best = float(delays[np.argmin(left)])
     nearest = scipy.optimize.minimize_scalar(
-        squares.delayed, bounds=(best - step, best + step), method="bounded"
+        squares.delayed,
+        bounds=(max(best - step, -reach_s), min(best + step, reach_s)),
+        method="bounded",
     )
     late_s = float(nearest.x)
     if -margin_s <= late_s <= LATEST_S:
         return OnTime(tuple(logs))
-    reach_s = squares.reach_s  # beyond it a window of the force leaves its run
     near = np.linspace(max(-margin_s, -reach_s), min(LATEST_S, reach_s), STEPS)
-    lags = np.geomspace(0.1 * LATEST_S, squares.reach_s, LAGS)
+    lags = np.geomspace(0.1 * LATEST_S, reach_s, LAGS)
     otherwise = min(*map(squares.delayed, near), *map(squares.lagging, lags))
     if not float(nearest.fun) < AXIS_RULES.late_explained * otherwise:
         return OnTime(tuple(logs))
+    if abs(best) > reach_s - 0.5 * step:
+        acts = "later" if best > 0 else "earlier"
+        why = (
+            f"the force fits best where it acts {reach_s:.2g} s {acts} than it stands in the log, "
+            "and nothing further is looked at: set the clocks of force and positions right"
+        )
+        return OnTime(tuple(logs), why_refused=why)
     return OnTime(tuple(_moved(log, late_s) for log in logs), late_s)
 
 

@@ -358,13 +358,15 @@ class AxisRuns(RigTrials):
             )
         return tuple(lines)
 
-    def instrument(self, acting: Sequence[tuple[Candidate, float]]) -> Instrument | str:
+    def instrument(
+        self, acting: Sequence[tuple[Candidate, float]], laws: Mapping[str, Coefficients]
+    ) -> Instrument | str:
         """Return the law by an instrument beside what acts; see :mod:`.instruments`."""
         if self._beside is not None:
             return "a simulator has the place of the law"
         if self.servo is not None:
             return "the command is in the drive force itself, so that it is no instrument"
-        rows, readings = self._rows(self._rough), self.readings
+        rows, readings = self._around(laws[SIZE]), self.readings
         others: dict[str, Array] = {}
         for candidate, _ in acting:
             column = rows.candidate_column(candidate)

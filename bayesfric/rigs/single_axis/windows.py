@@ -13,6 +13,7 @@ from bayesfric.rigs.single_axis.run_rows import SMOOTHED, rows_of_run
 from bayesfric.rigs.single_axis.weak_form import node_weights, test_function
 
 MOST = 3000  # rows of a recording
+ROWS_A_COLUMN = 3  # that tell what columns leave of another
 LATEST_S = 0.05  # of a force, in which its rate is told exactly
 
 
@@ -30,24 +31,49 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
     if any(log.sent is not None for log in logs):
         # Delay and damping of a servo are told apart by little: its windows are as wide as can be.
         half_s = longest
+    tried: list[tuple[float, float]] = []  # by quiet widths, the acceleration's error over its own
     while half_s < longest:
-        rows = []
-        for log in logs:
-            half = half_samples(half_s, log)
-            test = test_function(half, log.interval_s)
-            rows.append(rows_of_run(log, test, 2 * half, noise, stroke))
-        force, way = joined(rows, "force"), joined(rows, "way")
-        pull = pull_columns(joined(rows, "position"), way)
-        acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
-        mass = rough_law(force, acceleration, speed, pull).mass + moved
+        rows = [
+            rows_of_run(log, test_function(half, log.interval_s), 2 * half, noise, stroke)
+            for log, half in ((log, half_samples(half_s, log)) for log in logs)
+        ]
+        mass, force, beyond_known, own = _told_by(rows)
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
-        quiet = AXIS_RULES.quiet * float(np.sqrt(np.mean(force**2))) if force.size else 0.0
-        own = _beyond(acceleration, np.concatenate([row["beside"] for row in rows]))
-        if mass * error < quiet and error < AXIS_RULES.told_apart * own:
-            break
+        is_quiet = (mass + moved) * error < AXIS_RULES.quiet * force
+        if is_quiet and error < AXIS_RULES.told_apart * beyond_known:
+            tried.append((half_s, error / max(own, 1e-300)))
+            if error < AXIS_RULES.told_apart * own:
+                break
         half_s *= 1.25
-    half_s = min(half_s, longest)
+    half_s = min(_told_best(tried, longest), longest)
     return half_s, max(1.0, length / (MOST * half_s))
+
+
+def _told_best(tried: Sequence[tuple[float, float]], widest: float) -> float:
+    """Return the width by which the acceleration is told, the narrowest where none tells it."""
+    if not tried:
+        return widest
+    best, share = min(tried, key=lambda width: width[1])
+    return best if share**2 < 1 - AXIS_RULES.acceleration_shows else tried[0][0]
+
+
+def _told_by(rows: Sequence[dict[str, Array]]) -> tuple[float, float, float, float]:
+    """Return the rough mass and rms force, and what else there is leaves of the acceleration.
+
+    Beside what is known of the force, and beside the law and what pulls to a place: in a free
+    swing a weight pulls as the acceleration goes. Errors of positions as large as what is left
+    make the mass too small, however little force they are with so small a mass.
+    """
+    force, way = joined(rows, "force"), joined(rows, "way")
+    acceleration, speed = joined(rows, "acceleration"), joined(rows, "speed")
+    pull = pull_columns(joined(rows, "position"), way)
+    law = np.column_stack([np.ones_like(speed), speed, pull])
+    own = np.inf
+    if force.size >= ROWS_A_COLUMN * law.shape[1]:
+        own = _beyond(acceleration, law)
+    beyond_known = _beyond(acceleration, np.concatenate([row["beside"] for row in rows]))
+    mass = rough_law(force, acceleration, speed, pull).mass
+    return mass, float(np.sqrt(np.mean(force**2))) if force.size else 0.0, beyond_known, own
 
 
 def _beyond(values: Array, columns: Array) -> float:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from joint_worlds.drive import Acting, Drive, Follower, link_of
+from joint_worlds.forms import Now
 
-from bayesfric.blind.engines.joint_drive import Acting, Drive, Follower, link_of
-from bayesfric.blind.engines.joint_forms import Now
 from bayesfric.blind.engines.state import Array
 
 

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from joint_worlds.arm import Arm, Control, Moved
+from joint_worlds.forms import Scales
 from numpy.random import Generator
 
-from bayesfric.blind.engines.joint_arm import Arm, Control, Moved
-from bayesfric.blind.engines.joint_forms import Scales
 from bayesfric.blind.engines.reference import stream
 from bayesfric.blind.engines.state import Array
 

@@ -14,11 +14,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-
-from bayesfric.blind.engines.joint_arm import Moved, mjcf, moved
-from bayesfric.blind.engines.joint_drive import Acting
-from bayesfric.blind.engines.joint_forms import MECHANISMS, OUTSIDERS, Mechanism
-from bayesfric.blind.engines.joint_world import (
+from joint_worlds.arm import Moved, mjcf, moved
+from joint_worlds.drive import Acting
+from joint_worlds.forms import MECHANISMS, OUTSIDERS, Mechanism
+from joint_worlds.world import (
     DRIVE,
     LOG,
     PERFECT,
@@ -32,6 +31,7 @@ from bayesfric.blind.engines.joint_world import (
     warmth_of,
     weight_is_unknown,
 )
+
 from bayesfric.blind.engines.reference import Made, Withheld, stream
 from bayesfric.blind.engines.state import Array
 from bayesfric.recording import Recording, read_recording

@@ -1,7 +1,7 @@
 """What may act in a joint beside inertia, Coulomb and viscous friction, gravity and an offset.
 
 Each mechanism is a force of its own making: it adds to the size of friction (`rubs`), pulls along
-the joint (`pulls`), or is a part of the drive (`part`) that :mod:`.joint_arm` moves. Forces are
+the joint (`pulls`), or is a part of the drive (`part`) that :mod:`.arm` moves. Forces are
 those of an amplitude of 1; friction is in units of the joint's Coulomb friction.
 
 References

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from bayesfric.blind.engines.joint_forms import Mechanism, Now
+from joint_worlds.forms import Mechanism, Now
 
 REST = 1e-3  # rad/s, below which a joint rests
 RING_DAMPING = 0.1  # of critical, of the spring between rotor and link

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from joint_worlds import simulator as engine
+from joint_worlds.arm import Arm, Control, moved
+from joint_worlds.drive import Acting
 
-from bayesfric.blind.engines import mujoco_joints as engine
-from bayesfric.blind.engines.joint_arm import Arm, Control, moved
-from bayesfric.blind.engines.joint_drive import Acting
 from bayesfric.blind.engines.reference import Withheld
 
 ARM = Arm((1.6,), (0.3,), 0.4, False, (0.7,), (0.25,), (0.03,), (0.1,))
