@@ -64,7 +64,7 @@ def climb(
             return replace(at, at_mode=True)
         step *= min(1.0, LONGEST / np.abs(step).max())
         for _ in range(8):
-            there = evaluated(at.psi + step, at.value + 1e-4 * (slope @ step))
+            there = evaluated(at.psi + step, at.value + 1e-4 * float(slope @ step))
             if there.gradient is not None:
                 break
             step *= 0.3

@@ -141,8 +141,8 @@ def weigh(
         shapes_known |= {
             f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)
         }
-        own = not any(np.array_equal(psi, point) for point in points)
-        results = _chosen(model, free, phases, psi, shapes_known, forms, only_these=own)
+        moved = not any(np.array_equal(psi, point) for point in points)
+        results = _chosen(model, free, phases, psi, shapes_known, forms, only_these=moved)
         weights = np.array([result.total for result in results])
         form, chosen = forms[int(np.argmax(weights))], results[int(np.argmax(weights))]
         acting = chosen.acting
