@@ -40,12 +40,12 @@ def climb(
     """
     low, high = _bounds(model, psi.size)
 
-    def evaluated(psi: Array) -> At:
+    def evaluated(psi: Array, above: float = -np.inf) -> At:
         """Return the hypothesis at a noise, the weights of Student-t deviations at their mode."""
         nonlocal model
         psi = np.clip(psi, low, high)
         model = model.reweighted(psi, acting, wide, form)
-        return model.evaluate(psi, acting, wide, form, gradient=True)
+        return model.evaluate(psi, acting, wide, form, gradient=True, above=above)
 
     at = evaluated(psi)
     guess = np.diag(np.full(psi.size, 0.1))
@@ -64,8 +64,8 @@ def climb(
             return replace(at, at_mode=True)
         step *= min(1.0, LONGEST / np.abs(step).max())
         for _ in range(8):
-            there = evaluated(at.psi + step)
-            if there.value > at.value + 1e-4 * (slope @ step):
+            there = evaluated(at.psi + step, at.value + 1e-4 * float(slope @ step))
+            if there.gradient is not None:
                 break
             step *= 0.3
         else:

@@ -280,6 +280,7 @@ class LinearModel:
         form: Mapping[str, FormShare] | None = None,
         *,
         gradient: bool = False,
+        above: float = -np.inf,
         used: Mapping[str, Flags] | None = None,
     ) -> At:
         """Return a hypothesis at one noise.
@@ -294,12 +295,14 @@ class LinearModel:
             As of :meth:`prior`.
         gradient : bool
             Whether derivatives are wanted.
+        above : float
+            Value that a hypothesis must exceed for its derivatives to be made.
         used : mapping of str to ndarray of bool, or None
             Trials of each rig that enter, by rig; None is all.
         """
         parts, information = self._evaluated(psi, self.mixing(acting), acting.phases, used)
         at = self.integrated(psi, acting, information, wide, form)
-        if not gradient:
+        if not gradient or not at.value > above:
             return at
         slopes: dict[str, float] = {}
         local = self._local(at, acting)
@@ -414,14 +417,24 @@ class LinearModel:
         information = sum((part.information for part in parts[1:]), parts[0].information)
         return parts, replace(information, constant=information.constant + constant)
 
-    def said_of(self, psi: Array, places: Sequence[int], phases: Sequence[Law] = ()) -> Information:
-        """Return what the data say of the numbers with some candidates as effects."""
+    def said_of(
+        self,
+        psi: Array,
+        places: Sequence[int],
+        phases: Sequence[Law] = (),
+        *,
+        only_these: bool = False,
+    ) -> Information:
+        """Return what the data say of the numbers with some candidates as effects.
+
+        What is said of all candidates is kept, unless it is of no use to other hypotheses.
+        """
 
         def computed(those: Sequence[int]) -> Information:
             mixing = np.eye(len(self.candidates))[:, list(those)]
             return self._evaluated(psi, mixing, phases, None)[1]
 
-        if phases:
+        if phases or only_these:
             return computed(places)
         first = self.layout.own * len(self.layout.sizes)
         return self.said.of(psi, places, len(self.candidates), first, computed)

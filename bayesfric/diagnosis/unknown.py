@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
-from scipy.special import logsumexp
+from scipy.special import logsumexp, ndtri
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At
@@ -138,7 +137,7 @@ def unknown_force(
 def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags]:
     """Return how large a force may be and where, and which of these are scatter anyhow."""
     scale = model.analysis.diagnosis.unknown_scale
-    shares = [scale * float(scipy.stats.halfnorm.ppf(node)) for node in QUANTILES]
+    shares = [scale * float(ndtri((1 + node) / 2)) for node in QUANTILES]  # half-normal
     # Where in speed a law is off events tell at hundreds of places, and forces that differ with
     # size, load and rig as well are too many to be likely; along other axes few values are met.
     where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]

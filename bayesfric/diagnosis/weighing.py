@@ -24,7 +24,7 @@ FORM_SHARES = (
     *map(FormShare, SHARES),
     *(FormShare(size, "speed_m_s") for size in SHARES[1:]),
 )
-AMPLITUDES = np.linspace(-4.0, 4.0, 17)  # of phases around the mode, in standard deviations
+AMPLITUDES = np.linspace(-4.0, 4.0, 9)  # of phases around the mode, in standard deviations
 START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
 
 
@@ -141,7 +141,8 @@ def weigh(
         shapes_known |= {
             f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)
         }
-        results = _chosen(model, free, phases, psi, shapes_known, forms)
+        moved = not any(np.array_equal(psi, point) for point in points)
+        results = _chosen(model, free, phases, psi, shapes_known, forms, only_these=moved)
         weights = np.array([result.total for result in results])
         form, chosen = forms[int(np.argmax(weights))], results[int(np.argmax(weights))]
         acting = chosen.acting
@@ -178,10 +179,15 @@ def _chosen(
     psi: Array,
     shapes_known: Mapping[str, float],
     shares: Sequence[FormShare],
+    *,
+    only_these: bool = False,
 ) -> list[_Chosen]:
-    """Return for each share of forms the best laws and shapes, and all their log evidence."""
+    """Return for each share of forms the best laws and shapes, and all their log evidence.
+
+    Whether only these effects are looked at with this noise is as of ``said_of``.
+    """
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
-    information = model.said_of(psi, places, phases)
+    information = model.said_of(psi, places, phases, only_these=only_these)
     results = []
     for form in shares:
         share = dict.fromkeys([*free, *(law.effect for law in phases)], form)

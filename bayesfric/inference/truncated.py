@@ -7,7 +7,7 @@ number's own standard deviation says nothing of that: it is widened until the bo
 
 import numpy as np
 import scipy
-from scipy.special import ndtr, ndtri
+from scipy.special import log_ndtr, ndtr, ndtri
 
 from bayesfric.arrays import Array
 
@@ -44,7 +44,7 @@ def drawn_above(draws: Array, least: Array) -> Array:
         mean, sd = float(column.mean()), float(column.std())
         sd = _widened(mean, sd, float(bound[place]))
         start = (float(bound[place]) - mean) / sd
-        share = (scipy.stats.rankdata(column[below]) - 0.5) / below.sum()
+        share = (np.argsort(np.argsort(column[below])) + 0.5) / below.sum()
         # Beyond `start`, by the upper tail: a density far below its bound has little above it.
         drawn[(below, *place)] = mean - sd * ndtri(share * ndtr(-start))
     return np.maximum(drawn, bound)
@@ -67,8 +67,10 @@ def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Ar
         At 5, 50 and 95 %.
     """
     sd = _widened(mean, sd, least)
-    cut = scipy.stats.truncnorm((least - mean) / sd, np.inf, loc=mean, scale=sd)
-    return float(cut.mean()), float(cut.std()), np.asarray(cut.ppf([0.05, 0.5, 0.95]))
+    start = (least - mean) / sd
+    centre, width = _moments_above(start)
+    quantiles = -ndtri(np.array([0.95, 0.5, 0.05]) * ndtr(-start))
+    return mean + sd * centre, sd * width, np.asarray(mean + sd * quantiles)
 
 
 def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
@@ -90,13 +92,24 @@ def normal_cut_to(mean: float, sd: float, least: float) -> tuple[float, float]:
         return mean, sd
 
     def ratio(start: float) -> float:
-        cut = scipy.stats.truncnorm(start, np.inf)
-        return float(cut.std() / (cut.mean() - start))
+        centre, width = _moments_above(start)
+        return width / (centre - start)
 
     asked = min(sd / (mean - least), ratio(FARTHEST)) if mean > least else ratio(FARTHEST)
     start = scipy.optimize.brentq(lambda x: ratio(x) - asked, -2 * FARTHEST, FARTHEST)
-    whole = sd / float(scipy.stats.truncnorm(start, np.inf).std())
+    whole = sd / _moments_above(start)[1]
     return least - start * whole, whole
+
+
+def _moments_above(start: float) -> tuple[float, float]:
+    """Return the mean and standard deviation of a standard normal above a bound.
+
+    SciPy's own distributions take 0.3 s to load.
+    """
+    if start == -np.inf:
+        return 0.0, 1.0
+    mean = float(np.exp(-0.5 * start * start - log_ndtr(-start)) / np.sqrt(2 * np.pi))
+    return mean, float(np.sqrt(1 + start * mean - mean**2))
 
 
 def _widened(mean: float, sd: float, least: float) -> float:

@@ -23,14 +23,19 @@ class Tilted:
 
     noise = (Noise(), Noise(), Noise(), Noise((1e-6, np.e)))
 
-    def __init__(self):
+    def __init__(self, steeper=1.0):
+        self.curvature = steeper * CURVATURE
         self.calls = 0
+        self.values_with_slopes = []
 
-    def evaluate(self, psi, acting, wide, form, *, gradient=False):
+    def evaluate(self, psi, acting, wide, form, *, gradient=False, above=-np.inf):
         self.calls += 1
         free, end = psi[:3], psi[3]
-        value = -0.5 * CURVATURE @ free**2 + end * (PULL @ free + SLOPE)
-        slope = np.append(end * PULL - CURVATURE * free, PULL @ free + SLOPE)
+        value = -0.5 * self.curvature @ free**2 + end * (PULL @ free + SLOPE)
+        if not value > above:
+            return At(psi, value, None, None, None, None)
+        slope = np.append(end * PULL - self.curvature * free, PULL @ free + SLOPE)
+        self.values_with_slopes.append(value)
         return At(psi, value, slope, None, None, None)
 
     def reweighted(self, psi, acting, wide=None, form=None):
@@ -47,3 +52,10 @@ def test_a_number_at_the_end_of_its_range_spoils_no_step_of_the_others():
     short = at.psi[:3] - PULL / CURVATURE
     assert 0.5 * CURVATURE @ short**2 < 0.1  # nat below the mode
     assert model.calls <= MOST
+
+
+def test_no_derivatives_are_made_of_a_step_that_gains_nothing():
+    model = Tilted(steeper=100.0)
+    climb(model, np.array([0.0, 0.0, 0.0, 0.5]), Acting())
+    assert np.all(np.diff(model.values_with_slopes) > 0)
+    assert len(model.values_with_slopes) < model.calls

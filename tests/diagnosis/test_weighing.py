@@ -162,7 +162,7 @@ class Density:
     def __post_init__(self):
         self.noise = (Bounded(), Bounded())
 
-    def evaluate(self, psi, acting, wide, form, *, gradient=False):
+    def evaluate(self, psi, acting, wide, form, *, gradient=False, above=-np.inf):
         first, second = psi
         value = -8 * first**2 - 5 * second**2 - self.skew * np.exp(second) + self.skew * second
         slope = np.array([-16 * first, -10 * second - self.skew * (np.exp(second) - 1)])
