@@ -49,7 +49,8 @@ from bayesfric.rigs.model_amounts import model_errors
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval, Provenance
 from bayesfric.schemas.causes import Cause, LawNumber, Unseparated
-from bayesfric.schemas.diagnosis import Axis, FrictionAsked
+from bayesfric.schemas.diagnosis import FrictionAsked
+from bayesfric.schemas.gap import Axis
 
 NOTHING_TOLD = "these data tell no number of the model"
 PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis

@@ -12,7 +12,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above, normal_cut_to
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of

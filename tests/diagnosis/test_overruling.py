@@ -30,7 +30,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Remainder
-from bayesfric.schemas.diagnosis import HeldOutDensity
+from bayesfric.schemas.gap import HeldOutDensity
 
 PRACTICAL = 0.02
 

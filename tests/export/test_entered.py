@@ -8,7 +8,8 @@ from bayesfric.robots.fields import fields_of
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
-from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
+from bayesfric.schemas.diagnosis import Enter, SimulatorField
+from bayesfric.schemas.gap import Gap
 
 
 def number(parameter, mean, sd, unit="N·m", **more):

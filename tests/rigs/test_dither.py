@@ -6,6 +6,7 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.recording.held import answering, held_for, released
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.single_axis import entering
 from bayesfric.rigs.single_axis.dither import steady
 from bayesfric.rigs.single_axis.even_log import EvenLog
 
@@ -61,6 +62,24 @@ def test_counts_show_in_a_log_of_every_fifth_command(count, shaken):
     if shaken:
         slow = np.abs(speed[every]) < 0.05
         assert logs[0].dithers[slow].mean() > 4 * logs[0].dithers[~slow].mean()
+
+
+@pytest.mark.nightly
+def test_a_joint_of_which_too_little_would_be_left_enters_with_its_dither(monkeypatch):
+    """A log of 2 s was refused: 5 of 11 windows shook, and wider ones left 2."""
+    joint = LoopedJoint(count=2e-3, **SHAKEN)
+    seen = []
+
+    def few(readings):
+        seen.append(readings)
+        return "too few" if len(seen) == 1 else None
+
+    monkeypatch.setattr(entering, "refused_for_few_windows", few)
+    runs = AXIS.trials(joint.recording())
+    assert len(seen) == 2
+    assert runs.dither.windows > 20
+    assert not runs.dither.left_out
+    assert "too few would be left" in " ".join(runs.doubts({}))
 
 
 def test_a_slow_controllers_command_acts_as_it_is_held():

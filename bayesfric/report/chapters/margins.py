@@ -40,7 +40,8 @@ from bayesfric.report.quantities import (
 from bayesfric.report.words import sentences
 from bayesfric.schemas import MarginsFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.margins import Held, LoopMargins, Metric
+from bayesfric.schemas.loop_runs import Held
+from bayesfric.schemas.margins import LoopMargins, Metric
 
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 SMALL_SHARE = 0.02  # of a variance, not worth a column

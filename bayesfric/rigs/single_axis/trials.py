@@ -112,6 +112,8 @@ class AxisRuns(RigTrials):
         Windows in which the joint turns back between two counts.
     spikes : float
         Share of a run's readings of the force that are spikes; 0 where they are no habit.
+    clipped : float
+        Share of a run's readings of the force that lie at an end of what could be read.
     servo : Servo or None
         Whose commands stand in the place of a force; None where a force was logged.
     lever_n : float
@@ -137,6 +139,7 @@ class AxisRuns(RigTrials):
     late_s: float = 0.0
     dither: Dither = field(default_factory=Dither)
     spikes: float = 0.0
+    clipped: float = 0.0
     servo: Servo | None = None
     lever_n: float = 0.0
     stamps_sd_s: float = 0.0
@@ -351,6 +354,12 @@ class AxisRuns(RigTrials):
             lines.append(
                 f"Stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, over which "
                 "positions are smoother: the even clock was taken"
+            )
+        if self.clipped:
+            lines.append(
+                f"In some run {self.clipped:.1%} of the readings of force_n are the largest that "
+                "there is, again and again: a sensor or a drive is at its end there, and what acts "
+                "beyond is not known. Windows with such readings do not enter"
             )
         if self.spikes:
             lines.append(
