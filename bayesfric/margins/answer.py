@@ -67,18 +67,14 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         Independent draws behind them.
     """
     ordered = np.sort(hunting.threshold)
-    simulated = hunting.method == "simulation"
+    tolerance, cut = MARGIN_RULES.threshold_tolerance, MARGIN_RULES.threshold_share
     count = ordered.size
 
     def at(share: float) -> float:
-        """Return the γ just below which `share` of the draws hunt."""
+        """Return a γ below which `share` of the draws hunt, less what thresholds are off by."""
         place = int(np.floor(share * count + 1e-9))
         most = float(ordered[place]) if place < count else np.inf
-        below = most - 1e-9
-        if simulated:
-            tolerance, share = MARGIN_RULES.threshold_tolerance, MARGIN_RULES.threshold_share
-            below = min(most - tolerance, most * (1 - share))
-        return min(below, GAMMA_MAX)
+        return min(most - tolerance, most * (1 - cut), GAMMA_MAX)
 
     first = hunting.condition[np.argsort(hunting.threshold, kind="stable")]
     deciding = first[: int(allowed * count) + 1]
@@ -92,8 +88,7 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         return SafeGain(None, None, why, condition)
     error = standard_error(allowed, min(effective_draws, float(count)))
     low, high = at(max(allowed - error, 0.0)), at(min(allowed + error, 1.0))
-    coarse = MARGIN_RULES.threshold_tolerance if simulated else 0.0
-    return SafeGain(at(allowed), max((high - low) / 2, coarse), None, condition)
+    return SafeGain(at(allowed), max((high - low) / 2, tolerance), None, condition)
 
 
 def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: float) -> str:

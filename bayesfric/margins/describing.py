@@ -7,9 +7,10 @@ amplitude A, damping takes π b_eff ω_n A² and friction of net size F − γ F
 4 (F − γ F̂) A. Where they cancel, a swing may last:
 
 * b_eff < 0: friction holds the loop still up to A = 4 F/(π ω_n |b_eff|).
-* γ F̂ > F: the swing has A = 4 (γ F̂ − F)/(π ω_n b_eff). A compensator that is off at rest
-  keeps it up if A reaches beyond the stuck band F/kp, hence γ* = (F/F̂)(1 + π ζ/2) with
-  ζ = b_eff/(2 √(kp J)).
+* γ F̂ > F: the swing has A = 4 (γ F̂ − F)/(π ω_n b_eff) while ζ = b_eff/(2 √(kp J)) is small.
+  Half a swing under a constant torque γ F̂ − F goes on for any ζ, and repeats at
+  A = (γ F̂ − F)/kp · coth(π ζ/(2 √(1 − ζ²))). A compensator that is off at rest keeps it up if
+  A reaches beyond the stuck band F/kp, hence γ* = (F/F̂)(1 + tanh(π ζ/(2 √(1 − ζ²)))).
 
 References
 ----------
@@ -58,13 +59,23 @@ def necessary_gain(shaft: LoopAtShaft) -> Array:
 
 
 def formula_threshold(shaft: LoopAtShaft) -> Array:
-    """Return γ* = (F/F̂)(1 + π ζ/2), shape (draws,); see :func:`formula_conditions`."""
-    return np.asarray(necessary_gain(shaft) * (1 + np.pi * _damping_ratio(shaft) / 2))
+    """Return γ* = (F/F̂)(1 + tanh(π ζ/(2 √(1 − ζ²)))), shape (draws,).
+
+    Where it holds is said by :func:`formula_conditions`; from ζ = 1 on it is 2 F/F̂.
+    """
+    return np.asarray(necessary_gain(shaft) * (1 + _stuck_band_over_swing(shaft)))
 
 
 def _damping_ratio(shaft: LoopAtShaft) -> Array:
     """Return the damping ratio ζ of the loop, b_eff over 2√(kp J)."""
     return np.asarray(effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia)))
+
+
+def _stuck_band_over_swing(shaft: LoopAtShaft) -> Array:
+    """Return tanh(π ζ/(2 √(1 − ζ²))): the net torque over kp, as a share of the swing it keeps."""
+    zeta = _damping_ratio(shaft)
+    undamped_share = np.sqrt(np.maximum(1 - zeta**2, np.finfo(np.float64).tiny))
+    return np.asarray(np.tanh(np.pi * zeta / (2 * undamped_share)))
 
 
 def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
@@ -77,12 +88,12 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
         The conditions that some draw breaks, in words.
     """
     compensation, rules = shaft.loop.compensation, MARGIN_RULES
-    zeta, most_damping = _damping_ratio(shaft), rules.formula_most_damping
+    most_damping = rules.formula_most_damping
     turns_in_lag, most_lag = natural_frequency(shaft) * shaft.lag, rules.formula_most_lag
     least_counts, least_ringing = rules.formula_least_counts, rules.formula_least_ringing
-    light = np.abs(shaft.net_load) <= rules.formula_most_load * shaft.friction
     everywhere = np.ones(shaft.friction.shape, dtype=bool)
     counts = shaft.friction / shaft.kp * shaft.counts / (2 * np.pi)
+    stretch, most_recoil = counts * shaft.kp / shaft.stiffness, rules.formula_most_recoil
     peak = shaft.kp * shaft.kick + shaft.estimate * formula_threshold(shaft)
     conditions = {
         "the compensator follows the measured velocity": everywhere
@@ -96,15 +107,17 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
         "the position is not filtered": everywhere & (shaft.position_cutoff is None),
         "the encoder is at the motor": everywhere & (not shaft.sees_joint),
         "there is no play": shaft.backlash == 0,
-        "no load is left to the loop": light,
+        "no load is left to the loop": np.abs(shaft.net_load)
+        <= rules.formula_most_load * shaft.friction,
         "the reference rests": shaft.reference_speed == 0,
         "the loop is damped without friction": effective_damping(shaft) > 0,
-        f"ζ is at most {most_damping:g}": zeta <= most_damping,
+        f"ζ is at most {most_damping:g}": _damping_ratio(shaft) <= most_damping,
         f"ω_n τ is at most {most_lag:g}": turns_in_lag <= most_lag,
         f"F/kp is at least {least_counts:g} encoder counts": counts >= least_counts,
         "the kick is beyond F/kp": shaft.kick > shaft.friction / shaft.kp,
         f"the cable rings at {least_ringing:g} ω_n or above": shaft.ringing
         >= least_ringing * natural_frequency(shaft),
+        f"F stretches the cable by at most {most_recoil:g} encoder counts": stretch <= most_recoil,
         "the torque is not clipped": peak <= shaft.clip,
     }
     broken = tuple(words for words, holds in conditions.items() if not holds.all())
@@ -112,12 +125,11 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
 
 
 def swing_amplitude(shaft: LoopAtShaft) -> Array:
-    """Return A = 4 (γ F̂ − F)/(π ω_n b_eff) [rad]; NaN where nothing keeps a swing up."""
-    damping = effective_damping(shaft)
+    """Return A = (γ F̂ − F)/kp · coth(π ζ/(2 √(1 − ζ²))) [rad]; NaN where no swing is kept up."""
     over = shaft.gamma * shaft.estimate - shaft.friction
-    swings = (over > 0) & (damping > 0)
-    size = 4 * over / (np.pi * natural_frequency(shaft) * np.where(swings, damping, 1.0))
-    return np.where(swings, size, np.nan)
+    swings = (over > 0) & (effective_damping(shaft) > 0)
+    share = np.where(swings, _stuck_band_over_swing(shaft), 1.0)
+    return np.where(swings, over / shaft.kp / share, np.nan)
 
 
 def steady_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:

@@ -16,14 +16,16 @@ class MarginRules:
     ------
     formula_least_counts: γ* fails below so many encoder counts in F/kp: quantisation damps [counts;
         hunting-speeds]
-    formula_most_damping: γ* is too high above this ζ: it is the start of 1 + tanh(πζ/(2√(1 − ζ²)))
-        [1; hunting-speeds]
+    formula_most_damping: γ* is not compared with the simulator above this ζ [1; hunting-speeds]
     formula_most_lag: above this ω_n τ the delay is more than negative damping, and γ* fails [rad;
         hunting-speeds]
     formula_most_stiction: γ* fails where breakaway is more than this times moving friction [1;
         hunting-speeds]
     formula_least_ringing: γ* is too high where the cable rings below this multiple of ω_n [1;
         hunting-speeds]
+    formula_most_recoil: γ* is too high where F stretches the cable by more encoder counts: the
+        motor springs back as it stops, the encoder sees it, and the compensator turns too early
+        [counts; hunting-speeds]
     formula_most_load: γ* fails where the load is more than this share of friction [1;
         hunting-speeds]
     swing_lasts: a swing that keeps less of its amplitude from one quarter of a run to the next dies
@@ -32,10 +34,11 @@ class MarginRules:
         hunting-speeds]
     swing_least_cycles: a swing with fewer cycles in the last half of a run has no amplitude [1;
         hunting-speeds]
-    threshold_tolerance: a simulated threshold of γ is at most this much too high by how finely it
-        was looked for [1; hunting-speeds]
-    threshold_share: share of a simulated threshold of γ by which it may be too high: coarse steps
-        and where a swing begins, as seen beside a simulation from outside [1; hunting-speeds]
+    threshold_tolerance: a threshold of γ is at most this much too high by how finely it was looked
+        for [1; hunting-speeds]
+    threshold_share: share of a threshold of γ by which it may be too high: coarse steps and where a
+        swing begins, as seen beside a simulation from outside; a formula is not closer
+        [1; hunting-speeds]
     certificate_kept_back: share of the largest certified slope that is not used: near it swings die
         out so slowly that the simulator takes some for hunting [1; certificate]
     worth_measuring: a number of the file that makes this share of a variance is to be measured [1;
@@ -62,6 +65,7 @@ class MarginRules:
     formula_most_lag: float = 0.1
     formula_most_stiction: float = 1.02
     formula_least_ringing: float = 10.0
+    formula_most_recoil: float = 3.0
     formula_most_load: float = 0.01
     swing_lasts: float = 0.9
     swing_least_reversals: int = 2

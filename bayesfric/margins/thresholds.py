@@ -165,7 +165,8 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
             "references that move, as the file's reference_range_rad_s has it",
             *(() if shaft.wrist is None else (MOVE_TOGETHER,)),
         ),
-        "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw; at rest alone",
+        "by γ* = (F/F̂)(1 + tanh(π ζ/(2 √(1 − ζ²)))), inside its conditions in every draw; "
+        "at rest alone",
     )
 
 

@@ -15,6 +15,7 @@ from bayesfric.margins.describing import (
     steady_error,
     swing_amplitude,
 )
+from bayesfric.margins.hunting import after_a_kick
 
 
 def test_what_stands_at_the_shaft():
@@ -72,7 +73,7 @@ def test_compensation_takes_from_what_holds():
     assert np.isinf(amplitude_margin(shaft()))
 
 
-@pytest.mark.parametrize(("ratio", "threshold"), [(0.11, 1.14), (0.42, 1.62), (0.84, 2.27)])
+@pytest.mark.parametrize(("ratio", "threshold"), [(0.11, 1.13), (0.42, 1.60), (0.84, 1.98)])
 def test_the_threshold_grows_with_damping(ratio, threshold):
     # ω_n τ = 0.05: of the ratio, 0.025 goes to the delay
     kp = 3e-5 * (0.05 / 1.5e-3) ** 2
@@ -82,6 +83,27 @@ def test_the_threshold_grows_with_damping(ratio, threshold):
     })  # fmt: skip
     assert effective_damping(one) / (2 * np.sqrt(kp * 3e-5)) == pytest.approx(ratio - 0.025)
     assert formula_threshold(one) == pytest.approx(threshold, abs=0.012)
+
+
+@pytest.mark.parametrize(("counts", "applies"), [(12_000, True), (100_000, False)])
+def test_the_threshold_is_where_the_simulator_begins_to_hunt(counts, applies):
+    # ω_n τ = 0.05 and ζ = 0.6: 1 + tanh(π 0.6/1.6) = 1.827, where 1 + π 0.6/2 is 1.942
+    kp = 3e-5 * (0.05 / 1.5e-3) ** 2
+    one = shaft({
+        "controller.kp_n_m_per_rad": kp, "compensation.estimate_n_m": 0.003541,
+        "controller.kd_n_m_s_per_rad": 2 * 0.625 * np.sqrt(kp * 3e-5),
+        "controller.encoder_counts_per_revolution": counts,
+    })  # fmt: skip
+    threshold = formula_threshold(one)
+    assert threshold == pytest.approx(1.827, abs=1e-3)
+    inside, broken = formula_conditions(one)
+    # a finer encoder sees the motor spring back on its cable, and hunting begins below 0.85 γ*
+    assert inside.all() == applies
+    assert applies or broken == ("F stretches the cable by at most 3 encoder counts",)
+    shares = np.array([0.95, 1.05] if applies else [0.75, 0.89])
+    tried = one.taken(np.zeros(2, dtype=int))
+    still = after_a_kick(tried.sampled(shares * threshold), tried.kick, np.zeros(2)).hunts
+    assert still.tolist() == [False, True]
 
 
 def test_at_the_threshold_the_swing_reaches_the_stuck_band():

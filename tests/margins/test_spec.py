@@ -55,7 +55,9 @@ def test_the_default_limit_is_a_twentieth(draws, errors):
 
 
 def test_hunting_is_missed_by_its_own_limit(draws):
-    over = {"compensation.gain": 3.0}  # F/F̂ is 1.2, ζ 0.63: γ* = (F/F̂)(1 + πζ/2) = 2.3
+    over = {
+        "compensation.gain": 3.0
+    }  # F/F̂ is 1.2, ζ 0.63: γ* = (F/F̂)(1 + tanh(πζ/(2√(1 − ζ²)))) = 2.2
     assert missed(draws, over) == ("limit_cycle_probability",)
     assert missed(draws, {"compensation.gain": 0.1}) == ()
 
