@@ -108,7 +108,8 @@ def largest_slope(shaft: LoopAtShaft) -> Array:
         loop = OpenLoop(shaft, direction)
         omega = loop.frequencies(POINTS)
         certified = _largest(loop, omega, rigid=shaft.cable is None)
-        slope = np.minimum(slope, np.where(is_stable(loop, omega), certified, 0.0))
+        stable = is_stable(loop, omega, pairs=loop.unstable_pairs)
+        slope = np.minimum(slope, np.where(stable, certified, 0.0))
     return slope
 
 

@@ -74,13 +74,16 @@ def on_a_grid(response: Response, omega: Array) -> Complex:
     return values
 
 
-def is_stable(response: Response, omega: Array, on_grid: Complex | None = None) -> Flags:
+def is_stable(
+    response: Response, omega: Array, on_grid: Complex | None = None, pairs: Whole | int = 0
+) -> Flags:
     """Tell which closed loops are stable, by how far 1 + L turns around 0.
 
     A strictly proper loop without poles to the right of the imaginary axis is stable when
     closed if and only if arg(1 + L), followed from high frequency, where it is 0, down to
     where |L| is large, arrives at arg L as its poles at the origin and its delay make it:
-    between −7π/4 and π/4. Each pair of unstable poles adds a turn.
+    between −7π/4 and π/4. Each pair of unstable poles adds a turn: of the closed loop, which
+    makes it unstable, or of the open loop, which the closed one has to undo.
 
     Parameters
     ----------
@@ -91,6 +94,9 @@ def is_stable(response: Response, omega: Array, on_grid: Complex | None = None) 
         [rad/s].
     on_grid : ndarray of complex, shape (loops, F), or None
         The response at these frequencies, if it is there already.
+    pairs : ndarray of int, shape (loops,), or int
+        Pairs of poles to the right that the open loop has; a single one beside a pole at the
+        origin is no pair, since the response starts on its side.
 
     Returns
     -------
@@ -105,7 +111,7 @@ def is_stable(response: Response, omega: Array, on_grid: Complex | None = None) 
         turned[row] -= step[row, left]
     start = np.angle(around[:, 0])
     start = np.where(start > np.pi / 4, start - 2 * np.pi, start)
-    return np.asarray(np.abs(start + turned) < np.pi)
+    return np.asarray(np.abs(start + turned - 2 * np.pi * pairs) < np.pi)
 
 
 def linear_margins(

@@ -55,7 +55,7 @@ def linear_of(shaft: LoopAtShaft, *, with_peaks: bool = False) -> dict[Direction
         loop = OpenLoop(shaft, direction)
         omega = loop.frequencies()
         on_grid = on_a_grid(loop, omega)
-        stable = is_stable(loop, omega, on_grid)
+        stable = is_stable(loop, omega, on_grid, loop.unstable_pairs)
         margins = linear_margins(loop, omega, on_grid)
         values = {
             "gain_margin": np.where(stable, np.maximum(margins.gain, 1 / margins.gain), 1.0),

@@ -114,6 +114,43 @@ class OpenLoop:
         motor, _ = self.plant(omega, rows)
         return 1j * omega * motor / (1 + self(omega, rows))
 
+    @property
+    def unstable_pairs(self) -> Whole:
+        """Pairs of the plant's poles right of the imaginary axis, shape (draws,).
+
+        Friction that falls with speed is negative damping of the motor, by which a motor on its
+        cable can ring up.
+        """
+        pairs = np.zeros(self.motor_inertia.shape, dtype=np.intp)
+        rows = np.flatnonzero((self.motor_viscous < 0) | (self.load_viscous < 0))
+        if rows.size:
+            poles = np.linalg.eigvals(self._free_motion(rows))
+            pairs[rows] = (poles.real > 0).sum(axis=1) // 2
+        return pairs
+
+    def _free_motion(self, rows: Whole) -> Array:
+        """Return matrices of the plant without torque, shape (rows, n, n).
+
+        States are the stretch of each cable and the speed of each end; the position, a pole at
+        the origin, is none of them.
+        """
+        beyond = () if self.beyond is None else (self.beyond,)
+        middle = () if self.beyond is None else (self.shaft_inertia,)
+        inertia = np.stack([self.motor_inertia, *middle, self.load_inertia], axis=1)[rows]
+        viscous = np.zeros_like(inertia)
+        viscous[:, 0], viscous[:, -1] = self.motor_viscous[rows], self.load_viscous[rows]
+        springs = np.stack([self.stiffness, *(stage.stiffness for stage in beyond)], axis=1)[rows]
+        dampers = np.stack([self.damping, *(stage.damping for stage in beyond)], axis=1)[rows]
+        cables = springs.shape[1]
+        apart = np.eye(cables, cables + 1) - np.eye(cables, cables + 1, 1)
+        matrix = np.zeros((rows.size, 2 * cables + 1, 2 * cables + 1))
+        matrix[:, :cables, cables:] = apart
+        matrix[:, cables:, :cables] = -apart.T * springs[:, None, :]
+        matrix[:, cables:, cables:] = -(apart.T * dampers[:, None, :]) @ apart
+        matrix[:, cables:, cables:] -= viscous[:, :, None] * np.eye(cables + 1)
+        matrix[:, cables:] /= inertia[:, :, None]
+        return matrix
+
     def frequencies(self, count: int = FREQUENCIES) -> Array:
         """Return frequencies for each draw that its crossings lie well inside of.
 

@@ -1,12 +1,13 @@
 """The open loop of a joint: its plant, its stability, and its margins by other means."""
 
 import time
+from dataclasses import replace
 
 import control
 import numpy as np
 import pytest
 from benchmark.kernels import timed
-from margins.loops import loop, posterior, shaft
+from margins.loops import BASE, loop, posterior, shaft
 
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
@@ -14,6 +15,7 @@ from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
+from bayesfric.margins.state_space import state_space
 
 ROW = np.zeros(1, dtype=np.intp)
 
@@ -60,6 +62,37 @@ def test_an_integral_without_damping_is_unstable_from_its_bound():
     for ki, stable in ((0.9 * bound, True), (1.2 * bound, False)):
         one = shaft({"controller.ki_n_m_per_rad_s": ki, "cable.axial_stiffness_n": 1e9})
         assert linear_of(one)[None].stable.tolist() == [stable]
+
+
+SECOND_CABLE = {
+    "cable.length_m": 0.5,
+    "second_stage": {
+        "driven_radius_m": 0.02,
+        "driving_radius_m": 0.01,
+        "shaft_inertia_kg_m2": 8e-5,
+        "shaft_friction_n_m": 0.006,
+        "runs": [{**BASE["runs"][0], "pulley_size": "medium"}],
+        "cable": {"axial_stiffness_n": 20e3, "length_m": 0.4},
+    },
+}
+
+
+def test_friction_that_falls_with_speed_can_make_the_cable_ring_up():
+    # −b at the motor on a cable that rings: the open plant has a complex pair to the right, which
+    # the controller's damping undoes or leaves; the poles of the closed loop decide
+    falling = np.array([1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 100.0, 300.0])
+    rows = np.zeros(falling.size, dtype=int)
+    for changes in ({"cable.length_m": 1.0, "cable.damping_ratio": 0.005}, SECOND_CABLE):
+        one = shaft(changes).taken(rows)
+        one = replace(one, falling=1e-5 * falling, falling_speed=np.ones(falling.size))
+        opened = OpenLoop(one)
+        systems = [control.ss(*state_space(opened, row)) for row in range(falling.size)]
+        unstable = [int((loop.poles().real > 1e-3).sum()) for loop in systems]
+        assert opened.unstable_pairs.tolist() == [count // 2 for count in unstable]
+        stable = [bool((control.feedback(loop).poles().real < 0).all()) for loop in systems]
+        assert set(opened.unstable_pairs) == {0, 1}
+        assert len(set(stable)) == 2
+        assert linear_of(one)[None].stable.tolist() == stable
 
 
 OPEN = {"runs.0.topology": "open", "runs.0.count": 13, "runs.0.wrap_angle_deg": 70,
