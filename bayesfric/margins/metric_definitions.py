@@ -43,7 +43,9 @@ RULES = (
     Rule("headroom_continuous", "1", "motor", "at least", "headroom_continuous_min",
          "share of the continuous torque that friction and load leave"),
     Rule("gamma_necessary", "1", "loop", "at least",
-         note="F/F̂: below it a damped loop that compensates by measured velocity cannot hunt"),
+         note="F/F̂: below it a damped loop without integral action that compensates by measured "
+              "velocity cannot hunt with the reference at rest; where the reference creeps, it may "
+              "hunt far below"),
     Rule("gamma_hunting", "1", "loop", "at least"),
     Rule("amplitude_margin", "rad", "motor", "at least", "amplitude_margin_min_rad",
          "4F/(π ω_n |b_eff|), with the friction that compensation leaves"),

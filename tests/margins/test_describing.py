@@ -12,10 +12,14 @@ from bayesfric.margins.describing import (
     formula_conditions,
     formula_threshold,
     natural_frequency,
+    necessary_gain,
     steady_error,
     swing_amplitude,
 )
 from bayesfric.margins.hunting import after_a_kick
+from bayesfric.margins.metric_definitions import RULES
+from bayesfric.margins.scanning import REST, Condition, run
+from bayesfric.report.chapters.gain import WORDS
 
 
 def test_what_stands_at_the_shaft():
@@ -112,6 +116,17 @@ def test_at_the_threshold_the_swing_reaches_the_stuck_band():
     assert swing_amplitude(one) == pytest.approx(one.friction / one.kp, rel=1e-12)
     assert np.isnan(swing_amplitude(replace(one, gamma=np.array([1.0])))).all()
     assert natural_frequency(one) == pytest.approx(np.sqrt(0.02 / 3e-5))
+
+
+def test_below_the_gain_that_is_necessary_at_rest_a_creeping_loop_hunts():
+    one = shaft({"compensation.estimate_n_m": 0.003541})
+    assert necessary_gain(one) == pytest.approx(1.0)
+    creeping = run(one, (Condition(counts=0.2), REST), np.array([0.6]))
+    assert creeping.hunts.tolist() == [True, False]
+    note = next(rule.note for rule in RULES if rule.name == "gamma_necessary")
+    assert "cannot hunt with the reference at rest" in note
+    assert "creeps, it may hunt far below" in note
+    assert WORDS["gamma_necessary"] == "γ necessary to hunt at rest"
 
 
 @pytest.mark.parametrize(

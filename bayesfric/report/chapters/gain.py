@@ -58,7 +58,7 @@ WORDS = {
     "lost_motion": "lost motion of the cable",
     "headroom_clip": "headroom to the torque limit",
     "headroom_continuous": "headroom to continuous torque",
-    "gamma_necessary": "γ necessary to hunt",
+    "gamma_necessary": "γ necessary to hunt at rest",
     "gamma_hunting": "γ from which it hunts",
     "amplitude_margin": "amplitude margin",
     "limit_cycle_amplitude": "amplitude of the limit cycle",
