@@ -1,8 +1,9 @@
 """Closed forms of how friction and its compensation sustain or stop a loop's oscillation.
 
 For swings near the natural frequency ω_n = √(kp/J), the loop's damping is
-b_eff = kd + b − kp τ with τ the delay, half a sample of hold, and the time constant of the
-position's low-pass where there is one. Over one swing of
+b_eff = kd + b − kp τ − ki J/kp with τ the delay, half a sample of hold, and the time constant of
+the position's low-pass where there is one; a compensator of the error, which inside its band ε
+is a spring beside kp, is counted with kp as γ F̂/ε. Over one swing of
 amplitude A, damping takes π b_eff ω_n A² and friction of net size F − γ F̂ takes
 4 (F − γ F̂) A. Where they cancel, a swing may last:
 
@@ -30,12 +31,21 @@ def natural_frequency(shaft: LoopAtShaft) -> Array:
     return np.asarray(np.sqrt(shaft.kp / shaft.inertia))
 
 
-def effective_damping(shaft: LoopAtShaft) -> Array:
-    """Return b_eff = kd + b − kp τ [N·m·s/rad], shape (draws,).
+def loop_spring(shaft: LoopAtShaft) -> Array:
+    """Return kp, with γ F̂/ε where a compensator of the error stands beside it [N·m/rad]."""
+    if shaft.loop.compensation.signal != "error":
+        return shaft.kp
+    return shaft.kp + shaft.gamma * shaft.estimate / shaft.boundary
 
-    Friction that falls with speed takes its first slope from it.
+
+def effective_damping(shaft: LoopAtShaft) -> Array:
+    """Return b_eff = kd + b − kp τ − ki J/kp [N·m·s/rad], shape (draws,).
+
+    kp is :func:`loop_spring`. Friction that falls with speed takes its first slope from it.
     """
-    return shaft.kd + shaft.viscous + shaft.slope - shaft.kp * shaft.slow_lag
+    spring = loop_spring(shaft)
+    lost = spring * shaft.slow_lag + shaft.ki * shaft.inertia / spring
+    return shaft.kd + shaft.viscous + shaft.slope - lost
 
 
 def amplitude_margin(shaft: LoopAtShaft) -> Array:
@@ -49,7 +59,8 @@ def amplitude_margin(shaft: LoopAtShaft) -> Array:
         net = np.maximum(net - shaft.gamma * shaft.estimate, 0.0)
     damping = effective_damping(shaft)
     weak = damping < 0
-    held = 4 * net / (np.pi * natural_frequency(shaft) * np.where(weak, -damping, 1.0))
+    frequency = np.sqrt(loop_spring(shaft) / shaft.inertia)
+    held = 4 * net / (np.pi * frequency * np.where(weak, -damping, 1.0))
     return np.where(weak, held, np.inf)
 
 

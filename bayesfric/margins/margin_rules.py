@@ -28,6 +28,8 @@ class MarginRules:
         [counts; hunting-speeds]
     formula_most_load: γ* fails where the load is more than this share of friction [1;
         hunting-speeds]
+    amplitude_least_stuck_bands: with integral action the amplitude margin is not known below so
+        many stuck bands: within 10 % at five, without meaning at two and a half [1; linear-margins]
     swing_lasts: a swing that keeps less of its amplitude from one quarter of a run to the next dies
         out; below 1, since a limit cycle of a stepped encoder jitters [1; hunting-speeds]
     swing_least_reversals: nothing swings that reverses less often in the last quarter of a run [1;
@@ -67,6 +69,7 @@ class MarginRules:
     formula_least_ringing: float = 10.0
     formula_most_recoil: float = 3.0
     formula_most_load: float = 0.01
+    amplitude_least_stuck_bands: float = 5.0
     swing_lasts: float = 0.9
     swing_least_reversals: int = 2
     swing_least_cycles: float = 2.0

@@ -11,6 +11,7 @@ from bayesfric.margins.cable_stage import lost_motion
 from bayesfric.margins.describing import amplitude_margin, necessary_gain, steady_error
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid, peaks
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metric_definitions import PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.wrist import Wrist
@@ -96,7 +97,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         ("lost_motion", None): shaft.unseen_motion * tip,
         ("headroom_clip", None): 1 - needed / shaft.clip,
         ("gamma_necessary", None): necessary_gain(shaft),
-        ("amplitude_margin", None): amplitude_margin(shaft),
+        ("amplitude_margin", None): _known_amplitude(shaft, linear),
         ("backdrive_force", None): backdrive / tip,
         ("smallest_step", None): step * tip,
         ("reversal_error", None): 2
@@ -115,6 +116,19 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     for direction, linear_along in linear.items():
         values |= {(name, direction): value for name, value in linear_along.values.items()}
     return values
+
+
+def _known_amplitude(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) -> Array:
+    """Return the amplitude margin; NaN, not known, where b_eff does not tell it.
+
+    That is where b_eff ≥ 0 and the loop is unstable all the same, and with integral action where
+    the swing is a few stuck bands: there it slips, and its speed is no sine.
+    """
+    unstable = np.logical_or.reduce([~linear_along.stable for linear_along in linear.values()])
+    amplitude = amplitude_margin(shaft)
+    least = MARGIN_RULES.amplitude_least_stuck_bands * shaft.breakaway / shaft.kp
+    slips = (shaft.ki > 0) & (amplitude < least)
+    return np.where(slips | (unstable & np.isinf(amplitude)), np.nan, amplitude)
 
 
 def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
@@ -174,7 +188,8 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
         for (name, direction), value in values.items():
             if name != rule.name or spec is None:
                 continue
-            beyond = value < spec if rule.sense == "at least" else value > spec
+            # what is not known, NaN, counts as missed
+            beyond = ~(value >= spec) if rule.sense == "at least" else ~(value <= spec)
             slack = ~shaft.taut if name in TAUT else np.zeros_like(beyond)
             missed[" ".join(filter(None, (name, direction)))] = np.asarray(beyond | slack)
     return missed

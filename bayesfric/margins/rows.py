@@ -144,8 +144,9 @@ def _probability_of_violation(
     """Return how probably a spec is missed; draws in which a side goes slack miss it."""
     if spec is None:
         return None
-    below = hunting.now if rule.name == "gamma_hunting" else value < spec
-    violated = below if rule.sense == "at least" else value > spec
+    # what is not known, NaN, counts as missed
+    below = hunting.now if rule.name == "gamma_hunting" else ~(value >= spec)
+    violated = below if rule.sense == "at least" else ~(value <= spec)
     return float((violated.sum() + slack) / (violated.size + slack))
 
 
@@ -177,7 +178,10 @@ def _missing(name: str, value: Array | None, shaft: LoopAtShaft, hunting: Huntin
             return f"none of {looked}, up to γ = {GAMMA_MAX:g}"
         return f"none of {looked}, at γ = {np.median(shaft.gamma):.3g}"
     if name == "amplitude_margin":
-        return "kd + b − kp τ is positive in every draw: the loop is damped without friction"
+        unknown = 0.0 if value is None else float(np.isnan(value).mean())
+        if unknown > 0:
+            return f"not known: b_eff does not tell it in {unknown:.1%} of the draws"
+        return "b_eff is positive in every draw: the loop is damped without friction"
     if name in PEAKS and value is not None:
         return f"{np.mean(~np.isfinite(value)):.1%} of the draws are unstable without friction"
     share = 0.0 if value is None else float(np.mean(~np.isfinite(value)))
@@ -224,6 +228,9 @@ def _note(about: _About, interval: Interval | None, value: Array, finite: Array)
         case "amplitude_margin" if finite.size:
             share = float((effective_damping(shaft) < 0).mean())
             notes.append(f"in the {share:.1%} of the draws that friction alone holds still")
+            if np.isnan(value).any():
+                notes.append(f"not known in the {np.isnan(value).mean():.1%} in which b_eff does "
+                             "not tell it; they count as missing a spec")  # fmt: skip
         case name if name in LINEAR:
             notes += _linear_notes(linear[direction], interval, direction)
     return "; ".join(notes)

@@ -232,6 +232,19 @@ def test_an_unstable_loop_is_refused_unless_friction_is_relied_on(draws):
     assert metric(found, "amplitude_margin").interval.mean == pytest.approx(by_hand, rel=0.01)
 
 
+def test_an_amplitude_that_is_not_known_is_told_so_and_missed(draws):
+    # kd/J of the motor is 1000 rad/s, which turns by 4.5 rad in the delay; b_eff is positive
+    late = {
+        "controller.delay_s": 4e-3, "controller.kd_n_m_s_per_rad": 2e-2,
+        "controller.relies_on_friction": True,
+        "compensation.signal": "none", "spec.amplitude_margin_min_rad": 0.01,
+    }  # fmt: skip
+    found = metric(computed(draws, late), "amplitude_margin")
+    assert found.interval is None
+    assert found.interval_why == "not known: b_eff does not tell it in 100.0% of the draws"
+    assert found.probability_of_violation == 1.0
+
+
 def test_all_bad_loops_are_told_together(draws, tmp_path):
     for name in ("one", "two"):
         (tmp_path / f"{name}.toml").write_text("name = 3\n", encoding="utf-8")

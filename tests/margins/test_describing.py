@@ -18,7 +18,9 @@ from bayesfric.margins.describing import (
 )
 from bayesfric.margins.hunting import after_a_kick
 from bayesfric.margins.metric_definitions import RULES
+from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.scanning import REST, Condition, run
+from bayesfric.margins.simulating import simulate
 from bayesfric.report.chapters.gain import WORDS
 
 
@@ -67,6 +69,46 @@ def test_the_amplitude_that_friction_holds(force, measured):
     by_hand = 4 * force * 0.005005 / gear / (np.pi * np.sqrt(kp / 3.4e-6) * kp * 1.5e-3)
     assert amplitude_margin(one) == pytest.approx(by_hand, rel=1e-12)
     assert amplitude_margin(one) == pytest.approx(measured, rel=0.1)
+
+
+STIFF = {"cable.axial_stiffness_n": 1e9, "compensation.signal": "none"}
+
+
+def test_an_integral_takes_from_the_damping_and_friction_holds_so_much_less():
+    # unstable from ki = b kp/J on; at 1.2 of it b_eff is −0.2 b, and A is 4F/(0.2 π ω_n b)
+    damping = 1e-3 - 0.02 * 1.5e-3
+    one = shaft({**STIFF, "controller.ki_n_m_per_rad_s": 1.2 * damping * 0.02 / 3e-5})
+    held = amplitude_margin(one)
+    by_hand = 4 * 0.003541 / (np.pi * np.sqrt(0.02 / 3e-5) * 0.2 * damping)
+    assert held == pytest.approx(by_hand, rel=1e-9)
+    assert closed_forms(one, linear_of(one))["amplitude_margin", None] == pytest.approx(by_hand)
+    tried = one.taken(np.zeros(2, dtype=int)).sampled()
+    motion = simulate(tried, kick=np.array([0.95, 1.15]) * held, duration=3.0)
+    assert motion.hunts.tolist() == [False, True]
+
+
+def test_a_compensator_of_the_error_is_a_spring_that_delay_makes_ring():
+    # kp + 0.003/0.01 = 0.32, with a delay of 1.5 ms: 4.8e-4 against kd of 3.5e-4
+    band = {"compensation.signal": "error", "compensation.boundary_rad": 0.01}
+    one = shaft({**STIFF, **band, "controller.kd_n_m_s_per_rad": 3.5e-4})
+    by_hand = 4 * 0.003541 / (np.pi * np.sqrt(0.32 / 3e-5) * 1.3e-4)
+    assert amplitude_margin(one) == pytest.approx(by_hand, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [  # so much kd that its delay makes it swing, and an integral in whose swings the joint slips
+        {**STIFF, "controller.kd_n_m_s_per_rad": 2e-2, "controller.delay_s": 4e-3},
+        {**STIFF, "controller.ki_n_m_per_rad_s": 1.4 * 9.7e-4 * 0.02 / 3e-5},
+    ],
+)  # fmt: skip
+def test_an_amplitude_that_is_not_known_counts_as_missed(changes):
+    one = shaft({**changes, "spec.amplitude_margin_min_rad": 0.01})
+    linear = linear_of(one)
+    assert not linear[None].stable.any()
+    values = closed_forms(one, linear)
+    assert np.isnan(values["amplitude_margin", None]).all()
+    assert missed_draws(one, values)["amplitude_margin"].all()
 
 
 def test_compensation_takes_from_what_holds():
