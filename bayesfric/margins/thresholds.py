@@ -5,8 +5,9 @@ simulated: also loops without compensation or with one of the reference's veloci
 integral action, stiction or a loop that friction alone holds still can make hunt.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -124,19 +125,20 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     wide = np.where(often, motion.amplitude, -1.0)
     widest = wide.argmax(axis=0), np.arange(rows.size)
     swings = often.any(axis=0)
-    conditions, thresholds = _thresholds(some, few, chart, hunts, allowed)
+    search = _thresholds(some, few, chart, hunts, allowed)
+    thresholds = search.thresholds
     return Hunting(
         "simulation",
         rows,
         thresholds.gamma,
-        conditions,
+        search.conditions,
         thresholds.condition,
         hunts,
         np.where(swings, wide[widest], np.nan),
         np.where(swings, motion.frequency[widest], np.nan),
         speeds,
         chart,
-        _not_examined(some, speeds),
+        (*_not_examined(some, speeds), *_not_searched(some, search)),
         f"simulated in {rows.size} draws, at {len(speeds)} reference speeds, after a kick of "
         f"{np.median(some.kick):.3g} rad at the motor (median)"
         + (
@@ -170,14 +172,31 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
     )
 
 
+class _Seen(NamedTuple):
+    """Draws that were seen to hunt in a condition, and the γ of each."""
+
+    condition: Condition
+    rows: Whole
+    gamma: Array
+
+
+class _Search(NamedTuple):
+    """Thresholds over the conditions that hunt first, these conditions, and those left over."""
+
+    thresholds: Thresholds
+    conditions: tuple[Condition, ...]
+    left: tuple[Condition, ...]
+
+
 def _thresholds(
     some: LoopAtShaft, few: Whole, chart: HuntingMap, hunts: Flags, allowed: float
-) -> tuple[tuple[Condition, ...], Thresholds]:
+) -> _Search:
     """Return thresholds over the conditions that hunt first, and these conditions.
 
     They are found where the map begins to hunt. Whatever hunts below a threshold, in the map,
     at the loop's own γ, or after another kick at the gain that would be called safe, is one
-    more condition.
+    more condition. A draw that was seen to hunt below its threshold, in a band that the search
+    passed over, has its threshold there.
     """
     draws = some.friction.size
     conditions: tuple[Condition, ...] = ()
@@ -191,6 +210,7 @@ def _thresholds(
     grid = np.asarray(chart.gammas)
     hunting = chart.hunts.any(axis=1)
     expected = int(hunting.argmax(axis=0).max())
+    seen = [*_seen_before(some, few, chart, hunts)]
     for _ in range(ROUNDS):
         if fresh:
             more = hunting_threshold(
@@ -214,16 +234,60 @@ def _thresholds(
         if not missing and safe > 0.0:
             tried = some.taken(few)
             gamma = np.full(few.size, min(max(safe - 0.01, 0.0), GAMMA_MAX))
-            after = run(tried, checked, gamma).hunts.reshape(len(checked), -1).mean(axis=1)
+            kicked = run(tried, checked, gamma).hunts.reshape(len(checked), -1)
+            seen += [_Seen(condition, few[does], gamma[does])
+                     for condition, does in zip(checked, kicked, strict=True)]  # fmt: skip
+            after = kicked.mean(axis=1)
             most = allowed + 2 * np.sqrt(allowed * (1 - allowed) / few.size)
             missing = {
                 condition for condition, share in zip(checked, after, strict=True) if share > most
             }
             missing -= set(conditions)
+        fresh = tuple(sorted(missing, key=repr))
         if not missing:
             break
-        fresh = tuple(sorted(missing, key=repr))
-    return conditions, thresholds
+    return _lowered(_Search(thresholds, conditions, fresh), seen)
+
+
+def _seen_before(some: LoopAtShaft, few: Whole, chart: HuntingMap, hunts: Flags) -> Iterator[_Seen]:
+    """Yield what hunts at the loop's own γ and in the map."""
+    compensated = some.loop.compensation.signal != "none"
+    own = some.gamma if compensated else np.zeros_like(some.gamma)
+    for condition, does in zip(chart.speeds, hunts, strict=True):
+        yield _Seen(condition, np.flatnonzero(does), own[does])
+    for gamma, table in zip(chart.gammas, chart.hunts, strict=True):
+        for condition, does in zip(chart.speeds, table, strict=True):
+            yield _Seen(condition, few[does], np.full(int(does.sum()), gamma))
+
+
+def _lowered(search: _Search, seen: list[_Seen]) -> _Search:
+    """Return a search with no threshold above a γ at which its draw was seen to hunt."""
+    conditions = search.conditions
+    threshold, place = search.thresholds.gamma.copy(), search.thresholds.condition.copy()
+    for condition, rows, gamma in seen:
+        lower = gamma < threshold[rows]
+        if not lower.any():
+            continue
+        if condition not in conditions:
+            conditions += (condition,)
+        threshold[rows[lower]] = gamma[lower]
+        place[rows[lower]] = conditions.index(condition)
+    return _Search(Thresholds(threshold, place), conditions, search.left)
+
+
+def _not_searched(shaft: LoopAtShaft, search: _Search) -> tuple[str, ...]:
+    """Return where hunting below the thresholds found may begin."""
+    missing = []
+    if search.left:
+        speeds = sorted({float(np.median(left.speed_of(shaft))) for left in search.left})
+        at = ", ".join(f"{speed:.2g}" for speed in speeds)
+        missing.append(
+            f"where exactly draws begin to hunt with references of {at} rad/s at the motor: some "
+            "were seen to hunt there below the γ that was found elsewhere"
+        )
+    if shaft.loop.compensation.signal != "none":
+        missing.append("bands of γ that hunt and are narrower than the steps in which γ is tried")
+    return tuple(missing)
 
 
 def _earliest(chart: HuntingMap) -> tuple[Condition, ...]:

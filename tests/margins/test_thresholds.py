@@ -41,6 +41,31 @@ def test_outside_the_formula_each_draw_has_its_own_simulated_threshold():
     assert np.isfinite(found.frequency).all()
 
 
+def test_no_threshold_is_above_a_gain_at_which_its_draw_was_seen_to_hunt(monkeypatch):
+    # without rounds of search there is what the map and the runs at the file's γ saw
+    monkeypatch.setattr("bayesfric.margins.thresholds.ROUNDS", 0)
+    monkeypatch.setattr("bayesfric.margins.thresholds.MAPPED", 2)
+    shaft = drawn(
+        {
+            "stiction_ratio": 1.1,
+            "compensation.gain": 2.0,
+            "drive.friction_n_m": {"family": "uniform", "low": 0.0018, "high": 0.009},
+        }
+    )
+    found = find_hunting(shaft, 6, 0.05)
+    assert found.now.tolist().count(True) in range(1, 6)
+    own = found.now[1:-1]  # the first and the last draw are those of the map
+    assert (found.threshold[1:-1][own] <= 2.0).all()
+    assert np.isinf(found.threshold[1:-1][~own]).all()
+    for place, row in enumerate((0, 5)):
+        hunting = found.map.hunts[:, :, place].any(axis=1)
+        at = found.map.gammas[hunting.argmax()] if hunting.any() else np.inf
+        assert found.threshold[row] == min(at, 2.0 if found.now[row] else np.inf)
+    assert (found.condition >= 0).tolist() == np.isfinite(found.threshold).tolist()
+    assert "some were seen to hunt there" in found.not_examined[-2]
+    assert "narrower than the steps" in found.not_examined[-1]
+
+
 def test_inside_the_formula_it_is_the_formula():
     shaft = drawn({"kick.over_stuck_band": 1.2})
     found = find_hunting(shaft, 3, 0.05)
