@@ -84,12 +84,16 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
 
 
 def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: bool) -> Tuning:
-    """Return a setting with its largest γ, or why it is none."""
+    """Return a setting with its largest γ, or why it is none.
+
+    Two limits bound γ: that of missing any spec, and the file's own of hunting.
+    """
+    may_hunt = shaft.loop.spec.limit_cycle_probability_max
     some = _evenly(scaled(shaft, kp, kd), FINAL_DRAWS)
-    hunting = find_hunting(some, SIMULATED, allowed)
+    hunting = find_hunting(some, SIMULATED, min(allowed, may_hunt))
     missed = _missed(some)
     meets, closed = ~missed[hunting.rows], float(missed.mean())
-    gamma, hunts = float(np.median(shaft.gamma)), hunting.now[meets]
+    gamma, hunting_draws = float(np.median(shaft.gamma)), hunting.now
     chosen = False
     if feeds:
         # the share of the draws that meet all closed forms that may still hunt
@@ -97,17 +101,23 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
         others = replace(
             hunting, threshold=hunting.threshold[meets], condition=hunting.condition[meets]
         )
-        safe = largest_safe_gain(others, left, float(meets.sum())).gamma
-        chosen = safe is not None
-        gamma = 0.0 if safe is None else safe
-        hunts = others.threshold <= gamma
+        safe = [
+            largest_safe_gain(others, left, float(meets.sum())).gamma,
+            largest_safe_gain(hunting, may_hunt, float(meets.size)).gamma,
+        ]
+        chosen = None not in safe
+        gamma = min(limit for limit in safe if limit is not None) if chosen else 0.0
+        hunting_draws = hunting.threshold <= gamma
+    hunts = hunting_draws[meets]
     together = closed + (1 - closed) * float(hunts.mean())
     error = standard_error(together, float(hunts.size))
     # γ was chosen at the allowed share, so the share at γ may exceed it by its Monte Carlo error
-    if together > allowed + (2 * error if chosen else 0.0):
+    misses = together > allowed + (2 * error if chosen else 0.0)
+    if misses or hunting_draws.mean() > may_hunt:
         return _no_setting(
             f"kp × {kp:.3g} and kd × {kd:.3g}, which meet all other specs, hunt with "
-            f"probability {hunts.mean():.2g}{' without any compensation' if feeds else ''} (the "
+            f"probability {hunting_draws.mean():.2g}"
+            f"{' without any compensation' if feeds else ''}, of {may_hunt:.3g} allowed (the "
             f"{SETTINGS_SIMULATED} stiffest that meet all others are simulated, and none that is "
             "softer)",
             together,

@@ -95,7 +95,7 @@ def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     monkeypatch.setattr(tuning, "STEPS", 3)
     found = explained(tune(shaft, 0.05))
     assert found.kp_scale is None
-    assert "hunt with probability 1 without any compensation" in found.why
+    assert "hunt with probability 1 without any compensation, of 0.05 allowed" in found.why
     assert found.probability == 0.0
     # where only the stiffest hunts, the next is told
     quiet = replace(hunting, threshold=np.full(20, 2.0), hunts=np.zeros((1, 20), dtype=bool))
@@ -136,6 +136,16 @@ def test_a_gain_is_as_safe_in_a_tuning_as_in_the_answer(monkeypatch):
     # a draw that misses another spec has taken its place
     monkeypatch.setattr(tuning, "_missed", lambda shaft: np.arange(shaft.gamma.size) == 3)
     assert tune(free, 0.1).compensation_gain == pytest.approx(0.95 * 1.05)
+    # the file's own limit of hunting is kept, however often specs may be missed
+    strict = {"spec.steady_error_max_m": 1.0, "spec.limit_cycle_probability_max": 0.01}
+    assert tune(made(strict, seed=1, draws=20), 0.5).compensation_gain == pytest.approx(0.95)
+    # three of 20 hunt at the γ of the file, which a compensator of the reference does not change
+    three = replace(hunting, hunts=np.arange(20)[None, :] < 3)
+    monkeypatch.setattr(tuning, "find_hunting", lambda *given: three)
+    follows = {"spec.steady_error_max_m": 1.0, "compensation.signal": "reference"}
+    found = tune(made(follows, seed=1, draws=20), 0.5)
+    assert found.kp_scale is None
+    assert "hunt with probability 0.15, of 0.05 allowed" in found.why
 
 
 def test_a_setting_without_a_gain_is_told_as_earlier_versions_stored_it():
