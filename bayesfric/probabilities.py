@@ -96,3 +96,20 @@ def stated_of_draws(p: float, draws: float) -> str:
 def bound_of(draws: float) -> float:
     """Return the probability below which, at 95 %, something is that none of the draws had."""
     return float(1 - 0.05 ** (1 / draws))
+
+
+def bound_of_hits(hits: int, draws: int) -> float:
+    """Return the probability below which, at 95 %, something is that some of the draws had.
+
+    Clopper and Pearson's bound; with no hits it is :func:`bound_of`.
+    """
+    if hits >= draws:
+        return 1.0
+    from scipy.special import betaincinv  # which many commands never load
+
+    return float(betaincinv(hits + 1, draws - hits, 0.95))
+
+
+def percent(share: float) -> str:
+    """Write a share in percent with three digits: 5 %, 0.1 %, never 0 % for one that is not."""
+    return f"{100 * share:.3g} %"

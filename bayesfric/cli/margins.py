@@ -184,9 +184,10 @@ def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
         safety_words,
         tuning_sentence,
     )
+    from bayesfric.probabilities import percent
 
     up_to = safe_up_to(loop)
-    most = f"{loop.limit_cycle_probability_max:.0%}"
+    most = percent(loop.limit_cycle_probability_max)
     up_to_words = (
         "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
     )
@@ -210,11 +211,12 @@ def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
 
 
 def _answer(answer: str, *, verbose: bool) -> str:
-    """Return an answer; without `verbose`, its verdict and the number that it rests on most."""
+    """Return an answer; without `verbose`, its verdict, and what it rests on most or too few."""
+    from bayesfric.margins.terms import FEW_DRAWS
     from bayesfric.report.words import sentences
 
     verdict, *others = sentences(answer)
-    kept = [line for line in others if verbose or line.endswith(MEASURE_THAT)]
+    kept = [line for line in others if verbose or FEW_DRAWS in line or line.endswith(MEASURE_THAT)]
     return " ".join([verdict, *kept])
 
 

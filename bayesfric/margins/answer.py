@@ -13,12 +13,14 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metric_definitions import HUNTS
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
-from bayesfric.margins.terms import chance_of_missing
+from bayesfric.margins.terms import FEW_DRAWS, chance_of_missing
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.probabilities import bound_of, stated_of_draws
+from bayesfric.probabilities import ROUNDING, bound_of, bound_of_hits, percent, stated_of_draws
 from bayesfric.schemas.margins import GammaProbability, Metric
 
 STEP = 0.05
+LEAST_MAY_HUNT = 5
+"""Draws that may hunt, below which their number says little of a probability."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: fl
         if signal == "reference":
             over = float(np.quantile(needed, allowed))
             beyond = (f"above γ = {over:.2f} it over-compensates with a probability of more than "
-                      f"{allowed:.0%}, which biases")  # fmt: skip
+                      f"{percent(allowed)}, which biases")  # fmt: skip
         else:
             beyond = f"above γ = {float(np.median(needed)):.2f} (median) it over-compensates"
         hunting_share = share_of(hunting.threshold <= GAMMA_MAX)
@@ -119,8 +121,22 @@ def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: fl
         )
     return (
         f"Set γ to {np.floor(100 * safe.gamma) / 100:.2f} at most (Monte Carlo error "
-        f"{safe.se:.2f}): up to there the loop hunts with a probability of {allowed:.0%} or less, "
-        f"{where} ({how}){decided}. {_now(shaft, hunting)}{missing}"
+        f"{safe.se:.2f}): up to there the loop hunts with a probability of {percent(allowed)} or "
+        f"less, {where} ({how}){decided}.{_of_few_draws(hunting, allowed)} "
+        f"{_now(shaft, hunting)}{missing}"
+    )
+
+
+def _of_few_draws(hunting: Hunting, allowed: float) -> str:
+    """Return how far draws bound the probability where too few of them may hunt."""
+    draws = hunting.threshold.size
+    may_hunt = allowed * draws
+    if may_hunt >= LEAST_MAY_HUNT:
+        return ""
+    bound = bound_of_hits(int(may_hunt + ROUNDING), draws)
+    return (
+        f" Of {draws} draws {percent(allowed)} are {may_hunt:.2g}, {FEW_DRAWS} only at "
+        f"{percent(bound)}, at 95 % confidence."
     )
 
 
@@ -164,8 +180,8 @@ def against_the_spec(
     if not missed:
         return (
             f"Meets its spec: each of {len(chances)} figures with a probability of "
-            f"{1 - max(spec.violation_probability_max, spec.limit_cycle_probability_max):.0%} or "
-            "more."
+            f"{percent(1 - max(spec.violation_probability_max, spec.limit_cycle_probability_max))} "
+            "or more."
         )
     likeliest = (
         f"{name.replace('_', ' ')} ("

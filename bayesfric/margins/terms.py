@@ -11,6 +11,8 @@ from bayesfric.schemas.margins import LoopMargins, Metric, Tuning
 
 HALF_A_DRAW = float(np.sqrt(0.5))
 """The Monte Carlo error of what none or all of n draws have is this over n."""
+FEW_DRAWS = "so that they bound it"
+"""Part of the sentence that says that too few draws stand behind a safe gain."""
 NORMAL_WIDTH = 3.29
 """Standard deviations from 5 to 95 %."""
 TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {

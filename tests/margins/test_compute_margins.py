@@ -18,6 +18,7 @@ from bayesfric.margins.posterior import RigDiscrepancy, read_posterior, rig_disc
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST
 from bayesfric.margins.thresholds import Hunting
+from bayesfric.probabilities import bound_of_hits, percent
 from bayesfric.results import json_bytes
 from bayesfric.schemas import MarginsFile
 
@@ -214,6 +215,20 @@ def test_the_largest_safe_gain_by_hand():
     assert largest_safe_gain(never, 0.05, 2.0).gamma == 3.0
     always = made_up(np.zeros(2))
     assert largest_safe_gain(always, 0.05, 2.0).gamma is None
+
+
+def test_a_tight_limit_is_told_with_its_digits_and_what_draws_can_bound(draws):
+    strict = computed(draws, {"spec.limit_cycle_probability_max": 0.001}).loops[0]
+    assert "the loop hunts with a probability of 0.1 % or less" in strict.answer
+    # none of the 400 may hunt: 1 − 0.05^(1/400)
+    assert "Of 400 draws 0.1 % are 0.4, so that they bound it only at 0.746 %" in strict.answer
+    usual = computed(draws, {"spec.limit_cycle_probability_max": 0.05}).loops[0]
+    assert "with a probability of 5 % or less" in usual.answer
+    assert "bound it" not in usual.answer
+    # one of 40: Clopper and Pearson's 11.3 %
+    assert bound_of_hits(1, 40) == pytest.approx(stats.beta.ppf(0.95, 2, 39))
+    assert percent(bound_of_hits(1, 40)) == "11.3 %"
+    assert bound_of_hits(3, 3) == 1.0
 
 
 WEAK = {"controller.kd_n_m_s_per_rad": 0.0}
