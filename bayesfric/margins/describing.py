@@ -157,3 +157,16 @@ def steady_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:
     most = shaft.gamma * shaft.estimate
     inside = held / (shaft.kp + most / shaft.boundary)
     return np.where(inside <= shaft.boundary, inside, (held - most) / shaft.kp)
+
+
+def reversing_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:
+    """Return the largest error at which the loop may stay before it moves the other way [rad].
+
+    :func:`steady_error`, and γ F̂/kp where a compensator of a velocity holds its last sign at
+    rest: that pushes the old way, against the new motion.
+    """
+    compensation = shaft.loop.compensation
+    stays = steady_error(shaft, loaded=loaded)
+    if compensation.at_rest != "hold" or compensation.signal not in ("measured", "reference"):
+        return stays
+    return stays + shaft.gamma * shaft.estimate / shaft.kp

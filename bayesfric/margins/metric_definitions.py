@@ -60,7 +60,8 @@ RULES = (
     Rule("smallest_step", "m", "tool tip", "at most", "smallest_step_max_m",
          "the smallest command from rest that the joint is sure to follow"),
     Rule("reversal_error", "m", "tool tip", "at most", "reversal_error_max_m",
-         "twice the stuck band of the servo and the lost motion"),
+         "twice the stuck band of the servo and the lost motion; a compensator that holds its sign "
+         "at rest adds to the band"),
     Rule("cable_stretch", "m", "tool tip", "at most", note="under the load, unseen by the encoder"),
     Rule("least_tension", "N", "cable", "at least",
          note="of a side in the fastest motion; below 0 it goes slack"),

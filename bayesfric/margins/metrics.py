@@ -8,7 +8,12 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.cable_stage import lost_motion
-from bayesfric.margins.describing import amplitude_margin, necessary_gain, steady_error
+from bayesfric.margins.describing import (
+    amplitude_margin,
+    necessary_gain,
+    reversing_error,
+    steady_error,
+)
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid, peaks
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
@@ -89,7 +94,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     backdrive = shaft.breakaway + drive * (1 / shaft.efficiency - 1) * shaft.stiction_ratio
     backdrive = backdrive + np.abs(shaft.load_torque)
     least, largest = shaft.side_tension
-    step = np.maximum(stuck, 2 * np.pi / shaft.counts)
+    step = np.maximum(reversing_error(shaft), 2 * np.pi / shaft.counts)
     values: dict[Key, Array] = {
         ("friction_nominal", None): _at_first_cable(shaft, "nominal"),
         ("friction_recursive", None): _at_first_cable(shaft, "recursive"),
@@ -101,7 +106,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         ("backdrive_force", None): backdrive / tip,
         ("smallest_step", None): step * tip,
         ("reversal_error", None): 2
-        * (steady_error(shaft, loaded=False) + shaft.unseen_motion)
+        * (reversing_error(shaft, loaded=False) + shaft.unseen_motion)
         * tip,
         ("cable_stretch", None): shaft.unseen_stretch * tip,
         ("least_tension", None): least,
@@ -145,7 +150,7 @@ def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
     )
     motors = [replace(alone, load_torque=load) for load in wrist.load]
     stuck, unseen = [steady_error(alone)] * len(motors), [motor.unseen_motion for motor in motors]
-    turned = [2 * (steady_error(alone) + unseen_of_motor) for unseen_of_motor in unseen]
+    turned = [2 * (reversing_error(alone) + unseen_of_motor) for unseen_of_motor in unseen]
     rubs = wrist.under_friction()
     own_rubs = abs(wrist.compliance[wrist.axis]) * wrist.joint_friction[wrist.axis]
     servo, cable = shaft.stiction_ratio / shaft.kp, 1 / shaft.stiffness

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from margins.loops import shaft
+from margins.traced import traced
 
 from bayesfric.margins.describing import (
     amplitude_margin,
@@ -13,6 +14,7 @@ from bayesfric.margins.describing import (
     formula_threshold,
     natural_frequency,
     necessary_gain,
+    reversing_error,
     steady_error,
     swing_amplitude,
 )
@@ -204,3 +206,33 @@ def test_the_steady_error_of_each_compensator():
     assert steady_error(shaft(band)) == pytest.approx(0.003541 / (0.02 + 0.003 / 0.2))
     band["compensation.boundary_rad"] = 0.01  # and beyond it a constant
     assert steady_error(shaft(band)) == pytest.approx((0.003541 - 0.003) / 0.02)
+
+
+@pytest.mark.parametrize("signal", ["measured", "reference"])
+def test_a_compensator_that_holds_its_sign_pushes_against_the_new_motion(signal):
+    # γ F̂ = 0.5 × 0.003 beside F = 0.003541, over kp = 0.02; 5 mm a radian at the tip
+    holds = {"compensation.signal": signal, "compensation.gain": 0.5}
+    one = shaft({**holds, "compensation.at_rest": "hold"})
+    assert reversing_error(one) == pytest.approx((0.003541 + 0.0015) / 0.02)
+    values = closed_forms(one, linear_of(one))
+    assert values["smallest_step", None] == pytest.approx(5e-3 * 0.005041 / 0.02)
+    unseen = float(one.unseen_motion[0])
+    assert values["reversal_error", None] == pytest.approx(2 * 5e-3 * (0.005041 / 0.02 + unseen))
+    assert values["steady_error_servo", None] == pytest.approx(5e-3 * 0.003541 / 0.02)
+    off = shaft({**holds, "compensation.at_rest": "off"})
+    assert reversing_error(off) == pytest.approx(0.003541 / 0.02)
+
+
+def test_a_step_back_moves_a_joint_that_holds_its_sign_from_where_it_is_said():
+    # arrived from the other side, it stands at the reference with the compensator's sign behind it
+    one = shaft({"compensation.gain": 0.5, "compensation.at_rest": "hold"})
+    band = float(reversing_error(one)[0])
+    # with the kick, the error is ahead of the reference: from it the joint moves back, and its
+    # sign turns; the first command still has the sign that its beginning left, none
+    arrives = traced(one.sampled(), kick=one.kick, duration=1.0).traces
+    stops = float(arrives.position[-1, 0])
+    assert arrives.speed[-1, 0] == 0.0
+    torque = float(arrives.torque[-1, 0])
+    assert torque == pytest.approx(-0.02 * stops - 0.0015, rel=0.02)
+    # a step by x forward adds kp x to that; it moves from the one that reaches F
+    assert (0.003541 - torque) / 0.02 - stops == pytest.approx(band, rel=0.02)
