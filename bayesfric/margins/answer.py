@@ -85,8 +85,11 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
     if deciding.size:
         condition = hunting.conditions[int(np.bincount(deciding).argmax())]
     if at(allowed) <= 0.0:
-        share = float((ordered <= 0).mean())
-        why = f"{share:.1%} of the draws hunt without any compensation, after the kick"
+        why = f"{percent(float((ordered <= 0).mean()))} of the draws hunt without any compensation"
+        if (ordered <= 0).mean() <= allowed:
+            early = percent(float((ordered <= tolerance).mean()))
+            why = f"{early} of the draws hunt already at γ = {tolerance:g}"
+        why += ", after the kick"
         return SafeGain(None, None, why, condition)
     error = standard_error(allowed, min(effective_draws, float(count)))
     low, high = at(max(allowed - error, 0.0)), at(min(allowed + error, 1.0))

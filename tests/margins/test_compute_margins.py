@@ -214,7 +214,14 @@ def test_the_largest_safe_gain_by_hand():
     assert largest_safe_gain(replace(never, method="simulation"), 0.05, 2.0).gamma == 3.0
     assert largest_safe_gain(never, 0.05, 2.0).gamma == 3.0
     always = made_up(np.zeros(2))
-    assert largest_safe_gain(always, 0.05, 2.0).gamma is None
+    none = largest_safe_gain(always, 0.05, 2.0)
+    assert none.gamma is None
+    assert none.why == "100 % of the draws hunt without any compensation, after the kick"
+    # two of 200 hunt without any, ten more at the least γ that is told apart from none
+    early = made_up(np.concatenate([np.zeros(2), np.full(10, 0.008), np.ones(188)]))
+    none = largest_safe_gain(early, 0.05, 200.0)
+    assert none.gamma is None
+    assert none.why == "6 % of the draws hunt already at γ = 0.01, after the kick"
 
 
 def test_a_tight_limit_is_told_with_its_digits_and_what_draws_can_bound(draws):
