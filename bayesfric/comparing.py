@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.margins.metric_definitions import HUNTS
 from bayesfric.results import read_json, refuse_mixed, replace_outputs
 from bayesfric.schemas import ClaimsFile, ComparisonFile, DiagnosisFile, FitFile, MarginsFile
 from bayesfric.schemas.base import Interval, Provenance
 from bayesfric.schemas.comparison import Flip, Setting, Shift
+from bayesfric.schemas.margins import LoopMargins, WithEffects
 
 MODELS: dict[str, type[Provenance]] = {
     "fit.json": FitFile,
@@ -74,6 +76,8 @@ def compare(a: str | PathLike[str], b: str | PathLike[str]) -> ComparisonFile:
                 key=lambda shift: -abs(shift.shift or 0.0),
             )
         ),
+        keys_only_in_a=tuple(key for name, a, b in pairs for key in _only_in_first(name, a, b)),
+        keys_only_in_b=tuple(key for name, a, b in pairs for key in _only_in_first(name, b, a)),
     )
 
 
@@ -112,6 +116,13 @@ def comparison_text(comparison: ComparisonFile) -> list[str]:
     lines += [f"{', '.join(names)}  {change}" for change, names in files.items()]
     if not comparison.settings:
         lines.append("no setting differs")
+    for which, keys in (
+        ("first", comparison.keys_only_in_a),
+        ("second", comparison.keys_only_in_b),
+    ):
+        if keys:
+            lines.append(f"{len(keys)} numbers and verdicts are in the {which} folder alone:")
+            lines += [f"  {key}" for key in keys[:SHIFTS_SHOWN]]
     lines += [f"{name} is in the first folder alone" for name in comparison.only_in_a]
     lines += [f"{name} is in the second folder alone" for name in comparison.only_in_b]
     return lines
@@ -149,7 +160,8 @@ def _results(folder: Path) -> dict[str, Provenance]:
 def _settings(name: str, a: Provenance, b: Provenance) -> Iterator[Setting]:
     """Yield the inputs and settings that differ."""
     first_settings, second_settings = (
-        _flat(record.model_dump(mode="json", include=set(WENT_IN))) for record in (a, b)
+        _flat(record.model_dump(mode="json", include=set(WENT_IN))) | _loop_files(record)
+        for record in (a, b)
     )
     for key in dict.fromkeys([*first_settings, *second_settings]):
         if first_settings.get(key) != second_settings.get(key):
@@ -162,6 +174,20 @@ def _flat(value: Any, place: str = "") -> dict[str, str]:
         parts = [_flat(item, before + name) for name, item in value.items()]
         return {key: text for part in parts for key, text in part.items()}
     return {} if value is None else {place: str(value)}
+
+
+def _loop_files(record: Provenance) -> dict[str, str]:
+    """Return what identifies each loop file, where there are any."""
+    if not isinstance(record, MarginsFile):
+        return {}
+    return {f"loops.{loop.name}.loop_sha256": loop.loop_sha256 for loop in record.loops}
+
+
+def _only_in_first(name: str, a: Provenance, b: Provenance) -> Iterator[str]:
+    """Yield the verdicts and numbers that the first of two results has and the second lacks."""
+    for of in (_verdicts, _quantities):
+        second_keys = of(b)
+        yield from (f"{name}  {key}" for key in of(a) if key not in second_keys)
 
 
 def _flips(name: str, a: Provenance, b: Provenance) -> Iterator[Flip]:
@@ -179,7 +205,26 @@ def _verdicts(record: Provenance) -> dict[str, str]:
     if isinstance(record, DiagnosisFile):
         causes = ", ".join(sorted(cause.effect for cause in record.causes)) or "none"
         return {"verdict": record.verdict, "causes": causes}
+    if isinstance(record, MarginsFile):
+        return dict(verdict for loop in record.loops for verdict in _verdicts_on(loop))
     return {}
+
+
+def _verdicts_on(loop: LoopMargins) -> Iterator[tuple[str, str]]:
+    """Yield what is concluded of a loop: what it misses, whether it hunts, whether γ is safe."""
+    for name, judged in _with_and_without_effects(loop):
+        if judged.missed_specs is not None:  # null in files of earlier versions
+            hunts = HUNTS in judged.missed_specs
+            yield f"{name}.missed_specs", ", ".join(judged.missed_specs) or "none"
+            yield f"{name}.hunts", "more often than allowed" if hunts else "as rarely as allowed"
+        safe = judged.largest_safe_compensation_gain is not None
+        yield f"{name}.safe_compensation_gain", "there is one" if safe else "there is none"
+
+
+def _with_and_without_effects(loop: LoopMargins) -> Iterator[tuple[str, LoopMargins | WithEffects]]:
+    yield loop.name, loop
+    if loop.with_effects is not None:
+        yield f"{loop.name}.with_effects", loop.with_effects
 
 
 def _shifts(name: str, a: Provenance, b: Provenance) -> Iterator[Shift]:
@@ -232,4 +277,10 @@ def _quantities(record: Provenance) -> dict[str, Quantity]:
             for metric in loop.metrics:
                 way = f".{metric.direction}" if metric.direction else ""
                 add(f"{loop.name}.{metric.name}{way}", metric.interval, metric.unit)
+            if loop.largest_safe_compensation_gain is not None:
+                quantities[f"{loop.name}.largest_safe_compensation_gain"] = Quantity(
+                    loop.largest_safe_compensation_gain,
+                    loop.largest_safe_compensation_gain_se or 0.0,
+                    "1",
+                )
     return quantities

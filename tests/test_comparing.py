@@ -4,10 +4,12 @@ import json
 import shutil
 
 import pytest
+from margins.loops import loop, write_draws
 from reasons import explained
 
 from bayesfric.comparing import compare, comparison_text
 from bayesfric.errors import InputError
+from bayesfric.margins import compute_margins
 from bayesfric.resources import reference_folder
 
 NAMES = ("fit.json", "claims.json", "diagnosis.json")
@@ -136,3 +138,55 @@ def test_what_cannot_be_compared_is_refused(runs, damage):
             (runs / "b" / name).unlink()
     with pytest.raises(InputError):
         compare(runs / "a", runs / "b")
+
+
+def test_a_loop_that_became_unsafe_is_told_with_its_file_and_its_gain(runs, tmp_path):
+    """The safe γ goes from 1.2 ± 0.1 to 0.9 ± 0.1: −3 sd; one loop then has none."""
+    source = write_draws(tmp_path / "draws.nc", n=8)
+    compute_margins(loop(), source, simulated=2).write(runs / "a")
+
+    def twice(content):
+        content["loops"].append({**content["loops"][0], "name": "other"})
+
+    change(runs / "a" / "margins.json", twice)
+    shutil.copy(runs / "a" / "margins.json", runs / "b" / "margins.json")
+
+    def safe(content):
+        for entry in content["loops"]:
+            entry |= {"missed_specs": [], "largest_safe_compensation_gain": 1.2,
+                      "largest_safe_compensation_gain_se": 0.1}  # fmt: skip
+
+    def unsafe(content):
+        first, second = content["loops"]
+        first |= {"loop_sha256": "c" * 64, "largest_safe_compensation_gain": 0.9,
+                  "missed_specs": ["gain_margin", "limit_cycle_probability"]}  # fmt: skip
+        second |= {"largest_safe_compensation_gain": None,
+                   "largest_safe_compensation_gain_why": "100 % of the draws hunt"}  # fmt: skip
+        metrics = second["metrics"]
+        second["metrics"] = [one for one in metrics if one["name"] != "phase_margin"]
+
+    change(runs / "a" / "margins.json", safe)
+    change(runs / "b" / "margins.json", safe)
+    change(runs / "b" / "margins.json", unsafe)
+    found = explained(compare(runs / "a", runs / "b"))
+    assert {(flip.name, flip.a, flip.b) for flip in found.flips} == {
+        ("bench.missed_specs", "none", "gain_margin, limit_cycle_probability"),
+        ("bench.hunts", "as rarely as allowed", "more often than allowed"),
+        ("other.safe_compensation_gain", "there is one", "there is none"),
+    }
+    (moved,) = [shift for shift in found.shifts if "safe" in shift.name]
+    assert (moved.name, moved.shift) == (
+        "bench.largest_safe_compensation_gain",
+        pytest.approx(-3.0),
+    )
+    (setting,) = found.settings
+    assert (setting.key, setting.b) == ("loops.bench.loop_sha256", "c" * 64)
+    gone = (
+        "margins.json  other.phase_margin",
+        "margins.json  other.largest_safe_compensation_gain",
+    )
+    assert found.keys_only_in_a == gone
+    assert found.keys_only_in_b == ()
+    text = comparison_text(found)
+    assert "2 numbers and verdicts are in the first folder alone:" in text
+    assert f"  {gone[0]}" in text

@@ -81,6 +81,8 @@ class ComparisonFile(Record):
     settings: What went in.
     flips: What is concluded.
     shifts: Every number that is in both, largest first.
+    keys_only_in_a: Numbers and verdicts, each behind its file, that the second run lacks.
+    keys_only_in_b: Likewise that the first run lacks.
     """
 
     schema_: Literal["bayesfric.comparison/1"] = Field("bayesfric.comparison/1", alias="schema")
@@ -91,3 +93,5 @@ class ComparisonFile(Record):
     settings: tuple[Setting, ...]
     flips: tuple[Flip, ...]
     shifts: tuple[Shift, ...]
+    keys_only_in_a: tuple[str, ...] = ()
+    keys_only_in_b: tuple[str, ...] = ()

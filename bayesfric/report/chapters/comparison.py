@@ -42,9 +42,15 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
             ".",
         ]
     )
-    for names, whose in ((compared.only_in_a, "earlier"), (compared.only_in_b, "later")):
+    alone = (
+        ("earlier", (*compared.only_in_a, *compared.keys_only_in_a)),
+        ("later", (*compared.only_in_b, *compared.keys_only_in_b)),
+    )
+    for whose, names in alone:
         if names:
-            yield Paragraph(["The ", whose, " run alone has ", Code(", ".join(names)), "."])
+            more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+            listed = Code(", ".join(names[:SHOWN]))
+            yield Paragraph(["The ", whose, " run alone has ", listed, f"{more}."])
     if compared.flips:
         yield Table(
             "Verdicts that differ.",
