@@ -2,7 +2,7 @@
 
 The posterior of c1, c2, c3 says how well the law of the measured boards is known. A
 machine that is built tomorrow scatters around that law as assemblies of the board did
-(omega), and differs from it as one rig differs from another.
+(omega, and c2 alone by omega_intercept), and differs from it as one rig differs from another.
 """
 
 import zlib
@@ -41,6 +41,9 @@ class Assembly:
         Which of these keys are distributions.
     acting : tuple of DrawnEffect
         Effects on friction beside the law, in step with the coefficients.
+    own_intercept : tuple of ndarray
+        By how much c2 of each run differs besides, as a share, shape (draws,); empty is not at
+        all.
     """
 
     coefficients: Mapping[str, Coefficients]
@@ -48,6 +51,16 @@ class Assembly:
     numbers: Mapping[str, Array]
     uncertain: tuple[str, ...]
     acting: tuple[DrawnEffect, ...] = ()
+    own_intercept: tuple[Array, ...] = ()
+
+    @property
+    def intercept_factor(self) -> tuple[Array, ...]:
+        """What multiplies c2 of each run: the factor, and what its c2 alone differs by."""
+        if not self.own_intercept:
+            return self.factor
+        return tuple(
+            factor + own for factor, own in zip(self.factor, self.own_intercept, strict=True)
+        )
 
     @property
     def draws(self) -> int:
@@ -67,7 +80,7 @@ class Assembly:
         if group == COEFFICIENTS:
             return replace(self, coefficients=other.coefficients, acting=other.acting)
         if group == NEW_ASSEMBLY:
-            return replace(self, factor=other.factor)
+            return replace(self, factor=other.factor, own_intercept=other.own_intercept)
         return replace(self, numbers={**self.numbers, group: other.numbers[group]})
 
     def taken(self, rows: Whole) -> "Assembly":
@@ -81,6 +94,7 @@ class Assembly:
             factor=tuple(part[rows] for part in self.factor),
             numbers={key: values[rows] for key, values in self.numbers.items()},
             acting=tuple(effect.taken(rows) for effect in self.acting),
+            own_intercept=tuple(part[rows] for part in self.own_intercept),
         )
 
 
@@ -165,6 +179,13 @@ def draw_assembly(
         + rig
         for key, run in loop.every_run
     )
+    own_intercept = tuple(
+        posterior.omega_intercept[run.pulley_size][order]
+        * generator(f"intercept.{key.removeprefix('runs.')}").standard_normal(n)
+        if run.pulley_size in posterior.omega_intercept
+        else np.zeros(n)
+        for key, run in loop.every_run
+    )
     numbers, uncertain = {}, []
     for key, value in _quantities(loop).items():
         if is_uncertain(value):
@@ -173,7 +194,7 @@ def draw_assembly(
         else:
             numbers[key] = np.full(n, central(value))  # type: ignore[arg-type]
     acting = tuple(effect.taken(order) for effect in posterior.acting)
-    return Assembly(coefficients, factor, numbers, tuple(uncertain), acting)
+    return Assembly(coefficients, factor, numbers, tuple(uncertain), acting, own_intercept)
 
 
 def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:

@@ -85,6 +85,7 @@ def run_friction(
     factor: Array,
     tension: Array,
     length: Array,
+    intercept_factor: Array | None = None,
 ) -> RunFriction:
     """Return the friction of a run of pulleys.
 
@@ -100,6 +101,8 @@ def run_friction(
         The known tension [N].
     length : ndarray, shape (draws,)
         Cable between motor and joint [m].
+    intercept_factor : ndarray, shape (draws,), or None
+        Of c2, where it is another than that of c1 and c3 [-].
 
     Returns
     -------
@@ -107,7 +110,8 @@ def run_friction(
         Of an antagonist pair, one side pulls while the other gives way; both rub.
     """
     factor = np.maximum(factor, 0.0)
-    c2 = np.maximum(np.asarray(coefficients.c2) * factor, 0.0)
+    of_c2 = factor if intercept_factor is None else intercept_factor
+    c2 = np.maximum(np.asarray(coefficients.c2) * np.maximum(of_c2, 0.0), 0.0)
     angles = np.asarray(run.angles_deg)
     a = losses(coefficients, factor, angles)
     sides = 2.0 if run.topology == "antagonist-pair" else 1.0

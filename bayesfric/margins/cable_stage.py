@@ -70,7 +70,8 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
     reduced : ndarray, shape (draws,)
         J_m J_l/(J_m + J_l) of motor and joint, which ring on the cables [kg·m²].
     """
-    factors = dict(zip((key for key, _ in loop.every_run), given.factor, strict=True))
+    pairs = zip(given.factor, given.intercept_factor, strict=True)
+    factors = dict(zip((key for key, _ in loop.every_run), pairs, strict=True))
     per_rad = {"cable": given["drive.capstan_radius_m"] / given["drive.gearbox_ratio"]}
     if loop.second_stage is not None:
         ratio = given["second_stage.driving_radius_m"] / given["second_stage.driven_radius_m"]
@@ -95,7 +96,7 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
 def _stage(
     loop: Loop,
     given: Assembly,
-    factors: Mapping[str, Array],
+    factors: Mapping[str, tuple[Array, Array]],
     cable: str,
     per_rad: Array,
     stiffness: Array,
@@ -108,9 +109,10 @@ def _stage(
         run_friction(
             run,
             given.coefficients[run.pulley_size],
-            factors[key],
+            factors[key][0],
             given[f"{key}.tension_n"],
             given[f"{cable}.length_m"],
+            factors[key][1],
         )
         for key, run in own.items()
     )

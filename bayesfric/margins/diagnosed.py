@@ -224,11 +224,15 @@ def _force(effect: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Arra
     """Return what an effect adds to friction, as a force of the motor's cable at its speed [N]."""
     total = np.zeros(given.draws)
     per_rad = {key: stage.per_rad for stage in shaft.stages for key in stage.keys}
-    for (key, run), factor in zip(shaft.loop.every_run, given.factor, strict=True):
+    factors = zip(given.factor, given.intercept_factor, strict=True)
+    for (key, run), (factor, of_c2) in zip(shaft.loop.every_run, factors, strict=True):
         ratio = per_rad[key] / shaft.cable_per_rad
         sides = 2 if run.topology == "antagonist-pair" else 1
         law = given.coefficients[run.pulley_size]
-        slowed = Coefficients(*(np.asarray(part) * factor for part in law))
+        scales = (factor, of_c2, factor)
+        slowed = Coefficients(
+            *(np.asarray(part) * scale for part, scale in zip(law, scales, strict=True))
+        )
         tension = given[f"{key}.tension_n"]
         state = State.of(
             slowed, run.count, float(np.mean(run.angles_deg)), tension, ratio * speed, steady=True

@@ -54,6 +54,9 @@ class Posterior:
         Effects on friction beside the law, in step with its draws.
     refitted : bool
         Whether the law is that of a diagnosis, fitted with what acts beside it.
+    omega_intercept : mapping of str to ndarray, shape (draws,)
+        Relative scatter of c2 alone from assembly to assembly, by pulley size; empty where the
+        fit has none.
     """
 
     coefficients: Mapping[str, Coefficients]
@@ -66,6 +69,7 @@ class Posterior:
     informed: Mapping[str, frozenset[str]] = field(default_factory=dict)
     acting: tuple[DrawnEffect, ...] = ()
     refitted: bool = False
+    omega_intercept: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -130,7 +134,9 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
         size: f"omega[{size}]" if f"omega[{size}]" in omegas else "omega" for size in coefficients
     }
     omega = {size: _flat(few, omegas.get(own[size], own[size]), size) for size in coefficients}
-    values = [*omega.values(), *(np.asarray(c) for law in coefficients.values() for c in law)]
+    omega_intercept = _scatter_of_c2(table, few, coefficients)
+    values = [*omega.values(), *omega_intercept.values()]
+    values += [np.asarray(c) for law in coefficients.values() for c in law]
     if not all(np.isfinite(part).all() for part in values):
         raise InputError([Fault(path.name, "draws that are finite numbers")])
     attributes = tree.attrs
@@ -147,7 +153,24 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
             for key, value in attributes.items()
             if str(key).startswith("informed.")
         },
+        omega_intercept=omega_intercept,
     )
+
+
+def _scatter_of_c2(
+    table: xr.Dataset, few: xr.Dataset, coefficients: Mapping[str, Coefficients]
+) -> dict[str, Array]:
+    """Return the scatter of c2 alone by pulley size; of the motor board where it was alone."""
+    names = {name_of(name): name for name in map(str, table.data_vars)}
+    by_size = {}
+    for size in coefficients:
+        own: tuple[str, ...] = (f"omega_intercept[{size}]", "omega_intercept")
+        if not {"omega", f"omega[{size}]"} & set(names):  # a fit of the motor board alone
+            own = ("omega_intercept_motor",)
+        name = next((names[key] for key in own if key in names), None)
+        if name is not None:
+            by_size[size] = _flat(few, name, size)
+    return by_size
 
 
 def thinned(table: xr.Dataset) -> xr.Dataset:
@@ -289,6 +312,11 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
             coefficients=coefficients,
             omega={
                 size: _taking_turns([b.omega[size] for b in boards], count) for size in coefficients
+            },
+            omega_intercept={
+                size: _taking_turns([b.omega_intercept[size] for b in boards], count)
+                for size in coefficients
+                if all(size in b.omega_intercept for b in boards)
             },
             effective_draws=min(float(count), effective_draws(population.to_dataset())),
             recording=recording_of(tree.attrs, path),

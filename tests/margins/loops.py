@@ -92,7 +92,7 @@ def shaft(changes=None):
     return at_shaft(one, nominal_assembly(one, posterior()))
 
 
-def write_draws(path: Path, n=400, sd=0.01, omega=0.02, seed=1):
+def write_draws(path: Path, n=400, sd=0.01, omega=0.02, seed=1, **scatters):
     """A draws.nc of 2 ensembles with 2 walkers each."""
     rng = np.random.default_rng(seed)
     shape = (4, n // 4)
@@ -108,6 +108,7 @@ def write_draws(path: Path, n=400, sd=0.01, omega=0.02, seed=1):
                 "c2": column(1),
                 "c3": column(2),
                 "omega": np.full(shape, omega),
+                **{name: np.full(shape, value) for name, value in scatters.items()},
             }
         },
         dims={name: ["pulley"] for name in ("c1", "c2", "c3")},

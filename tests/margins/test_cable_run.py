@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
-from margins.loops import SMALL, loop
+from margins.loops import SMALL, loop, write_draws
 
+from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.cable_run import run_friction
+from bayesfric.margins.posterior import RigDiscrepancy, read_posterior
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 
 C1, C2, C3 = SMALL
@@ -90,3 +93,24 @@ def test_lost_motion_is_half_of_f_over_k_spread_and_all_at_the_far_end(topology)
     assert far.lost_length == pytest.approx(far.loop / sides * LENGTH, rel=1e-12)
     uneven = friction(topology=topology, distance_m=[0.0, 0.0, 0.0, 0.0, LENGTH])
     assert uneven.lost_length == pytest.approx(far.lost_length / 5, rel=1e-12)
+
+
+def test_where_c2_scatters_alone_friction_scatters_by_its_share(tmp_path):
+    # 2 × 5 pulleys, c1 and c3 make 1.28 N of friction and c2 0.261 N; a tenth of c2 is 0.0261 N
+    path = write_draws(tmp_path / "draws.nc", n=4000, sd=0.0, omega=0.0, omega_intercept=0.1)
+    drawn = read_posterior(path)
+    assert drawn.omega_intercept["small"] == pytest.approx(0.1)
+    bench = loop()
+    given = draw_assembly(bench, drawn, RigDiscrepancy(0.0, ""), seed=1)
+    force = at_shaft(bench, given).stages[0].runs[0].nominal
+    assert force.mean() == pytest.approx(1.541, rel=2e-3)
+    assert force.std() == pytest.approx(0.0261, rel=0.05)
+    # beside it the scatter of all three, independent of it
+    both = write_draws(tmp_path / "draws.nc", n=4000, sd=0.0, omega=0.02, omega_intercept=0.1)
+    given = draw_assembly(bench, read_posterior(both), RigDiscrepancy(0.0, ""), seed=1)
+    force = at_shaft(bench, given).stages[0].runs[0].nominal
+    assert force.std() == pytest.approx(np.hypot(0.0261, 0.02 * 1.541), rel=0.05)
+    # and a fit without it has none
+    alone = write_draws(tmp_path / "draws.nc", n=40, sd=0.0, omega=0.0)
+    given = draw_assembly(bench, read_posterior(alone), RigDiscrepancy(0.0, ""), seed=1)
+    assert np.ptp(at_shaft(bench, given).stages[0].runs[0].nominal) == 0.0
