@@ -29,25 +29,22 @@ from bayesfric.priors import Priors as Priors
 
 
 class Scatter(Section):
-    """How friction scatters from trial to trial and from assembly to assembly."""
+    """How friction scatters from trial to trial and from assembly to assembly.
 
-    by_size: bool = Field(False, description="A tau and an omega for each size, instead of one.")
-    trial: Literal["normal", "student-t"] = Field(
-        "normal",
-        description="Distribution of a trial's scatter on the gravity board; student-t forgives "
-        "outliers. "
-        "Other rigs have normal scatter, and results say so.",
-    )
-    assembly: Literal["normal", "student-t"] = Field(
-        "normal",
-        description="Distribution of an assembly's scatter. Trial and assembly cannot both be "
-        "student-t.",
-    )
-    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
-        4.0,
-        description="Degrees of freedom of the student-t. Its scale is tau, or omega and "
-        "omega_intercept.",
-    )
+    Fields
+    ------
+    by_size: A tau and an omega for each size, instead of one.
+    trial: Distribution of a trial's scatter on the gravity board; student-t forgives outliers.
+        Other rigs have normal scatter, and results say so.
+    assembly: Distribution of an assembly's scatter. Trial and assembly cannot both be student-t.
+    degrees_of_freedom: Degrees of freedom of the student-t. Its scale is tau, or omega and
+        omega_intercept.
+    """
+
+    by_size: bool = False
+    trial: Literal["normal", "student-t"] = "normal"
+    assembly: Literal["normal", "student-t"] = "normal"
+    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = 4.0
 
     @model_validator(mode="after")
     def _one_of_them(self) -> "Scatter":
@@ -57,38 +54,30 @@ class Scatter(Section):
 
 
 class Sampler(Section):
-    """Settings of the ensemble sampler."""
+    """Settings of the ensemble sampler.
 
-    ensembles: Annotated[int, Field(ge=4, le=64)] = Field(
-        4, description="Number of independent ensembles. R-hat needs 4 or more."
-    )
-    walkers: Annotated[int, Field(ge=8, le=1024)] | None = Field(
-        None,
-        description="Walkers in an ensemble, an even number. Absent: 40, or 2 for each parameter "
-        "if that is "
-        "more.",
-    )
-    burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
-        40,
-        description="Steps of an ensemble that are thrown away. If no importance sample gives a "
-        "proposal, "
-        "the first of three pilots is as long, and each further pilot is twice as long.",
-    )
-    steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        240, description="Steps of an ensemble that are kept, before thinning."
-    )
-    thin: Annotated[int, Field(ge=1, le=1000)] = Field(2, description="Keep each thin-th step.")
-    extensions: Annotated[int, Field(ge=0, le=100)] = Field(
-        4,
-        description="How often the ensembles are extended at most, while the draws have not "
-        "converged. Each "
-        "extension runs as many steps as before, with a better proposal, and thins to as many "
-        "draws.",
-    )
-    independence_share: Annotated[float, Field(ge=0, le=1)] = Field(
-        0.9,
-        description="Share of independence proposals; the rest are differential evolution.",
-    )
+    Fields
+    ------
+    ensembles: Number of independent ensembles. R-hat needs 4 or more.
+    walkers: Walkers in an ensemble, an even number. Absent: 40, or 2 for each parameter if that is
+        more.
+    burn: Steps of an ensemble that are thrown away. If no importance sample gives a proposal, the
+        first of three pilots is as long, and each further pilot is twice as long.
+    steps: Steps of an ensemble that are kept, before thinning.
+    thin: Keep each thin-th step.
+    extensions: How often the ensembles are extended at most, while the draws have not converged.
+        Each extension runs as many steps as before, with a better proposal, and thins to as many
+        draws.
+    independence_share: Share of independence proposals; the rest are differential evolution.
+    """
+
+    ensembles: Annotated[int, Field(ge=4, le=64)] = 4
+    walkers: Annotated[int, Field(ge=8, le=1024)] | None = None
+    burn: Annotated[int, Field(ge=10, le=100_000)] = 40
+    steps: Annotated[int, Field(ge=50, le=1_000_000)] = 240
+    thin: Annotated[int, Field(ge=1, le=1000)] = 2
+    extensions: Annotated[int, Field(ge=0, le=100)] = 4
+    independence_share: Annotated[float, Field(ge=0, le=1)] = 0.9
 
     @model_validator(mode="after")
     def _even(self) -> "Sampler":
@@ -111,82 +100,65 @@ class ClaimRules(Section):
     is too small to matter. Otherwise it stays undecided. To refute, the Bayes factor must hold
     over a tenfold change of the width of the rivals' priors; to support, a weaker one must. A
     claim without rivals rests on a probability.
+
+    Fields
+    ------
+    support_log10_bayes_factor: A claim is supported only if the log10 Bayes factor in its favour is
+        this or more.
+    support_over_width_log10_bayes_factor: A claim is supported only if the log10 Bayes factor in
+        its favour is this or more for every width of the rivals' priors within a tenfold range.
+    refute_log10_bayes_factor: A claim is refuted only if the log10 Bayes factor in its favour is
+        this or less.
+    region_of_equivalence: Share of friction below which an effect does not matter [-].
+    refute_effect_probability: A claim is refuted only if a rival's effect is beyond the region of
+        equivalence with this probability or more.
+    refute_elpd_errors: A claim is refuted only if a rival predicts better by so many standard
+        errors.
+    support_probability: A claim without rivals is supported from this probability on.
+    refute_probability: A claim without rivals is refuted up to this probability.
+    refute_tail_probability: The claim `coefficients` may be refuted if the joint tail probability
+        of the paper's Table I is below this.
+    table1_tolerance: The claim `coefficients` holds if friction by the paper's Table I differs by
+        this share or less, over the range of its Table II.
+    stiffness_tolerance: Largest relative change of friction by a stretching cable.
+    rig_tolerance: Largest relative difference of friction between the rigs.
+    rig_usual_tolerance: Relative difference of the rigs that most conditions must not exceed.
+    tension_tolerance_n: Largest difference from a quoted nominal tension [N].
     """
 
-    support_log10_bayes_factor: Finite = Field(
-        1.0,
-        description="A claim is supported only if the log10 Bayes factor in its favour is this or "
-        "more.",
-    )
-    support_over_width_log10_bayes_factor: Finite = Field(
-        0.5,
-        description="A claim is supported only if the log10 Bayes factor in its favour is this or "
-        "more for "
-        "every width of the rivals' priors within a tenfold range.",
-    )
-    refute_log10_bayes_factor: Finite = Field(
-        -1.0,
-        description="A claim is refuted only if the log10 Bayes factor in its favour is this or "
-        "less.",
-    )
-    region_of_equivalence: Share = Field(
-        0.05, description="Share of friction below which an effect does not matter [-]."
-    )
-    refute_effect_probability: Share = Field(
-        0.95,
-        description="A claim is refuted only if a rival's effect is beyond the region of "
-        "equivalence with "
-        "this probability or more.",
-    )
-    refute_elpd_errors: Positive = Field(
-        2.0,
-        description="A claim is refuted only if a rival predicts better by so many standard "
-        "errors.",
-    )
-    support_probability: Share = Field(
-        0.95, description="A claim without rivals is supported from this probability on."
-    )
-    refute_probability: Share = Field(
-        0.05, description="A claim without rivals is refuted up to this probability."
-    )
-    refute_tail_probability: Share = Field(
-        0.01,
-        description="The claim `coefficients` may be refuted if the joint tail probability of the "
-        "paper's "
-        "Table I is below this.",
-    )
-    table1_tolerance: Share = Field(
-        0.05,
-        description="The claim `coefficients` holds if friction by the paper's Table I differs by "
-        "this "
-        "share or less, over the range of its Table II.",
-    )
-    stiffness_tolerance: Share = Field(
-        0.01, description="Largest relative change of friction by a stretching cable."
-    )
-    rig_tolerance: Share = Field(
-        0.10, description="Largest relative difference of friction between the rigs."
-    )
-    rig_usual_tolerance: Share = Field(
-        0.05, description="Relative difference of the rigs that most conditions must not exceed."
-    )
-    tension_tolerance_n: Positive = Field(
-        0.15, description="Largest difference from a quoted nominal tension [N]."
-    )
+    support_log10_bayes_factor: Finite = 1.0
+    support_over_width_log10_bayes_factor: Finite = 0.5
+    refute_log10_bayes_factor: Finite = -1.0
+    region_of_equivalence: Share = 0.05
+    refute_effect_probability: Share = 0.95
+    refute_elpd_errors: Positive = 2.0
+    support_probability: Share = 0.95
+    refute_probability: Share = 0.05
+    refute_tail_probability: Share = 0.01
+    table1_tolerance: Share = 0.05
+    stiffness_tolerance: Share = 0.01
+    rig_tolerance: Share = 0.10
+    rig_usual_tolerance: Share = 0.05
+    tension_tolerance_n: Positive = 0.15
 
 
 class HypothesisPriors(Section):
-    """Prior probabilities of hypotheses by number of effects, shared equally within a number."""
+    """Prior probabilities of hypotheses by number of effects, shared equally within a number.
 
-    none: Share = Field(0.5, description="Probability that no effect acts.")
-    one: Share = Field(
-        0.3,
-        description="Probability that one effect acts. Effects that the rig cannot tell apart "
-        "count once.",
-    )
-    two: Share = Field(0.08, description="Probability that two effects act.")
-    more: Share = Field(0.02, description="Probability that three or more effects act.")
-    unknown: Share = Field(0.1, description="Probability that an unknown force acts.")
+    Fields
+    ------
+    none: Probability that no effect acts.
+    one: Probability that one effect acts. Effects that the rig cannot tell apart count once.
+    two: Probability that two effects act.
+    more: Probability that three or more effects act.
+    unknown: Probability that an unknown force acts.
+    """
+
+    none: Share = 0.5
+    one: Share = 0.3
+    two: Share = 0.08
+    more: Share = 0.02
+    unknown: Share = 0.1
 
     @model_validator(mode="after")
     def _whole(self) -> "HypothesisPriors":
@@ -197,27 +169,23 @@ class HypothesisPriors(Section):
 
 
 class DiagnosisRules(Section):
-    """What counts as a gap between simulation and reality, and the prior probabilities."""
+    """What counts as a gap between simulation and reality, and the prior probabilities.
 
-    practical_share: Share = Field(
-        0.02,
-        description="Share of rms friction below which a systematic gap, or an effect, does not "
-        "matter. "
-        "Every hypothesis has a discrepancy with a quarter of this as its rms (at least "
-        "0.0025).",
-    )
-    unknown_scale: Share = Field(
-        0.1,
-        description="Scale of the half-normal prior of an unknown force's rms, as a share of rms "
-        "friction.",
-    )
-    hypotheses: HypothesisPriors = Field(
-        default_factory=HypothesisPriors, description="Prior probabilities of hypotheses."
-    )
-    widths: dict[str, Positive] = Field(
-        default_factory=dict,
-        description="Factors, by name of an effect, on the width of its amplitude's prior.",
-    )
+    Fields
+    ------
+    practical_share: Share of rms friction below which a systematic gap, or an effect, does not
+        matter. Every hypothesis has a discrepancy with a quarter of this as its rms (at least
+        0.0025).
+    unknown_scale: Scale of the half-normal prior of an unknown force's rms, as a share of rms
+        friction.
+    hypotheses: Prior probabilities of hypotheses.
+    widths: Factors, by name of an effect, on the width of its amplitude's prior.
+    """
+
+    practical_share: Share = 0.02
+    unknown_scale: Share = 0.1
+    hypotheses: HypothesisPriors = Field(default_factory=HypothesisPriors)
+    widths: dict[str, Positive] = Field(default_factory=dict)
 
 
 class CalibrationRules(Section):
@@ -227,47 +195,54 @@ class CalibrationRules(Section):
     values here, each within `spread`. They are so narrow that boards move: the protocols leave a
     reserve of 40 % of friction. The sampler is short, since only 99 draws of each posterior are
     ranked.
+
+    Fields
+    ------
+    protocol: Protocol of each recording.
+    spread: Half width of each prior, as a share of its centre.
+    tau: Centre of the scatter from trial to trial [-].
+    omega: Centre of the scatter from assembly to assembly [-].
+    omega_intercept: Centre of the scatter of c2 alone from assembly to assembly.
+    wander: Centre of the rms by which friction varies along a trial [-].
+    wander_length: Centre of the correlation length of that variation [m].
+    sigma_x: Centre of the position error of an event [m].
+    sigma_t: Centre of the clock error of an event [s].
+    sampler: Sampler of each fit, with the keys of [sampler].
     """
 
-    protocol: Literal["quick", "paper"] = Field("quick", description="Protocol of each recording.")
-    spread: Share = Field(0.3, description="Half width of each prior, as a share of its centre.")
-    tau: Positive = Field(0.01, description="Centre of the scatter from trial to trial [-].")
-    omega: Positive = Field(
-        0.015, description="Centre of the scatter from assembly to assembly [-]."
-    )
-    omega_intercept: Positive = Field(
-        0.03, description="Centre of the scatter of c2 alone from assembly to assembly."
-    )
-    wander: Positive = Field(
-        0.002, description="Centre of the rms by which friction varies along a trial [-]."
-    )
-    wander_length: Positive = Field(
-        0.1, description="Centre of the correlation length of that variation [m]."
-    )
-    sigma_x: Positive = Field(3e-5, description="Centre of the position error of an event [m].")
-    sigma_t: Positive = Field(2e-5, description="Centre of the clock error of an event [s].")
-    sampler: Sampler = Field(
-        Sampler(burn=30, steps=60, thin=3, extensions=0),
-        description="Sampler of each fit, with the keys of [sampler].",
-    )
+    protocol: Literal["quick", "paper"] = "quick"
+    spread: Share = 0.3
+    tau: Positive = 0.01
+    omega: Positive = 0.015
+    omega_intercept: Positive = 0.03
+    wander: Positive = 0.002
+    wander_length: Positive = 0.1
+    sigma_x: Positive = 3e-5
+    sigma_t: Positive = 2e-5
+    sampler: Sampler = Sampler(burn=30, steps=60, thin=3, extensions=0)
 
 
 class Analysis(Section):
-    """The whole of ``analysis.toml``; every key has a default."""
+    """The whole of ``analysis.toml``; every key has a default.
 
-    seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(
-        2015, description="Seed of all random numbers. --seed overrides it."
-    )
-    priors: Priors = Field(default_factory=Priors, description="Prior densities.")
-    scatter: Scatter = Field(default_factory=Scatter, description="Scatter of friction.")
-    sampler: Sampler = Field(default_factory=Sampler, description="Ensemble sampler.")
-    claims: ClaimRules = Field(default_factory=ClaimRules, description="Verdicts on claims.")
-    diagnosis: DiagnosisRules = Field(
-        default_factory=DiagnosisRules, description="Diagnosis of the sim-to-real gap."
-    )
-    calibration: CalibrationRules = Field(
-        default_factory=CalibrationRules, description="Simulation-based calibration."
-    )
+    Fields
+    ------
+    seed: Seed of all random numbers. --seed overrides it.
+    priors: Prior densities.
+    scatter: Scatter of friction.
+    sampler: Ensemble sampler.
+    claims: Verdicts on claims.
+    diagnosis: Diagnosis of the sim-to-real gap.
+    calibration: Simulation-based calibration.
+    """
+
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 2015
+    priors: Priors = Field(default_factory=Priors)
+    scatter: Scatter = Field(default_factory=Scatter)
+    sampler: Sampler = Field(default_factory=Sampler)
+    claims: ClaimRules = Field(default_factory=ClaimRules)
+    diagnosis: DiagnosisRules = Field(default_factory=DiagnosisRules)
+    calibration: CalibrationRules = Field(default_factory=CalibrationRules)
 
 
 def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:

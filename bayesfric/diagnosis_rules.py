@@ -14,136 +14,102 @@ class DiagnosisThresholds:
 
     Each has its unit, the page of docs/decisions where it is argued, and what it decides.
 
-    Parameters
-    ----------
-    sure : 1 (inclusion)
-        an effect acts, a gap is there or is not, from this probability on
-    likely : 1 (inclusion)
-        an unknown force, a gap and the size of a cause count from this probability on
-    possible : 1 (inclusion)
-        an effect is possible, and an unknown force doubtful, from this probability on
-    rare : 1 (gap)
-        a hypothesis that is less probable has no draws, and moves nothing
-    listed : 1 (hypotheses-alike)
-        a hypothesis that is less probable is not listed
-    felt : friction (strength)
-        an error of a reading or a current is named from this strength on
-    unresolved : friction (gap)
-        a gap that windows and linearisation leave of data without noise
-    has_figure : friction (gap)
-        a gap below it is stated as a bound, without a figure
-    beside_effects : 1 (unknown-force)
-        of unknown forces, the share that is expected beside effects
-    foreign : gap² (unknown-force)
-        causes that leave more of the squared gap did not make it
-    made_by_most : gap² (inclusion)
-        effects that leave less of the squared gap make most of it
-    alike_clocks : 1 (held-out)
-        late clocks that leave less of the square of what causes do stand for them
-    above_floor : 1 (floor)
-        a gap shrinks where it is above its floor with this probability
-    most_shrink : 1 (floor)
-        a shrink on held-out data whose median is above it contradicts itself
-    shrink_missed : gap² (held-out)
-        causes whose held-out shrink is this much below the model's are overruled
-    predicts_better : errors (held-out)
-        causes have to predict held-out data better by so many standard errors
-    few_blocks : blocks (held-out)
-        of fewer the error of what they tell is itself hardly known
-    remainder_tells : 1 (held-out)
-        held-out data leave at most this times what a remainder beside the causes tells
-    number_open : 1 (joints)
-        a number whose 90 % interval is this much of its median is hardly known
-    inertia_apart : 1 (joints)
-        from this factor on, by which gravity makes its error larger, inertia is not told alone
-    shrink_sure : gap² (held-out)
-        then one error is enough beside a held-out shrink that is surely this at least
-    least_blocks : blocks (held-out)
-        with fewer held out nobody says whether causes predict better
-    contradicted : 1 (held-out)
-        the share of a hypothesis that is an unknown force once it is overruled
-    extrapolated : 1 (held-out)
-        the share of the range of tension above which a trial is extrapolated to
-    like_scatter : 1 (scatter-in-order)
-        residuals whose order or size is rarer by chance than this are no scatter
-    order_matters : practical (scatter-in-order)
-        order in residuals below this part of the practical share is let be
-    order_of_friction : friction (scatter-in-order)
-        a gap above it is judged without the order of its residuals
-    remainder_left : gap² (inclusion)
-        a remainder matters where surely more than this is left of the gap
-    remainder_log10 : 1 (unknown-force)
-        a remainder is significant above this log10 Bayes factor
-    other_joints_left : friction (axis-windows)
-        other joints may pull where a gap of this size is left
-    other_joints_of_gap : gap (axis-windows)
-        and where it is also at least this part of the gap
-    stray : sd (strays)
-        a reading that is farther off counts little: one of a million is
-    most_strays : 1 (strays)
-        where a larger share is as far off, a force is there and no stray
-    stray_freedom : 1 (strays)
-        degrees of freedom of the Student-t by which a stray's weight is less
-    stray_least_rows : readings (strays)
-        among fewer there are no strays
-    stray_told : 1 (strays)
-        a stray of a smaller weight is listed by name
-    windows_a_number : windows (inclusion)
-        with fewer for each number of the law a recording shows no gap
-    windows_a_number_of_joints : windows (inclusion)
-        the same of a joint, whose windows hang together along its path
-    instrument_errors : sd (joints)
-        where an instrument alarms a cause is held that it tells from zero
-    instrument_keeps : 1 (joints)
-        and of which it tells this part of what least squares tell
-    instrument_weak : 1 (joints)
-        an instrument whose F statistic is smaller tells no numbers
-    instrument_sure : 1 (joints)
-        but that least squares are bent, where chance makes less than this
-    runs_of_scatter : runs (joints)
-        fewer do not tell how far the law is off for runs to come
-    unknown_less_likely : nat (inclusion)
-        by so much must an unknown force be less likely than none for no gap
-    friction_loose : friction (inclusion)
-        with an error of friction above it no gap can be excluded
-    friction_nothing : 1 (inclusion)
-        a number of the law may be nothing where more of its draws are at its least
-    axes_alike : 1 (where)
-        axes whose functions have a larger canonical correlation are confounded
-    effects_alike : 1 (inclusion)
-        effects whose responses have a larger cosine are one class
-    effect_felt : 1 (recalibration)
-        an effect with less squared signal over noise cannot be noticed
-    effect_absorbed : 1 (recalibration)
-        the law takes up an effect of whose squared response it leaves less
-    effect_shows : 1 (recalibration)
-        and does not where what it leaves has more squared signal over noise
-    rival : 1 (next-trial)
-        a next trial separates hypotheses that are at least so probable
-    next_trial_factor : 1 (next-trial)
-        a trial whose expected Bayes factor is smaller is not proposed
-    discrepancy_share : practical (small-amounts)
-        the discrepancy of every hypothesis, as a part of the practical share
-    discrepancy_least : friction (small-amounts)
-        and at the least this share of friction
-    most_effects : effects (finalists)
-        more are not looked for at a time
-    tried : effects (finalists)
-        so many are tried beside a hypothesis, best first
-    beam : hypotheses (finalists)
-        so many of each number of effects are gone on from
-    finalists : hypotheses (finalists)
-        so many are compared again at the most
-    effect_gains : nat (finalists)
-        a hypothesis is gone on with where a further effect gains more
-    weighed_within : nat (finalists)
-        a hypothesis whose first look is farther below the best is not weighed
-    compared_within : nat (finalists)
-        a hypothesis that is farther below the best is not compared again
-    own_noise_within : nat (finalists)
-        a hypothesis nearer to the best has the volume of its own noise
-    followed_within : nat (finalists)
-        forms, laws and unknown forces farther below the best are not followed
+    Fields
+    ------
+    sure: an effect acts, a gap is there or is not, from this probability on [1; inclusion]
+    likely: an unknown force, a gap and the size of a cause count from this probability on [1;
+        inclusion]
+    possible: an effect is possible, and an unknown force doubtful, from this probability on [1;
+        inclusion]
+    rare: a hypothesis that is less probable has no draws, and moves nothing [1; gap]
+    listed: a hypothesis that is less probable is not listed [1; hypotheses-alike]
+    felt: an error of a reading or a current is named from this strength on [friction; strength]
+    unresolved: a gap that windows and linearisation leave of data without noise [friction; gap]
+    has_figure: a gap below it is stated as a bound, without a figure [friction; gap]
+    beside_effects: of unknown forces, the share that is expected beside effects [1; unknown-force]
+    foreign: causes that leave more of the squared gap did not make it [gap²; unknown-force]
+    made_by_most: effects that leave less of the squared gap make most of it [gap²; inclusion]
+    alike_clocks: late clocks that leave less of the square of what causes do stand for them [1;
+        held-out]
+    above_floor: a gap shrinks where it is above its floor with this probability [1; floor]
+    most_shrink: a shrink on held-out data whose median is above it contradicts itself [1; floor]
+    shrink_missed: causes whose held-out shrink is this much below the model's are overruled [gap²;
+        held-out]
+    predicts_better: causes have to predict held-out data better by so many standard errors [errors;
+        held-out]
+    predicts_beside: a cause of a joint beside others, of some twenty effects, predicts better by so
+        many [errors; held-out]
+    few_blocks: of fewer the error of what they tell is itself hardly known [blocks; held-out]
+    remainder_tells: held-out data leave at most this times what a remainder beside the causes tells
+        [1; held-out]
+    number_open: a number whose 90 % interval is this much of its median is hardly known [1; joints]
+    inertia_apart: from this factor on, by which gravity makes its error larger, inertia is not told
+        alone [1; joints]
+    shrink_sure: then one error is enough beside a held-out shrink that is surely this at least
+        [gap²; held-out]
+    least_blocks: with fewer held out nobody says whether causes predict better [blocks; held-out]
+    contradicted: the share of a hypothesis that is an unknown force once it is overruled [1;
+        held-out]
+    extrapolated: the share of the range of tension above which a trial is extrapolated to [1;
+        held-out]
+    like_scatter: residuals whose order or size is rarer by chance than this are no scatter [1;
+        scatter-in-order]
+    order_matters: order in residuals below this part of the practical share is let be [practical;
+        scatter-in-order]
+    order_of_friction: a gap above it is judged without the order of its residuals [friction;
+        scatter-in-order]
+    remainder_left: a remainder matters where surely more than this is left of the gap [gap²;
+        inclusion]
+    remainder_log10: a remainder is significant above this log10 Bayes factor [1; unknown-force]
+    other_joints_left: other joints may pull where a gap of this size is left [friction;
+        axis-windows]
+    other_joints_of_gap: and where it is also at least this part of the gap [gap; axis-windows]
+    stray: a reading that is farther off counts little: one of a million is [sd; strays]
+    most_strays: where a larger share is as far off, a force is there and no stray [1; strays]
+    stray_freedom: degrees of freedom of the Student-t by which a stray's weight is less [1; strays]
+    stray_least_rows: among fewer there are no strays [readings; strays]
+    stray_told: a stray of a smaller weight is listed by name [1; strays]
+    windows_a_number: with fewer for each number of the law a recording shows no gap [windows;
+        inclusion]
+    windows_a_number_of_joints: the same of a joint, whose windows hang together along its path
+        [windows; inclusion]
+    instrument_errors: where an instrument alarms a cause is held that it tells from zero [sd;
+        joints]
+    instrument_keeps: and of which it tells this part of what least squares tell [1; joints]
+    instrument_weak: an instrument whose F statistic is smaller tells no numbers [1; joints]
+    instrument_sure: but that least squares are bent, where chance makes less than this [1; joints]
+    runs_of_scatter: fewer do not tell how far the law is off for runs to come [runs; joints]
+    unknown_less_likely: by so much must an unknown force be less likely than none for no gap [nat;
+        inclusion]
+    friction_loose: with an error of friction above it no gap can be excluded [friction; inclusion]
+    friction_nothing: a number of the law may be nothing where more of its draws are at its least
+        [1; inclusion]
+    axes_alike: axes whose functions have a larger canonical correlation are confounded [1; where]
+    effects_alike: effects whose responses have a larger cosine are one class [1; inclusion]
+    effect_felt: an effect with less squared signal over noise cannot be noticed [1; recalibration]
+    effect_absorbed: the law takes up an effect of whose squared response it leaves less [1;
+        recalibration]
+    effect_shows: and does not where what it leaves has more squared signal over noise [1;
+        recalibration]
+    rival: a next trial separates hypotheses that are at least so probable [1; next-trial]
+    next_trial_factor: a trial whose expected Bayes factor is smaller is not proposed [1;
+        next-trial]
+    discrepancy_share: the discrepancy of every hypothesis, as a part of the practical share
+        [practical; small-amounts]
+    discrepancy_least: and at the least this share of friction [friction; small-amounts]
+    most_effects: more are not looked for at a time [effects; finalists]
+    tried: so many are tried beside a hypothesis, best first [effects; finalists]
+    beam: so many of each number of effects are gone on from [hypotheses; finalists]
+    finalists: so many are compared again at the most [hypotheses; finalists]
+    effect_gains: a hypothesis is gone on with where a further effect gains more [nat; finalists]
+    weighed_within: a hypothesis whose first look is farther below the best is not weighed [nat;
+        finalists]
+    compared_within: a hypothesis that is farther below the best is not compared again [nat;
+        finalists]
+    own_noise_within: a hypothesis nearer to the best has the volume of its own noise [nat;
+        finalists]
+    followed_within: forms, laws and unknown forces farther below the best are not followed [nat;
+        finalists]
     """
 
     sure: float = 0.9
@@ -162,6 +128,7 @@ class DiagnosisThresholds:
     most_shrink: float = 1.2
     shrink_missed: float = 0.1
     predicts_better: float = 2.0
+    predicts_beside: float = 3.0
     few_blocks: int = 12
     remainder_tells: float = 3.0
     number_open: float = 0.5

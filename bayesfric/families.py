@@ -6,7 +6,9 @@ The models validate and document; :mod:`bayesfric.inference.priors` computes.
 import math
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
+
+from bayesfric.docstrings import Documented
 
 FARTHEST = 8.0  # standard deviations: a normal cut beyond is not the density that is meant
 
@@ -21,7 +23,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), BeforeValidator(_n
 Finite = Annotated[float, Field(allow_inf_nan=False), BeforeValidator(_number)]
 
 
-class Section(BaseModel):
+class Section(Documented):
     """A table of a TOML file: unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -60,30 +62,47 @@ class Family(Section):
 
 
 class HalfNormal(Family):
-    """Half-normal: values above zero, most of them below `scale`."""
+    """Half-normal: values above zero, most of them below `scale`.
+
+    Fields
+    ------
+    scale: Standard deviation of the normal that is folded at 0.
+    """
 
     width = "scale"
     family: Literal["half-normal"] = "half-normal"
-    scale: Positive = Field(description="Standard deviation of the normal that is folded at 0.")
+    scale: Positive
 
 
 class LogNormal(Family):
-    """Log-normal: values above zero around `median`."""
+    """Log-normal: values above zero around `median`.
+
+    Fields
+    ------
+    median: Median, in the parameter's unit.
+    sd_log: Standard deviation of the natural logarithm.
+    """
 
     width = "sd_log"
     pure = frozenset({"family", "sd_log"})
     family: Literal["log-normal"] = "log-normal"
-    median: Positive = Field(description="Median, in the parameter's unit.")
-    sd_log: Positive = Field(description="Standard deviation of the natural logarithm.")
+    median: Positive
+    sd_log: Positive
 
 
 class Normal(Family):
-    """Normal: any sign."""
+    """Normal: any sign.
+
+    Fields
+    ------
+    mean: Mean, in the parameter's unit.
+    sd: Standard deviation, in the parameter's unit.
+    """
 
     width = "sd"
     family: Literal["normal"] = "normal"
-    mean: Finite = Field(description="Mean, in the parameter's unit.")
-    sd: Positive = Field(description="Standard deviation, in the parameter's unit.")
+    mean: Finite
+    sd: Positive
 
     @property
     def lowest(self) -> float:
@@ -92,14 +111,21 @@ class Normal(Family):
 
 
 class StudentT(Family):
-    """Student-t: any sign, with tails heavier than a normal's."""
+    """Student-t: any sign, with tails heavier than a normal's.
+
+    Fields
+    ------
+    degrees_of_freedom: Of the tails; 1 is a Cauchy density.
+    location: Median, in the parameter's unit.
+    scale: Scale, in the parameter's unit.
+    """
 
     width = "scale"
     pure = frozenset({"family", "degrees_of_freedom"})
     family: Literal["student-t"] = "student-t"
-    degrees_of_freedom: Positive = Field(description="Of the tails; 1 is a Cauchy density.")
-    location: Finite = Field(description="Median, in the parameter's unit.")
-    scale: Positive = Field(description="Scale, in the parameter's unit.")
+    degrees_of_freedom: Positive
+    location: Finite
+    scale: Positive
 
     @property
     def lowest(self) -> float:
@@ -108,38 +134,62 @@ class StudentT(Family):
 
 
 class HalfCauchy(Family):
-    """Half-Cauchy: values above zero, half of them below `scale`, without mean or variance."""
+    """Half-Cauchy: values above zero, half of them below `scale`, without mean or variance.
+
+    Fields
+    ------
+    scale: Median, in the parameter's unit.
+    """
 
     width = "scale"
     family: Literal["half-cauchy"] = "half-cauchy"
-    scale: Positive = Field(description="Median, in the parameter's unit.")
+    scale: Positive
 
 
 class Gamma(Family):
-    """Gamma: values above zero, around `shape` times `scale`."""
+    """Gamma: values above zero, around `shape` times `scale`.
+
+    Fields
+    ------
+    shape: Shape; 1 is an exponential density.
+    scale: Scale, one over the rate, in the parameter's unit.
+    """
 
     pure = frozenset({"family", "shape"})
     family: Literal["gamma"] = "gamma"
-    shape: Positive = Field(description="Shape; 1 is an exponential density.")
-    scale: Positive = Field(description="Scale, one over the rate, in the parameter's unit.")
+    shape: Positive
+    scale: Positive
 
 
 class Beta(Family):
-    """Beta: values between 0 and `high`."""
+    """Beta: values between 0 and `high`.
+
+    Fields
+    ------
+    a: Shape at 0.
+    b: Shape at the upper bound.
+    high: Upper bound, in the parameter's unit.
+    """
 
     pure = frozenset({"family", "a", "b"})
     family: Literal["beta"] = "beta"
-    a: Positive = Field(description="Shape at 0.")
-    b: Positive = Field(description="Shape at the upper bound.")
-    high: Positive = Field(1.0, description="Upper bound, in the parameter's unit.")
+    a: Positive
+    b: Positive
+    high: Positive = 1.0
 
 
 class Uniform(Family):
-    """Uniform between two bounds."""
+    """Uniform between two bounds.
+
+    Fields
+    ------
+    low: Lower bound, in the parameter's unit.
+    high: Upper bound, above `low`.
+    """
 
     family: Literal["uniform"] = "uniform"
-    low: Finite = Field(description="Lower bound, in the parameter's unit.")
-    high: Finite = Field(description="Upper bound, above `low`.")
+    low: Finite
+    high: Finite
 
     @property
     def lowest(self) -> float:
@@ -154,14 +204,22 @@ class Uniform(Family):
 
 
 class TruncatedNormal(Family):
-    """Normal that is cut at one bound, or at two."""
+    """Normal that is cut at one bound, or at two.
+
+    Fields
+    ------
+    mean: Of the normal before it is cut, in the parameter's unit.
+    sd: Of the normal before it is cut, in the parameter's unit.
+    low: Lower bound; absent: none.
+    high: Upper bound, above `low`; absent: none.
+    """
 
     width = "sd"
     family: Literal["truncated-normal"] = "truncated-normal"
-    mean: Finite = Field(description="Of the normal before it is cut, in the parameter's unit.")
-    sd: Positive = Field(description="Of the normal before it is cut, in the parameter's unit.")
-    low: Finite | None = Field(None, description="Lower bound; absent: none.")
-    high: Finite | None = Field(None, description="Upper bound, above `low`; absent: none.")
+    mean: Finite
+    sd: Positive
+    low: Finite | None = None
+    high: Finite | None = None
 
     @property
     def lowest(self) -> float:

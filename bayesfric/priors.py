@@ -24,14 +24,20 @@ def _refuse_two_wrap_slopes(section: Section) -> None:
 
 
 class PriorOverrides(Section):
-    """Priors of one pulley size that differ from the rest."""
+    """Priors of one pulley size that differ from the rest.
 
-    c1: Prior | None = Field(None, description="Prior of c1 for this size [-].")
-    c2: Prior | None = Field(None, description="Prior of c2 for this size [N].")
-    wrap_share: Prior | None = Field(
-        None, description="Prior of c3 / c1 for this size [1/deg]; or `c3`."
-    )
-    c3: Prior | None = Field(None, description="Prior of c3 for this size [1/deg].")
+    Fields
+    ------
+    c1: Prior of c1 for this size [-].
+    c2: Prior of c2 for this size [N].
+    wrap_share: Prior of c3 / c1 for this size [1/deg]; or `c3`.
+    c3: Prior of c3 for this size [1/deg].
+    """
+
+    c1: Prior | None = None
+    c2: Prior | None = None
+    wrap_share: Prior | None = None
+    c3: Prior | None = None
 
     @model_validator(mode="after")
     def _one_wrap_slope(self) -> Self:
@@ -66,110 +72,75 @@ class Priors(Section):
       assemblies.
     - boards: boards of one experiment, in other weeks or by other hands, differ by as much as
       assemblies of one board do.
+
+    Fields
+    ------
+    c1: Friction of a pulley per tension [-].
+    c2: Constant friction of a pulley [N].
+    wrap_share: Change of c1 with wrap, over c1: c3 / c1 [1/deg].
+    c3: Change of c1 with wrap [1/deg], in place of `wrap_share`.
+    tau: Relative scatter of friction from trial to trial [-].
+    omega: Relative scatter of friction from assembly to assembly [-].
+    omega_intercept: Relative scatter of c2 alone from assembly to assembly [-].
+    wander: Relative rms of friction that wanders along the travel of a trial [-].
+    wander_length: Correlation length of the wander [m].
+    sigma_x: Position error of an event [m].
+    sigma_t: Clock error of an event [s].
+    sigma_a: Error of an acceleration that comes without its standard error [m/s²].
+    tau_motor: Relative friction scatter of a motor run [-].
+    omega_motor: Relative friction scatter of an assembly of the motor board [-].
+    omega_intercept_motor: Relative scatter of c2 an assembly of the motor board, beside that of all
+        friction [-].
+    torque_constant_factor: Torque constant over the specified one [-].
+    sigma_current: Noise of a current without load [A].
+    load_noise: Noise of a current per load current [-].
+    sigma_friction: Error of a friction reading that comes without its standard error [N]. Absent:
+        half-normal with a twentieth of the machine's rms friction.
+    idle_current_sd: Standard deviation of the normal priors of the idle curve's level [A], slope [A
+        s/m] and curvature [A s²/m²]; their means are 0.
+    first_speed: Speed at the first event of a trial [m/s].
+    axial_stiffness_n: Axial stiffness EA of the cable [N].
+    cable_length_m: Cable between the two masses [m].
+    damping_ratio: Damping of the masses ringing on the cable, over the critical [-].
+    rig_difference: Friction of a second rig over that of the first, less 1: the mean over sizes
+        [-].
+    rig_difference_of_size: How far one size differs from that mean [-].
+    boards: Standard deviation of a coefficient from board to board, over its mean, where several
+        recordings are fitted together [-].
+    pulleys: Priors of single sizes: [priors.pulleys.SIZE].
+    effects: Priors of the parameters of an effect: [priors.effects.NAME]. Claims and diagnosis use
+        them in place of those in the effect's file.
     """
 
-    c1: Prior = Field(HalfNormal(scale=0.01), description="Friction of a pulley per tension [-].")
-    c2: Prior = Field(HalfNormal(scale=0.04), description="Constant friction of a pulley [N].")
-    wrap_share: Prior = Field(
-        Normal(mean=0.0, sd=0.005), description="Change of c1 with wrap, over c1: c3 / c1 [1/deg]."
-    )
-    c3: Prior | None = Field(
-        None,
-        description="Change of c1 with wrap [1/deg], in place of `wrap_share`.",
-    )
-    tau: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative scatter of friction from trial to trial [-]."
-    )
-    omega: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative scatter of friction from assembly to assembly [-].",
-    )
-    omega_intercept: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative scatter of c2 alone from assembly to assembly [-].",
-    )
-    wander: PriorAboveZero = Field(
-        HalfNormal(scale=0.02),
-        description="Relative rms of friction that wanders along the travel of a trial [-].",
-    )
-    wander_length: PriorAboveZero = Field(
-        LogNormal(median=0.1, sd_log=0.5), description="Correlation length of the wander [m]."
-    )
-    sigma_x: PriorAboveZero = Field(
-        HalfNormal(scale=1e-4), description="Position error of an event [m]."
-    )
-    sigma_t: PriorAboveZero = Field(
-        HalfNormal(scale=1e-4), description="Clock error of an event [s]."
-    )
-    sigma_a: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Error of an acceleration that comes without its standard error [m/s²].",
-    )
-    tau_motor: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative friction scatter of a motor run [-]."
-    )
-    omega_motor: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative friction scatter of an assembly of the motor board [-].",
-    )
-    omega_intercept_motor: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative scatter of c2 an assembly of the motor board, beside that of all "
-        "friction [-].",
-    )
-    torque_constant_factor: Prior = Field(
-        Normal(mean=1.0, sd=0.05), description="Torque constant over the specified one [-]."
-    )
-    sigma_current: PriorAboveZero = Field(
-        HalfNormal(scale=0.02), description="Noise of a current without load [A]."
-    )
-    load_noise: PriorAboveZero = Field(
-        HalfNormal(scale=0.02), description="Noise of a current per load current [-]."
-    )
-    sigma_friction: PriorAboveZero | None = Field(
-        None,
-        description="Error of a friction reading that comes without its standard error [N]. "
-        "Absent: half-normal with a twentieth of the machine's rms friction.",
-    )
-    idle_current_sd: Positive = Field(
-        1.0,
-        description="Standard deviation of the normal priors of the idle curve's level [A], slope "
-        "[A s/m] and curvature [A s²/m²]; their means are 0.",
-    )
-    first_speed: HalfNormal = Field(
-        HalfNormal(scale=1.0), description="Speed at the first event of a trial [m/s]."
-    )
-    axial_stiffness_n: PriorAboveZero = Field(
-        LogNormal(median=15e3, sd_log=0.2), description="Axial stiffness EA of the cable [N]."
-    )
-    cable_length_m: PriorAboveZero = Field(
-        LogNormal(median=1.6, sd_log=0.2), description="Cable between the two masses [m]."
-    )
-    damping_ratio: PriorAboveZero = Field(
-        LogNormal(median=0.05, sd_log=0.7),
-        description="Damping of the masses ringing on the cable, over the critical [-].",
-    )
-    rig_difference: Prior = Field(
-        Normal(mean=0.0, sd=0.1),
-        description="Friction of a second rig over that of the first, less 1: the mean over "
-        "sizes [-].",
-    )
-    rig_difference_of_size: Prior = Field(
-        Normal(mean=0.0, sd=0.02), description="How far one size differs from that mean [-]."
-    )
-    boards: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Standard deviation of a coefficient from board to board, over its mean, where "
-        "several recordings are fitted together [-].",
-    )
-    pulleys: dict[str, PriorOverrides] = Field(
-        default_factory=dict, description="Priors of single sizes: [priors.pulleys.SIZE]."
-    )
-    effects: dict[str, dict[str, Prior]] = Field(
-        default_factory=dict,
-        description="Priors of the parameters of an effect: [priors.effects.NAME]. Claims and "
-        "diagnosis use them in place of those in the effect's file.",
-    )
+    c1: Prior = HalfNormal(scale=0.01)
+    c2: Prior = HalfNormal(scale=0.04)
+    wrap_share: Prior = Normal(mean=0.0, sd=0.005)
+    c3: Prior | None = None
+    tau: PriorAboveZero = HalfNormal(scale=0.05)
+    omega: PriorAboveZero = HalfNormal(scale=0.05)
+    omega_intercept: PriorAboveZero = HalfNormal(scale=0.05)
+    wander: PriorAboveZero = HalfNormal(scale=0.02)
+    wander_length: PriorAboveZero = LogNormal(median=0.1, sd_log=0.5)
+    sigma_x: PriorAboveZero = HalfNormal(scale=1e-4)
+    sigma_t: PriorAboveZero = HalfNormal(scale=1e-4)
+    sigma_a: PriorAboveZero = HalfNormal(scale=0.05)
+    tau_motor: PriorAboveZero = HalfNormal(scale=0.05)
+    omega_motor: PriorAboveZero = HalfNormal(scale=0.05)
+    omega_intercept_motor: PriorAboveZero = HalfNormal(scale=0.05)
+    torque_constant_factor: Prior = Normal(mean=1.0, sd=0.05)
+    sigma_current: PriorAboveZero = HalfNormal(scale=0.02)
+    load_noise: PriorAboveZero = HalfNormal(scale=0.02)
+    sigma_friction: PriorAboveZero | None = None
+    idle_current_sd: Positive = 1.0
+    first_speed: HalfNormal = HalfNormal(scale=1.0)
+    axial_stiffness_n: PriorAboveZero = LogNormal(median=15e3, sd_log=0.2)
+    cable_length_m: PriorAboveZero = LogNormal(median=1.6, sd_log=0.2)
+    damping_ratio: PriorAboveZero = LogNormal(median=0.05, sd_log=0.7)
+    rig_difference: Prior = Normal(mean=0.0, sd=0.1)
+    rig_difference_of_size: Prior = Normal(mean=0.0, sd=0.02)
+    boards: PriorAboveZero = HalfNormal(scale=0.05)
+    pulleys: dict[str, PriorOverrides] = Field(default_factory=dict)
+    effects: dict[str, dict[str, Prior]] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_wrap_slope(self) -> Self:

@@ -1,12 +1,8 @@
 """Thresholds of an engine in one frozen dataclass, whose docstring tells what each decides."""
 
-import re
-from dataclasses import fields
-from inspect import getdoc
 from typing import Any, NamedTuple
 
-ENTRY = re.compile(r"^(\w+) : (.+) \(([\w-]+)\)\n((?: {4}.+\n?)+)", re.MULTILINE)
-"""Of a docstring: name, unit, page and, indented below, the sentence."""
+from bayesfric.docstrings import fields_of
 
 
 class Rule(NamedTuple):
@@ -39,15 +35,12 @@ def rules_of(rules: Any) -> tuple[Rule, ...]:
     Parameters
     ----------
     rules : dataclass
-        Its docstring has an entry ``name : unit (page)`` for each field, and the sentence below;
-        without docstrings (``python -OO``) there are none to tell.
+        Its docstring has an entry ``name: sentence [unit; page]`` for each field; without
+        docstrings (``python -OO``) there are none to tell.
     """
-    decides = {
-        name: (unit, " ".join(sentence.split()), page)
-        for name, unit, page, sentence in ENTRY.findall(getdoc(type(rules)) or "")
-    }
-    return tuple(
-        Rule(entry.name, getattr(rules, entry.name), *decides[entry.name])
-        for entry in fields(rules)
-        if entry.name in decides
-    )
+    listed = []
+    for name, words in fields_of(type(rules).__doc__).items():
+        sentence, _, about = words.removesuffix("]").rpartition(" [")
+        unit, _, page = about.partition("; ")
+        listed.append(Rule(name, getattr(rules, name), unit, sentence, page))
+    return tuple(listed)

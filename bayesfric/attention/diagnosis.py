@@ -71,11 +71,17 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
     share = f"{left / friction:.0%} of friction; " if is_share else ""
     advice = "Do not enter these numbers yet" if is_far else "Enter these numbers with care"
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
+    whose = "those of least squares" if is_by_instrument(diagnosis) else "them"
     return (
-        f"{advice}{of}: the law with them misses data that the fit has not seen by {left:.3g} "
+        f"{advice}{of}: the law with {whose} misses data that the fit has not seen by {left:.3g} "
         f"{gap.unit} rms more than scatter explains ({share}scatter "
         f"makes {scatter:.3g} {gap.unit}). Something that acts is not in them"
     )
+
+
+def is_by_instrument(diagnosis: DiagnosisFile) -> bool:
+    """Return whether an instrument gave numbers of the law: held-out data are of least squares."""
+    return any(number.least_squares is not None for number in diagnosis.law.values())
 
 
 def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:

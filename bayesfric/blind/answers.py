@@ -26,27 +26,37 @@ AXES = (
 
 
 class WithheldEffect(Record):
-    """One effect that is there."""
+    """One effect that is there.
 
-    name: str = Field(min_length=1, description="An effect's name, or one of the user's own.")
-    strength: Number = Field(1.0, gt=0, description="1 is 10 % of friction, rms.")
-    form: str = Field("", description="Functional form, in words.")
-    own: bool = Field(False, description="Whether the form is that of bayesfric's effect.")
-    parameters: dict[str, Number] = Field(
-        {},
-        description="Of bayesfric's effect, with an own form: their intervals are checked where "
-        "`form` is the law that the diagnosis tells.",
-    )
-    axes: tuple[str, ...] = Field(
-        (), description="Where an effect shows that bayesfric does not have; required of one."
-    )
+    Fields
+    ------
+    name: An effect's name, or one of the user's own.
+    strength: 1 is 10 % of friction, rms.
+    form: Functional form, in words.
+    own: Whether the form is that of bayesfric's effect.
+    parameters: Of bayesfric's effect, with an own form: their intervals are checked where `form` is
+        the law that the diagnosis tells.
+    axes: Where an effect shows that bayesfric does not have; required of one.
+    """
+
+    name: str = Field(min_length=1)
+    strength: Number = Field(1.0, gt=0)
+    form: str = ""
+    own: bool = False
+    parameters: dict[str, Number] = Field({})
+    axes: tuple[str, ...] = ()
 
 
 class Answer(Record):
-    """What ``--answer FILE`` holds: ``{"withheld": []}`` where nothing is there."""
+    """What ``--answer FILE`` holds: ``{"withheld": []}`` where nothing is there.
+
+    Fields
+    ------
+    withheld: Every effect that is there.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    withheld: tuple[WithheldEffect, ...] = Field(description="Every effect that is there.")
+    withheld: tuple[WithheldEffect, ...]
 
 
 def read_answer(path: Path) -> dict[str, Any]:

@@ -20,7 +20,7 @@ def check(
 ) -> None:
     """Check the telemetry of a recording, and say what it can tell and what to record next.
 
-    It takes seconds, draws nothing and writes nothing. Errors are the standard deviations that a
+    It takes seconds and writes nothing. Errors are the standard deviations that a
     posterior would have with the noise of these data. If a recording can tell nothing, check and
     diagnose end with status 2.
 

@@ -15,7 +15,8 @@ from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas.margins import LoopMargins, Metric, Verification
+    from bayesfric.schemas.loop_runs import Verification
+    from bayesfric.schemas.margins import LoopMargins, Metric
 
 
 class LawName(StrEnum):

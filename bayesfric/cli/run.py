@@ -1,5 +1,6 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,7 +17,7 @@ from bayesfric.cli.printing import say
 from bayesfric.cli.report import report_into
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor, Future
+    from concurrent.futures import Executor
 
     from bayesfric.analysis import Analysis
     from bayesfric.cli.stages import Stages
@@ -110,10 +111,8 @@ def run_into(
     spoken: dict[str, Any] = {"quiet": quiet, "verbose": verbose}
     stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
-    def begin() -> "Future[Diagnosed]":
-        return executor.submit(diagnosed, recording, output, analysis, baseline=baseline)
-
-    begun = begin() if beside and not stages.stands("diagnosis") else None
+    diagnosing = partial(diagnosed, recording, output, analysis, baseline=baseline)
+    begun = executor.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
         "fit", lambda: fit_into([recording], output, analysis, loops=loops, quiet=quiet, **asked)
     )
@@ -125,23 +124,19 @@ def run_into(
     elsewhere: dict[str, float] = {}
 
     def diagnosis() -> "Diagnosed":
-        result = (begun or begin()).result()
+        result = (begun or executor.submit(diagnosing)).result()
         elsewhere["diagnosis"] = result.seconds
         return result
 
-    happened |= stages.after(
-        "diagnosis", lambda: diagnose_into(output, diagnosis, **spoken), elsewhere=elsewhere
-    )
+    shown = partial(diagnose_into, output, diagnosis, **spoken)
+    happened |= stages.after("diagnosis", shown, elsewhere=elsewhere)
     if loops:
         happened |= stages.after(
             "margins",
             lambda: margins_into(loops, output / "draws.nc", output, analysis, **spoken),
         )
-    stages.after(
-        "report",
-        lambda: report_into(output, None, quiet),
-        read=digest_of_results(output, *REPORT, TIMINGS),
-    )
+    read = digest_of_results(output, *REPORT, TIMINGS)
+    stages.after("report", lambda: report_into(output, None, quiet), read=read)
     if stages.computed:
         _add_timings(output / TIMINGS, stages)
     elif not quiet:

@@ -1,5 +1,6 @@
 """The summary of a diagnosis: what ``diagnosis.json`` has of it."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -31,10 +32,13 @@ from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import unseparated_of
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis.widening import (
+    BELOW_ZERO,
     INERTIA,
     all_at_once,
     by_held_out,
     by_parts,
+    by_sign,
+    is_below_zero,
     is_open,
     widened,
 )
@@ -45,7 +49,8 @@ from bayesfric.rigs.model_amounts import model_errors
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval, Provenance
 from bayesfric.schemas.causes import Cause, LawNumber, Unseparated
-from bayesfric.schemas.diagnosis import Axis, FrictionAsked
+from bayesfric.schemas.diagnosis import FrictionAsked
+from bayesfric.schemas.gap import Axis
 
 NOTHING_TOLD = "these data tell no number of the model"
 PRIORS_OF_NONE = (0.1, 0.9)  # with which probabilities are told beside those of the analysis
@@ -120,10 +125,11 @@ def law_told(
         return law
     hides = gravity_hides_inertia(compared.model, judged.residuals.turns)
     wide = (by_held_out(law, measured.gap, practical), by_gravity(hides, judged.named))
+    speed = float(np.nanmean(np.abs(judged.residuals.covariates["velocity"])))
     there = judged.above >= RULES.likely
     unexplained = conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there)
     parts = by_parts(law, compared.model, judged.residuals.turns) if unexplained else {}
-    factors = all_at_once(wide, at_least=parts)
+    factors = all_at_once((all_at_once(wide, at_least=parts),), at_least=by_sign(law, speed))
     return by_the_instrument(widened(law, factors), conclusion.instrument, factors, scatter)
 
 
@@ -197,7 +203,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         model, law, judged.posterior, told_of.causes, gap, judged.residuals
     )
     words = sentence_of(_statement(answer, told_of, unseparated))
-    considered = [cause for cause in told_of.considered if cause.effect in words]
+    considered = [cause for cause in told_of.considered if is_named(cause.effect, words)]
     return DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),
@@ -230,6 +236,11 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         target=_asked_for(answer, law),
         **_machine(answer),
     )
+
+
+def is_named(effect: str, words: str) -> bool:
+    """Return whether a sentence names an effect, and not only one whose name has it as a part."""
+    return re.search(rf"(?<![\w-]){re.escape(effect)}(?![\w-])", words) is not None
 
 
 def _statement(
@@ -265,6 +276,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     return (
         *(line for rig in data.rigs for line in rig.doubts(law)),
         *([NOT_APART.format(factor=factor)] if hidden else []),
+        *([BELOW_ZERO] if data.rigs[0].along_path and is_below_zero(law) else []),
         *undeclared(
             question.recording.rig,
             conclusion.verdict,

@@ -36,7 +36,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas.causes import Remainder
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 from bayesfric.schemas.instrument import Instrument
 
 
@@ -257,7 +257,13 @@ def _why_no_scatter(
     practical: float,
     order: np.random.Generator,
 ) -> str | None:
-    """Return what is left that is no scatter: residuals in order, or friction that changes."""
+    """Return what is left that is no scatter: residuals in order, or friction that changes.
+
+    An error of the sensors that is present explains residuals that make no gap.
+    """
+    sensing = {effect.effect for effect in judged.effects_known if effect.measuring}
+    if sensing & set(judged.present):
+        return differs_within_runs(model.noise.named(judged.settled.psi), practical)
     left = measured.held_out.inside[1]
     return unlike_scatter(
         measured.gap, judged.residuals, left, judged.posterior, practical, order
@@ -282,6 +288,8 @@ def _why_open(
     verdict: Verdict, rig: RigTrials, residuals: Residuals, instrument: Instrument | str, gap: Gap
 ) -> str | None:
     """Return why an unknown force along a path, or one of some rivals, is not sure; else None."""
+    if "coulomb" in rig.untold and verdict in ("named", "unseparated"):
+        return rig.open_still
     if rig.along_path and verdict == "unseparated":
         return why_beyond_rivals(gap)
     if not rig.along_path or verdict != "unknown":
@@ -310,6 +318,8 @@ def _why_not_shown(
 ) -> str | None:
     """Return why these data could not have shown a gap: the first reason, and what it hides."""
     rig = model.data.rigs[0]
+    if "coulomb" in rig.untold:
+        return rig.open_still
     first = (
         why_not_shown(search, judged.residuals, along_path=rig.along_path)
         or loosely_known(model, judged.residuals, judged.posterior, practical)

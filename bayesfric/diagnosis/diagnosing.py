@@ -3,8 +3,10 @@
 import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from threadpoolctl import threadpool_limits
@@ -14,11 +16,13 @@ from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
 from bayesfric.diagnosis.checking import looked_at
-from bayesfric.diagnosis.compared import compare_hypotheses
+from bayesfric.diagnosis.compared import Compared, compare_hypotheses
 from bayesfric.diagnosis.concluded import conclude, measure
 from bayesfric.diagnosis.diagnosed import Diagnosed
+from bayesfric.diagnosis.held_out_density import least_asked_for
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.joints import diagnosed_together
-from bayesfric.diagnosis.judging import judge
+from bayesfric.diagnosis.judging import Judged, judge
 from bayesfric.diagnosis.other_joints import model_error_words
 from bayesfric.diagnosis.question import Question, question_of
 from bayesfric.diagnosis.shipped import Shipped
@@ -142,7 +146,7 @@ def _diagnose(
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     compared = compare_hypotheses(question, keeping)
     folds, bootstrap, axes, draws, checks, blocks, order, scatter = question.sources
-    judged = judge(compared.model, compared.search, question.law_shipped, question.practical, draws)
+    judged = _judged(question, compared, draws, blocks.spawn(1)[0])
     measured = measure(question, compared, judged, keeping, folds, bootstrap, blocks)
     conclusion = conclude(question, compared, judged, measured, order)
     where = where_it_lies(
@@ -159,3 +163,23 @@ def _diagnose(
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}
     curves = curves_of(measured.held_out, amplitudes, judged.posterior.law)
     return summary, curves, conclusion.amounts
+
+
+def _judged(
+    question: Question, compared: Compared, draws: np.random.Generator, blocks: np.random.Generator
+) -> Judged:
+    """Return effects sorted; each cause of a joint beside others stands on data held out."""
+
+    def sort(search: Search) -> Judged:
+        return judge(compared.model, search, question.law_shipped, question.practical, draws)
+
+    judged, search = sort(compared.search), compared.search
+    if not compared.data.rigs[0].along_path:
+        return judged
+    while len(judged.named) > 1:
+        name = least_asked_for(compared.model, search, judged.named, blocks)
+        if name is None or name in search.doubted:
+            break
+        search = replace(search, doubted=search.doubted | {name})
+        judged = sort(search)
+    return judged

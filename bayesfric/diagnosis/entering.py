@@ -13,7 +13,8 @@ from bayesfric.rigs.rotary import is_relative, rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
-from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
+from bayesfric.schemas.diagnosis import Enter, SimulatorField
+from bayesfric.schemas.gap import Gap
 
 OF_PULLEYS = "of pulleys it is the coefficients of the friction law that are entered, under `law`"
 NO_JOINT = "no number of this law has a field in a simulator of joints"

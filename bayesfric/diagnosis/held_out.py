@@ -19,7 +19,7 @@ from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.observation.linear import Run
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import GapRow
+from bayesfric.schemas.gap import GapRow
 
 FOLDS = 5
 DRAWS = 400

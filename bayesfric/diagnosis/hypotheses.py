@@ -43,6 +43,9 @@ class Search:
     minor : tuple of (Hypothesis, float), or None
         Effects that make most of the gap, and the probability that they leave a force that is like
         what all other effects take: that share of hypotheses with others is theirs alone.
+    doubted : frozenset of str
+        Effects without which data held out are predicted as well: each hypothesis with one counts
+        as half of itself, and half as the same without it.
     unheard : bool
         Whether an unknown force was asked for and nothing varied along which it could show: the
         data say of it what they say of none.
@@ -57,6 +60,7 @@ class Search:
     volume: float
     foreign: Mapping[Hypothesis, float] = field(default_factory=dict)
     minor: tuple[Hypothesis, float] | None = None
+    doubted: frozenset[str] = frozenset()
     unheard: bool = False
 
     @property
@@ -105,7 +109,7 @@ class Search:
         listed = {acting: p for acting, p in chances.items() if p > RULES.listed or acting == NONE}
         ranked = _ranked(listed)
         ranked.setdefault(UNKNOWN, 0.0)
-        ranked = self._without_minor(ranked)
+        ranked = self._with_doubts(self._without_minor(ranked))
         return self._with_foreign(ranked) if self.foreign else ranked
 
     def overruled(self, effects: Hypothesis) -> "Search":
@@ -125,6 +129,18 @@ class Search:
                 moved[hypothesis] -= share * chance
                 moved[largest] += share * chance
         return _ranked(moved)
+
+    def _with_doubts(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
+        """Return probabilities, half of each with a doubted effect moved to the same without it."""
+        for name in sorted(self.doubted):
+            moved = dict(chances)
+            for hypothesis, chance in chances.items():
+                without = Hypothesis(hypothesis - {name})
+                if name in hypothesis and without in self.weighed:
+                    moved[hypothesis] -= RULES.likely * chance
+                    moved[without] = moved.get(without, 0.0) + RULES.likely * chance
+            chances = _ranked(moved)
+        return chances
 
     def _with_foreign(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
         shared = chances.copy()
@@ -146,6 +162,7 @@ class Search:
         weighed = list(self.weighed.values())
         if self.minor is not None and self.minor[1] >= RULES.likely:
             weighed = [rival for rival in weighed if not self.minor[0] < rival.hypothesis]
+        weighed = [rival for rival in weighed if not self.doubted & rival.hypothesis]
         return max(weighed, key=self.worth)
 
 

@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from bayesfric.diagnosis.law import FRICTION, RunScatter
-from bayesfric.diagnosis.widening import UNCHANGED, Factors, wider
+from bayesfric.diagnosis.widening import UNCHANGED, Factors, open_below, wider
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import is_positive
@@ -203,5 +203,6 @@ def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNum
 def _number_told(name: str, number: LawNumber, mean: float, error: float) -> LawNumber:
     least = -np.inf if name in SIGNED else 0.0
     after = Interval.of(*normal_above(mean, error, least))
+    after = after if name in SIGNED else open_below(after)
     changed = {"after": after, "least_squares": number.after, "least_squares_why": None}
     return number.model_copy(update=changed)

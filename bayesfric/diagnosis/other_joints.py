@@ -10,7 +10,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects import Effect
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas.causes import ModelError
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 
 PLACED = frozenset({"angle", "load-both-ways", "period", "play", "position", "spring"})
 """Needs of effects of a position, of reversals behind a play or a spring, and of a gear's load."""

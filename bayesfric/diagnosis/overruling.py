@@ -13,7 +13,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Remainder
-from bayesfric.schemas.diagnosis import Gap, HeldOutDensity
+from bayesfric.schemas.gap import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
 LIKE_CLOCKS = "clocks that differ do what the causes do, whatever is held out"

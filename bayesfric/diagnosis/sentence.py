@@ -8,7 +8,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, Unseparated
-from bayesfric.schemas.diagnosis import Axis, Gap, HeldOutDensity
+from bayesfric.schemas.gap import Axis, Gap, HeldOutDensity
 
 ALL_BUT = 0.999
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent

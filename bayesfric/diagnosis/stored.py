@@ -13,7 +13,7 @@ from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, left_of, shrink_of
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"

@@ -17,7 +17,7 @@ from bayesfric.diagnosis.overruling import leaves_too_much
 from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 
 SLOW = "slow_axis"
 """Level of friction's scatter in time within a run."""

@@ -21,7 +21,7 @@ from bayesfric.effects import Effect
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Shape
-from bayesfric.schemas.diagnosis import Axis
+from bayesfric.schemas.gap import Axis
 
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction

@@ -12,7 +12,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.truncated import normal_above, normal_cut_to
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
-from bayesfric.schemas.diagnosis import Gap
+from bayesfric.schemas.gap import Gap
 
 MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 """What stands for the mass: of a joint its inertia; of one whose links have masses in a model of
@@ -23,7 +23,13 @@ TOGETHER = (4, 8)  # neighbouring windows that are one, to see what slow motion 
 ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
 SURELY_APART = 2.0  # standard errors of the difference of quick and slow motion
 UNCHANGED = (1.0, 1.0)
+SURELY_BELOW = 4.0  # standard deviations, by which viscous friction is below zero
+HARDLY = 0.05  # of a number, that its interval reaches beyond zero
 SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
+BELOW_ZERO = (
+    "Viscous friction is told as below 0, which no friction is: the law lacks what drives the "
+    "joint, or a controller answers what disturbs it. Take no number of the law from this log"
+)
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 
 
@@ -94,6 +100,46 @@ def by_held_out(law: Collection[str], gap: Gap, practical: float) -> Factors:
     return dict.fromkeys(law, (factor, factor))
 
 
+def by_sign(law: Mapping[str, LawNumber], speed: float) -> Factors:
+    """Return how many times wider numbers are where viscous friction is surely below zero.
+
+    No friction is: a controller that answers what disturbs its joint pushes less where it runs
+    fast, and so does what the law lacks. All numbers are wrong by as many errors as that one.
+
+    Parameters
+    ----------
+    law : mapping of str to LawNumber
+        As fitted.
+    speed : float
+        Mean speed of the rows.
+    """
+    viscous = law.get("viscous")
+    if viscous is None or not is_surely_below(viscous.after):
+        return {}
+    factor = abs(viscous.after.q50) / (viscous.after.q95 - viscous.after.q50)
+    factors = dict.fromkeys(law, factor)
+    coulomb = law.get("coulomb")
+    if coulomb is not None and coulomb.after.sd > 0:
+        bend = abs(viscous.after.mean) * speed
+        factors["coulomb"] = max(1.0, bend / coulomb.after.sd)
+    return {name: (1.0, factor) for name, factor in factors.items()}
+
+
+def is_below_zero(law: Mapping[str, LawNumber]) -> bool:
+    """Return whether viscous friction is told as below zero, as far as its errors reach."""
+    viscous = law.get("viscous")
+    return (
+        viscous is not None
+        and viscous.after.q50 < 0
+        and viscous.after.q95 < HARDLY * abs(viscous.after.q50)
+    )
+
+
+def is_surely_below(number: Interval) -> bool:
+    """Return whether a number is below zero, by more than its errors."""
+    return number.mean < -SURELY_BELOW * number.sd
+
+
 def is_open(number: Interval) -> bool:
     """Return whether a number above zero is hardly known: its 90 % interval against its median."""
     return number.q95 - number.q05 > RULES.number_open * abs(number.q50)
@@ -105,8 +151,8 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
     A force that no effect explains, such as a push by hand, bends the numbers by more than any
     error of a row says: from stretch to stretch, or where a rotor shakes against its gear, from
     quick motion to slow. What pulls with the place is free here: in a free swing it takes the
-    place of the inertia. Forces of unknown amounts, such as the errors of a robot's model, are as
-    large as their priors let them be.
+    place of the inertia, which is off by as much as freeing it moves that. Forces of unknown
+    amounts, such as the errors of a robot's model, are as large as their priors let them be.
 
     Parameters
     ----------
@@ -142,14 +188,24 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
-    def factor(number: Interval, name: str) -> float:
+    bends: dict[str, float] = {}
+    if MASS in by_name and not levers:
+        scaled, size, prior = _with_amounts(columns, force, amounts)
+        freed = float(_least_squares(scaled, force, prior)[0] / size[0])
+        for name in {MASS, INERTIA, ARMATURE} & {*law}:
+            reference = float(np.asarray(next(iter(model.laws.values()))[0]))
+            apart = abs(reference + freed - law[name].after.mean)
+            bends[name] = apart if apart > SURELY_APART * by_name[name] else 0.0
+
+    def factor(number: Interval, name: str, bend: float = 0.0) -> float:
         sd = number.sd
         if _is_squeezed(number, name):
             sd = normal_cut_to(number.mean, sd, 0.0)[1]
-        return max(1.0, float(by_name.get(name, 0.0)) / sd) if sd > 0 else 1.0
+        error = float(np.hypot(by_name.get(name, 0.0), bend))
+        return max(1.0, error / sd) if sd > 0 else 1.0
 
     return {
-        name: (factor(number.before, name), factor(number.after, name))
+        name: (factor(number.before, name), factor(number.after, name, bends.get(name, 0.0)))
         for name, number in law.items()
     }
 
@@ -250,13 +306,21 @@ def wider(interval: Interval, factor: float, name: str) -> Interval:
     """
     if factor > 1 and _is_squeezed(interval, name):
         mean, sd = normal_cut_to(interval.mean, interval.sd, 0.0)
-        return above(mean, factor * sd, 0.0)
+        return open_below(above(mean, factor * sd, 0.0))
     low, high = (
         interval.q50 + factor * (end - interval.q50) for end in (interval.q05, interval.q95)
     )
     if name in POSITIVE:
         low = max(low, 0.0)
     return interval.model_copy(update={"sd": factor * interval.sd, "q05": low, "q95": high})
+
+
+def open_below(number: Interval) -> Interval:
+    """Return a number above zero; from zero on where data do not tell it from that.
+
+    The end of a normal's tail that a bound cuts off would look like a finding.
+    """
+    return number.model_copy(update={"q05": 0.0}) if number.mean < SQUEEZED * number.sd else number
 
 
 def _is_squeezed(interval: Interval, name: str) -> bool:

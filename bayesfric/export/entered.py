@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from bayesfric.attention.diagnosis import why_untrusted
+from bayesfric.attention.diagnosis import is_by_instrument, why_untrusted
 from bayesfric.export.digits import by_error
 from bayesfric.rigs.rotary import is_relative
 from bayesfric.schemas import DiagnosisFile
@@ -76,10 +76,11 @@ def off_now(diagnosis: DiagnosisFile) -> str:
         return ""
     now = gap.as_shipped.q50
     share = "" if gap.no_share is not None else f" ({now / gap.friction_rms:.0%} of friction)"
-    return (
-        f"With its own numbers (now) it misses held-out data by {now:.2g} {gap.unit} rms{share}, "
-        f"with these by {gap.after.q50:.2g} {gap.unit}."
-    )
+    whose = "the numbers that were shipped" if diagnosis.shipped else "its own numbers (now)"
+    these = f"these by {gap.after.q50:.2g} {gap.unit}"
+    if is_by_instrument(diagnosis):
+        these = f"those of least squares, and not these of an instrument, by {these[9:]}"
+    return f"With {whose} it misses held-out data by {now:.2g} {gap.unit} rms{share}, with {these}."
 
 
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from scipy.stats import norm, rankdata
 
 from bayesfric.arrays import Array
 from bayesfric.attention.diagnosis import why_untrusted
@@ -14,7 +13,7 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
 from bayesfric.rigs.rotary import is_relative, turns
 from bayesfric.schemas import DiagnosisFile
-from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Enter
 
 INERTIAS = ("inertia", "armature", "mass")
@@ -194,17 +193,19 @@ def _drawn_law(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
     """Return draws of the law's own numbers, by the coefficients that stand for them."""
     places = {**dict.fromkeys(INERTIAS, "c1"), "coulomb": "c2", "viscous": "c3"}
     drawn = {name: law[places[name]].to_numpy()[:, 0] for name in OF_LAW if name in block.law}
-    return {name: _by_instrument(block.law[name], values) for name, values in drawn.items()}
+    return {name: _as_told(block.law[name].after, values) for name, values in drawn.items()}
 
 
-def _by_instrument(number: LawNumber, values: Array) -> Array:
-    """Return draws of a number as it is told, where an instrument tells it: its quantiles."""
-    if number.least_squares is None:
-        return values
-    value = number.after
-    score = norm.ppf((rankdata(values) - 0.5) / values.size)
-    width = np.where(score < 0, value.q50 - value.q05, value.q95 - value.q50) / norm.ppf(0.95)
-    return np.asarray(value.q50 + width * score)
+def _as_told(value: Interval, values: Array) -> Array:
+    """Return draws whose median and 90 % interval are those that are told, in the same order.
+
+    What held-out data, an instrument or scatter from run to run make of a number is in what is
+    told of it, and not in the draws of its fit.
+    """
+    low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
+    below = (value.q50 - value.q05) / (middle - low) if middle > low else 0.0
+    above = (value.q95 - value.q50) / (high - middle) if high > middle else 0.0
+    return np.asarray(value.q50 + np.where(values < middle, below, above) * (values - middle))
 
 
 def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
@@ -217,9 +218,13 @@ def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
         if cause.effect not in places:
             continue
         amplitude = law["amplitude"].to_numpy()[:, places[cause.effect]]
-        drawn[f"{cause.effect}.{next(iter(cause.parameters))}"] = amplitude
-        damping = next((number for number in block.enter if number.parameter == "viscous"), None)
+        name, value = next(iter(cause.parameters.items()))
         acts = amplitude != 0
+        if acts.any():
+            amplitude = amplitude.copy()
+            amplitude[acts] = _as_told(value, amplitude[acts])
+        drawn[f"{cause.effect}.{name}"] = amplitude
+        damping = next((number for number in block.enter if number.parameter == "viscous"), None)
         if cause.effect == "viscous" and damping is not None and acts.any():
             # The amplitude is a share of a Coulomb friction that all draws have in common.
             drawn["viscous"] = amplitude * (damping.value.mean / float(amplitude[acts].mean()))

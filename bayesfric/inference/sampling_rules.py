@@ -9,26 +9,25 @@ class SamplingRules:
 
     Each has its unit, the page of docs/decisions where it is argued, and what it decides.
 
-    Parameters
-    ----------
-    r_hat : 1 (convergence)
-        draws have converged where R-hat, walkers pooled by ensemble, is below
-    r_hat_walkers : 1 (convergence)
-        and where R-hat with each walker as a chain, freed of chance, is below
-    effective_draws : 1 (convergence)
-        and where the effective draws of bulk and tail are at least this many
-    pareto_k : 1 (importance-evidence)
-        importance weights whose tail has a larger shape are not to be relied on
-    bridge_r_hat_ensembles : 1 (separated-modes)
-        ensembles whose multivariate R-hat is larger lie in separate modes
-    bridge_r_hat_walkers : 1 (separated-modes)
-        and so do walkers: one has so few draws that its own R-hat is a tenth above 1 by chance
-    bridge_least_overlap : 1 (separated-modes)
-        draws that overlap less with a Student-t fitted to them lie in separate modes
-    difference_least_groups : 1 (leave-one-out)
-        with fewer groups the standard error of a difference of ELPD is too small
-    difference_least : nat (leave-one-out)
-        and so it is where the difference itself is smaller (Sivula et al.)
+    Fields
+    ------
+    r_hat: draws have converged where R-hat, walkers pooled by ensemble, is below [1; convergence]
+    r_hat_walkers: and where R-hat with each walker as a chain, freed of chance, is below [1;
+        convergence]
+    effective_draws: and where the effective draws of bulk and tail are at least this many [1;
+        convergence]
+    pareto_k: importance weights whose tail has a larger shape are not to be relied on [1;
+        importance-evidence]
+    bridge_r_hat_ensembles: ensembles whose multivariate R-hat is larger lie in separate modes [1;
+        separated-modes]
+    bridge_r_hat_walkers: and so do walkers: one has so few draws that its own R-hat is a tenth
+        above 1 by chance [1; separated-modes]
+    bridge_least_overlap: draws that overlap less with a Student-t fitted to them lie in separate
+        modes [1; separated-modes]
+    difference_least_groups: with fewer groups the standard error of a difference of ELPD is too
+        small [1; leave-one-out]
+    difference_least: and so it is where the difference itself is smaller (Sivula et al.) [nat;
+        leave-one-out]
     """
 
     r_hat: float = 1.01

@@ -11,6 +11,8 @@ from bayesfric.invariants.common import Rule, rule
 SUM, SHARES = 1e-9, 1e-6
 FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
 UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
+ROUND = "rotation_angle"
+"""The axis of what begins otherwise in each trial: windows of data held out do not show it."""
 
 
 DIAGNOSIS: dict[str, Rule] = {}
@@ -66,12 +68,19 @@ def _gap_is_measured(record: Mapping[str, Any]) -> list[str]:
         return []
     # By chance as much may be taken off the squares before as scatter makes.
     most, middle = (max(before[key], floor[key]) for key in ("q95", "q50"))
-    if systematic["q05"] > most and systematic["q50"] > FAR * middle:
+    shown = math.sqrt(max(1 - _share_along(record, ROUND), 0.0))
+    if shown * systematic["q05"] > most and shown * systematic["q50"] > FAR * middle:
         return [
             f"a systematic gap of {systematic['q50']:.3g} {gap['unit']} stands beside "
             f"{before['q50']:.3g} {gap['unit']} on data held out"
         ]
     return []
+
+
+def _share_along(record: Mapping[str, Any], name: str) -> float:
+    """Return which part of the squared gap lies along an axis; 0 where that is not known."""
+    shares = (axis["share"] for axis in record["where"] if axis["axis"] == name)
+    return sum(float(share["mean"]) for share in shares if share is not None)
 
 
 @rule(

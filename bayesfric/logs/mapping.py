@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AliasChoices,
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -15,6 +14,7 @@ from pydantic import (
     ValidationError,
 )
 
+from bayesfric.docstrings import Documented
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.files import key_faults, read_toml
 from bayesfric.logs.units import (
@@ -56,84 +56,121 @@ def _is_place(value: Any) -> Any:
 Place = Annotated[str | int, BeforeValidator(_is_place)]
 
 
-class _Section(BaseModel):
+class _Section(Documented):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class CsvForm(_Section):
-    """How a CSV is written."""
+    """How a CSV is written.
 
-    separator: str = Field(",", description='One character, "tab", or "space" for any blanks.')
-    header: bool = Field(True, description="Whether a line has the names of the columns.")
-    preamble: int = Field(0, ge=0, le=10_000, description="Lines before the header.")
-    unit_rows: int = Field(0, ge=0, le=10, description="Rows of units below the header.")
+    Fields
+    ------
+    separator: One character, "tab", or "space" for any blanks.
+    header: Whether a line has the names of the columns.
+    preamble: Lines before the header.
+    unit_rows: Rows of units below the header.
+    """
+
+    separator: str = ","
+    header: bool = True
+    preamble: int = Field(0, ge=0, le=10_000)
+    unit_rows: int = Field(0, ge=0, le=10)
     decimal: Literal[".", ","] = "."
 
 
 class Time(_Section):
-    """The clock."""
+    """The clock.
+
+    Fields
+    ------
+    rate_hz: In place of a column: samples a second.
+    """
 
     column: Place | None = None
     unit: Literal["s", "ms", "us", "ns"] = "s"
-    rate_hz: Above | None = Field(None, description="In place of a column: samples a second.")
+    rate_hz: Above | None = None
 
 
 class Signal(_Section):
-    """One quantity of the joint."""
+    """One quantity of the joint.
 
-    column: Place = Field(
-        description="Its name in the log, or its number from 1; {joint} stands for the joint's."
-    )
-    time: Place | None = Field(None, description="A clock column of its own, in the same unit.")
-    unit: str = Field(description="Of the column.")
+    Fields
+    ------
+    column: Its name in the log, or its number from 1; {joint} stands for the joint's.
+    time: A clock column of its own, in the same unit.
+    unit: Of the column.
+    gear_ratio: Turns of what the column is of, for one here.
+    factor: A torque constant, say: what 1 of it is.
+    counts_per_turn: Of an encoder, where unit is tick.
+    force_is: Of a force.
+    """
+
+    column: Place
+    time: Place | None = None
+    unit: str
     sign: Literal[1, -1] = 1
-    gear_ratio: Above = Field(1.0, description="Turns of what the column is of, for one here.")
-    factor: Above | None = Field(None, description="A torque constant, say: what 1 of it is.")
-    counts_per_turn: Above | None = Field(None, description="Of an encoder, where unit is tick.")
-    force_is: ForceIs | None = Field(
-        None, validation_alias=AliasChoices("force_is", "kind"), description="Of a force."
-    )
+    gear_ratio: Above = 1.0
+    factor: Above | None = None
+    counts_per_turn: Above | None = None
+    force_is: ForceIs | None = Field(None, validation_alias=AliasChoices("force_is", "kind"))
 
 
 class Run(_Section):
-    """A piece of the log."""
+    """A piece of the log.
+
+    Fields
+    ------
+    file: Name of the log's file, where there are several.
+    value: Of the column of runs.
+    from_s: Since the log's first sample.
+    """
 
     model_config = ConfigDict(extra="allow", frozen=True)
     name: str
-    file: str | None = Field(None, description="Name of the log's file, where there are several.")
-    value: str | int | float | None = Field(None, description="Of the column of runs.")
-    from_s: FiniteFloat | None = Field(None, description="Since the log's first sample.")
+    file: str | None = None
+    value: str | int | float | None = None
+    from_s: FiniteFloat | None = None
     to_s: FiniteFloat | None = None
     role: Literal["calibrate", "test"] | None = None
 
 
 class RobotModel(_Section):
-    """The robot's own model, whose friction and armature are what the simulator has now."""
+    """The robot's own model, whose friction and armature are what the simulator has now.
 
-    model: str = Field(description="A URDF or MJCF file in the folder of the mapping.")
-    joints: dict[str, str] = Field(
-        default_factory=dict, description="Joint of the log to its name there, where it differs."
-    )
+    Fields
+    ------
+    model: A URDF or MJCF file in the folder of the mapping.
+    joints: Joint of the log to its name there, where it differs.
+    """
+
+    model: str
+    joints: dict[str, str] = Field(default_factory=dict)
 
 
 class Mapping(_Section):
-    """What the columns of a log are."""
+    """What the columns of a log are.
+
+    Fields
+    ------
+    measured_force: Beside a commanded force: how late it is, is estimated from it.
+    command: The commanded position.
+    velocity: Checks the unit and sign of the position.
+    known_force: By the user's rigid-body model.
+    joints: What is another for a joint: joints.elbow.force.sign.
+    run: A column: each value of it is a run.
+    """
 
     csv: CsvForm | None = None
     time: Time = Time(column="time_s")
     position: Signal
     force: Signal | None = None
-    measured_force: Signal | None = Field(
-        None, description="Beside a commanded force: how late it is, is estimated from it."
-    )
-    command: Signal | None = Field(None, description="The commanded position.")
-    velocity: Signal | None = Field(None, description="Checks the unit and sign of the position.")
-    known_force: Signal | None = Field(None, description="By the user's rigid-body model.")
+    measured_force: Signal | None = None
+    command: Signal | None = None
+    velocity: Signal | None = None
+    known_force: Signal | None = None
     temperature: Signal | None = None
-    joints: dict[str, dict[str, dict[str, Any]]] = Field(
-        default_factory=dict, description="What is another for a joint: joints.elbow.force.sign."
-    )
-    run: Place | None = Field(None, description="A column: each value of it is a run.")
+    joints: dict[str, dict[str, dict[str, Any]]] = Field(default_factory=dict)
+    run: Place | None = None
     runs: tuple[Run, ...] = ()
     encoder_resolution: Above | None = None
     moving_mass: Above | None = None

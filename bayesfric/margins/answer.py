@@ -10,9 +10,9 @@ from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.margin_rules import MARGIN_RULES
+from bayesfric.margins.metric_definitions import HUNTS
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
-from bayesfric.margins.spec import HUNTS
 from bayesfric.margins.terms import chance_of_missing
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import bound_of, stated_of_draws
@@ -153,7 +153,7 @@ def against_the_spec(
     metrics : sequence of Metric
         Of the loop.
     missed : sequence of str
-        As of :func:`~bayesfric.margins.spec.missed_specs`.
+        As of :func:`~bayesfric.margins.metric_definitions.missed_specs`.
     now : ndarray of bool
         Which draws hunt at the γ of the file.
     spec : Spec

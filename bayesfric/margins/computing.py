@@ -10,7 +10,6 @@ from bayesfric.attention.margins import of_margins
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.cable_run import Direction
-from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import needs_motion
 from bayesfric.margins.inputs import refused
@@ -19,6 +18,7 @@ from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_margins import Asked, loop_margins
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
+from bayesfric.margins.plant import plant_of
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.results import identified, provenance, read_json, replace_outputs

@@ -11,8 +11,8 @@ import numpy as np
 
 from bayesfric.arrays import Array, evenly
 from bayesfric.errors import Fault
-from bayesfric.margins.bode import SHOWN_QUANTILES
 from bayesfric.margins.describing import natural_frequency
+from bayesfric.margins.frequency_figures import SHOWN_QUANTILES
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
@@ -23,7 +23,7 @@ from bayesfric.margins.rows import interval_of
 from bayesfric.margins.sampled_loop import CompensationSignal, SampledLoop
 from bayesfric.margins.scanning import speeds_of
 from bayesfric.margins.simulating import follow
-from bayesfric.schemas.margins import Compensator, FollowedWith, Following, Trajectory
+from bayesfric.schemas.loop_runs import Compensator, FollowedWith, Following, Trajectory
 
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5

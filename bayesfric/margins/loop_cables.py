@@ -3,8 +3,9 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
+from bayesfric.docstrings import Documented
 from bayesfric.margins.quantities import NonNegative, Positive, Quantity
 
 Angle = Annotated[float, Field(ge=0, le=720)]
@@ -14,40 +15,36 @@ SINGULAR = 1e-6
 """Reciprocal condition of a coupling matrix below which joints do not follow from motors."""
 
 
-class Section(BaseModel):
+class Section(Documented):
     """A table of a loop file: unknown keys are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
 class CableRun(Section):
-    """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load."""
+    """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load.
 
-    pulley_size: str = Field(description="A pulley size that the draws have.")
-    count: Annotated[int, Field(ge=1, le=200)] = Field(
-        description="Number of pulleys, for an antagonist pair on one side."
-    )
-    wrap_angle_deg: Angle | list[Angle] = Field(
-        description="Wrap angle of every pulley, or a list from the motor to the load."
-    )
-    tension_n: Positive = Field(
-        description="Known tension, for an antagonist pair that of each side."
-    )
-    tension_known_at: Literal["mean", "motor", "load"] = Field(
-        description="Where that tension is known: the mean of both ends, or one end. It has no "
-        "default, since it moves friction by about (n − 1)a/2."
-    )
-    topology: Literal["antagonist-pair", "open"] = Field(
-        description="Two equal runs that pull against each other, or one run and a load."
-    )
-    model: Literal["nominal", "recursive"] = Field(
-        description="Friction by eq. (15) at the known tension, or pulley by pulley."
-    )
-    distance_m: list[Annotated[float, Field(ge=0)]] | None = Field(
-        None,
-        description="Length of cable from the motor to each pulley. Absent: pulleys are spread "
-        "evenly.",
-    )
+    Fields
+    ------
+    pulley_size: A pulley size that the draws have.
+    count: Number of pulleys, for an antagonist pair on one side.
+    wrap_angle_deg: Wrap angle of every pulley, or a list from the motor to the load.
+    tension_n: Known tension, for an antagonist pair that of each side.
+    tension_known_at: Where that tension is known: the mean of both ends, or one end. It has no
+        default, since it moves friction by about (n − 1)a/2.
+    topology: Two equal runs that pull against each other, or one run and a load.
+    model: Friction by eq. (15) at the known tension, or pulley by pulley.
+    distance_m: Length of cable from the motor to each pulley. Absent: pulleys are spread evenly.
+    """
+
+    pulley_size: str
+    count: Annotated[int, Field(ge=1, le=200)]
+    wrap_angle_deg: Angle | list[Angle]
+    tension_n: Positive
+    tension_known_at: Literal["mean", "motor", "load"]
+    topology: Literal["antagonist-pair", "open"]
+    model: Literal["nominal", "recursive"]
+    distance_m: list[Annotated[float, Field(ge=0)]] | None = None
 
     @model_validator(mode="after")
     def _as_many(self) -> "CableRun":
@@ -65,18 +62,20 @@ class CableRun(Section):
 
 
 class Cable(Section):
-    """The cable between motor and joint."""
+    """The cable between motor and joint.
 
-    axial_stiffness_n: Positive = Field(
-        description="EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm."
-    )
-    length_m: Positive = Field(description="Length between motor and joint, on one side.")
-    diameter_mm: Annotated[float, Field(gt=0)] = Field(
-        0.61, description="Friction was measured with 0.61 mm. Other cable gives a warning."
-    )
-    damping_ratio: Positive = Field(
-        0.05, description="Of joint and motor ringing on the cable, over the critical."
-    )
+    Fields
+    ------
+    axial_stiffness_n: EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm.
+    length_m: Length between motor and joint, on one side.
+    diameter_mm: Friction was measured with 0.61 mm. Other cable gives a warning.
+    damping_ratio: Of joint and motor ringing on the cable, over the critical.
+    """
+
+    axial_stiffness_n: Positive
+    length_m: Positive
+    diameter_mm: Annotated[float, Field(gt=0)] = 0.61
+    damping_ratio: Positive = 0.05
 
 
 class SecondStage(Section):
@@ -84,27 +83,26 @@ class SecondStage(Section):
 
     `runs` and `[cable]` are then the motor's; `[[second_stage.runs]]` and
     `[second_stage.cable]`, with the keys of these, the joint's. Both are antagonist pairs.
+
+    Fields
+    ------
+    driven_radius_m: Of the shaft's drum on which the motor's cable winds.
+    driving_radius_m: Of the shaft's drum at which the joint's cable leaves.
+    shaft_inertia_kg_m2: Of the shaft with its drums, about itself.
+    shaft_friction_n_m: Coulomb friction of the shaft's bearings, about itself.
+    tension_n: Of each side of the joint's cable where it passes no pulleys; with runs, these have
+        it.
+    runs: Pulleys of the joint's cable; none: it goes straight.
+    cable: The joint's cable; its length from the shaft to the joint.
     """
 
-    driven_radius_m: Positive = Field(
-        description="Of the shaft's drum on which the motor's cable winds."
-    )
-    driving_radius_m: Positive = Field(
-        description="Of the shaft's drum at which the joint's cable leaves."
-    )
-    shaft_inertia_kg_m2: Positive = Field(description="Of the shaft with its drums, about itself.")
-    shaft_friction_n_m: NonNegative = Field(
-        0.0, description="Coulomb friction of the shaft's bearings, about itself."
-    )
-    tension_n: Positive | None = Field(
-        None,
-        description="Of each side of the joint's cable where it passes no pulleys; with runs, "
-        "these have it.",
-    )
-    runs: list[CableRun] = Field(
-        default_factory=list, description="Pulleys of the joint's cable; none: it goes straight."
-    )
-    cable: Cable = Field(description="The joint's cable; its length from the shaft to the joint.")
+    driven_radius_m: Positive
+    driving_radius_m: Positive
+    shaft_inertia_kg_m2: Positive
+    shaft_friction_n_m: NonNegative = 0.0
+    tension_n: Positive | None = None
+    runs: list[CableRun] = Field(default_factory=list)
+    cable: Cable
 
     @model_validator(mode="after")
     def _tension(self) -> "SecondStage":
@@ -114,14 +112,24 @@ class SecondStage(Section):
 
 
 class OtherJoint(Section):
-    """A joint that shares motors with this one; `[[coupling.others]]`, in the matrix's order."""
+    """A joint that shares motors with this one; `[[coupling.others]]`, in the matrix's order.
 
-    inertia_kg_m2: Positive = Field(description="About the joint.")
-    friction_n_m: NonNegative = Field(0.0, description="Coulomb friction of its own bearings.")
-    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
-    load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
-    peak_velocity_rad_s: NonNegative = Field(0.0, description="Speed of the fastest motion.")
-    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Its acceleration.")
+    Fields
+    ------
+    inertia_kg_m2: About the joint.
+    friction_n_m: Coulomb friction of its own bearings.
+    viscous_n_m_s: Viscous friction of the joint.
+    load_n_m: Steady torque on the joint: gravity, contact.
+    peak_velocity_rad_s: Speed of the fastest motion.
+    peak_acceleration_rad_s2: Its acceleration.
+    """
+
+    inertia_kg_m2: Positive
+    friction_n_m: NonNegative = 0.0
+    viscous_n_m_s: NonNegative = 0.0
+    load_n_m: Quantity = 0.0
+    peak_velocity_rad_s: NonNegative = 0.0
+    peak_acceleration_rad_s2: NonNegative = 0.0
 
 
 class Coupling(Section):
@@ -129,17 +137,17 @@ class Coupling(Section):
 
     The file is that of one motor, which has its own loop, and of the joint with the same number;
     the other motors have its drive, cable, friction and gains.
+
+    Fields
+    ------
+    matrix_rad_per_rad: 2×2 or 3×3: a row for each motor, a column for each joint.
+    axis: Which row and column are this file's motor and joint, from 1.
+    others: The other joints, in the order of the matrix without this one.
     """
 
-    matrix_rad_per_rad: Annotated[list[list[Ratio]], Field(min_length=2, max_length=3)] = Field(
-        description="2×2 or 3×3: a row for each motor, a column for each joint."
-    )
-    axis: Annotated[int, Field(ge=1, le=3)] = Field(
-        description="Which row and column are this file's motor and joint, from 1."
-    )
-    others: list[OtherJoint] = Field(
-        description="The other joints, in the order of the matrix without this one."
-    )
+    matrix_rad_per_rad: Annotated[list[list[Ratio]], Field(min_length=2, max_length=3)]
+    axis: Annotated[int, Field(ge=1, le=3)]
+    others: list[OtherJoint]
 
     @model_validator(mode="after")
     def _fits(self) -> "Coupling":

@@ -24,110 +24,125 @@ Speed = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class RevoluteJoint(Section):
-    """A joint that turns (`kind = "revolute"`)."""
+    """A joint that turns (`kind = "revolute"`).
 
-    kind: Literal["revolute"] = Field(description="`revolute` or `prismatic`.")
-    inertia_kg_m2: Positive = Field(description="Inertia behind the cable, about the joint.")
-    friction_n_m: NonNegative = Field(
-        0.0, description="Coulomb friction of the joint's own bearings and seals."
-    )
-    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
-    load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
-    transmission_rad_per_rad: Positive = Field(description="Motor angle per joint angle.")
-    peak_velocity_rad_s: NonNegative = Field(0.0, description="Speed of the fastest motion.")
-    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Its acceleration.")
+    Fields
+    ------
+    kind: `revolute` or `prismatic`.
+    inertia_kg_m2: Inertia behind the cable, about the joint.
+    friction_n_m: Coulomb friction of the joint's own bearings and seals.
+    viscous_n_m_s: Viscous friction of the joint.
+    load_n_m: Steady torque on the joint: gravity, contact.
+    transmission_rad_per_rad: Motor angle per joint angle.
+    peak_velocity_rad_s: Speed of the fastest motion.
+    peak_acceleration_rad_s2: Its acceleration.
+    """
+
+    kind: Literal["revolute"]
+    inertia_kg_m2: Positive
+    friction_n_m: NonNegative = 0.0
+    viscous_n_m_s: NonNegative = 0.0
+    load_n_m: Quantity = 0.0
+    transmission_rad_per_rad: Positive
+    peak_velocity_rad_s: NonNegative = 0.0
+    peak_acceleration_rad_s2: NonNegative = 0.0
 
 
 class PrismaticJoint(Section):
-    """A joint that slides (`kind = "prismatic"`)."""
+    """A joint that slides (`kind = "prismatic"`).
 
-    kind: Literal["prismatic"] = Field(description="`revolute` or `prismatic`.")
-    mass_kg: Positive = Field(description="Mass behind the cable.")
-    friction_n: NonNegative = Field(
-        0.0, description="Coulomb friction of the joint's own guides and seals."
-    )
-    viscous_n_s_per_m: NonNegative = Field(0.0, description="Viscous friction of the joint.")
-    load_n: Quantity = Field(0.0, description="Steady force on the joint: gravity, contact.")
-    transmission_rad_per_m: Positive = Field(description="Motor angle per travel of the joint.")
-    peak_velocity_m_s: NonNegative = Field(0.0, description="Speed of the fastest motion.")
-    peak_acceleration_m_s2: NonNegative = Field(0.0, description="Its acceleration.")
+    Fields
+    ------
+    kind: `revolute` or `prismatic`.
+    mass_kg: Mass behind the cable.
+    friction_n: Coulomb friction of the joint's own guides and seals.
+    viscous_n_s_per_m: Viscous friction of the joint.
+    load_n: Steady force on the joint: gravity, contact.
+    transmission_rad_per_m: Motor angle per travel of the joint.
+    peak_velocity_m_s: Speed of the fastest motion.
+    peak_acceleration_m_s2: Its acceleration.
+    """
+
+    kind: Literal["prismatic"]
+    mass_kg: Positive
+    friction_n: NonNegative = 0.0
+    viscous_n_s_per_m: NonNegative = 0.0
+    load_n: Quantity = 0.0
+    transmission_rad_per_m: Positive
+    peak_velocity_m_s: NonNegative = 0.0
+    peak_acceleration_m_s2: NonNegative = 0.0
 
 
 class Drive(Section):
-    """Motor, gearbox and capstan."""
+    """Motor, gearbox and capstan.
 
-    torque_constant_n_m_per_a: Positive = Field(description="Torque constant of the motor.")
-    gearbox_ratio: Positive = Field(description="Motor angle per capstan angle; 1 without one.")
-    capstan_radius_m: Positive = Field(description="Radius at which the cable leaves.")
-    friction_n_m: NonNegative = Field(
-        description="Coulomb friction of motor and gearbox, at the motor."
-    )
-    inertia_kg_m2: Positive = Field(
-        description="Inertia of rotor, gearbox and capstan, at the motor."
-    )
-    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction at the motor.")
-    backlash_rad: NonNegative = Field(
-        0.0,
-        description="Whole width of the gearbox play, at the motor: the play at the output times "
-        "`gearbox_ratio`.",
-    )
-    current_limit_a: Positive = Field(description="Current at which the drive clips.")
-    continuous_current_a: Positive | None = Field(
-        None, description="Current that the motor bears continuously."
-    )
+    Fields
+    ------
+    torque_constant_n_m_per_a: Torque constant of the motor.
+    gearbox_ratio: Motor angle per capstan angle; 1 without one.
+    capstan_radius_m: Radius at which the cable leaves.
+    friction_n_m: Coulomb friction of motor and gearbox, at the motor.
+    inertia_kg_m2: Inertia of rotor, gearbox and capstan, at the motor.
+    viscous_n_m_s: Viscous friction at the motor.
+    backlash_rad: Whole width of the gearbox play, at the motor: the play at the output times
+        `gearbox_ratio`.
+    current_limit_a: Current at which the drive clips.
+    continuous_current_a: Current that the motor bears continuously.
+    """
+
+    torque_constant_n_m_per_a: Positive
+    gearbox_ratio: Positive
+    capstan_radius_m: Positive
+    friction_n_m: NonNegative
+    inertia_kg_m2: Positive
+    viscous_n_m_s: NonNegative = 0.0
+    backlash_rad: NonNegative = 0.0
+    current_limit_a: Positive
+    continuous_current_a: Positive | None = None
 
 
 class Controller(Section):
-    """A sampled PD or PI·D loop on one encoder."""
+    """A sampled PD or PI·D loop on one encoder.
 
-    kp_n_m_per_rad: Positive = Field(description="Proportional gain, in the frames below.")
-    kd_n_m_s_per_rad: NonNegative = Field(0.0, description="Derivative gain, in the frames below.")
-    ki_n_m_per_rad_s: NonNegative = Field(0.0, description="Integral gain, in the frames below.")
-    gravity_compensation: NonNegative = Field(
-        0.0,
-        description="What is fed forward against the joint's load, as a share of the load's "
-        "median; a distribution is its error. What it leaves of the load, the loop must hold.",
-    )
-    torque_at: Literal["motor", "gearbox-output", "joint"] = Field(
-        description="Where the torque of the gains is counted; of a prismatic joint the joint's "
-        "is a force [N]."
-    )
-    angle_of: Literal["motor", "gearbox-output", "joint"] = Field(
-        description="Which angle the gains multiply; of a prismatic joint the joint's is a "
-        "travel [m]."
-    )
-    sample_time_s: Positive = Field(description="Sample time of the loop.")
-    delay_s: NonNegative = Field(
-        description="Delay from reading the encoder to the torque. Half a sample of the hold is "
-        "added."
-    )
-    encoder_at: Literal["motor", "joint"] = Field(
-        "motor",
-        description="Where the encoder sits: before the cable, or behind it (of a revolute joint), "
-        "which sees what cable and play do and gives the loop their resonance.",
-    )
-    encoder_counts_per_revolution: Positive = Field(
-        description="Counts per revolution of the shaft that the encoder is on."
-    )
-    position_cutoff_hz: Positive | None = Field(
-        None,
-        description="Corner of a first-order low-pass that the measured position goes through "
-        "before the gains; absent: none. A compensator of the measured speed follows what is "
-        "not filtered.",
-    )
-    velocity_filter: Literal["first-difference", "low-pass"] = Field(
-        "first-difference",
-        description="Filter of the derivative: none, or a first-order low-pass.",
-    )
-    velocity_cutoff_hz: Positive | None = Field(
-        None, description="Corner of that low-pass, required with it."
-    )
+    Fields
+    ------
+    kp_n_m_per_rad: Proportional gain, in the frames below.
+    kd_n_m_s_per_rad: Derivative gain, in the frames below.
+    ki_n_m_per_rad_s: Integral gain, in the frames below.
+    gravity_compensation: What is fed forward against the joint's load, as a share of the load's
+        median; a distribution is its error. What it leaves of the load, the loop must hold.
+    torque_at: Where the torque of the gains is counted; of a prismatic joint the joint's is a force
+        [N].
+    angle_of: Which angle the gains multiply; of a prismatic joint the joint's is a travel [m].
+    sample_time_s: Sample time of the loop.
+    delay_s: Delay from reading the encoder to the torque. Half a sample of the hold is added.
+    encoder_at: Where the encoder sits: before the cable, or behind it (of a revolute joint), which
+        sees what cable and play do and gives the loop their resonance.
+    encoder_counts_per_revolution: Counts per revolution of the shaft that the encoder is on.
+    position_cutoff_hz: Corner of a first-order low-pass that the measured position goes through
+        before the gains; absent: none. A compensator of the measured speed follows what is not
+        filtered.
+    velocity_filter: Filter of the derivative: none, or a first-order low-pass.
+    velocity_cutoff_hz: Corner of that low-pass, required with it.
+    relies_on_friction: Accept a loop that friction alone holds still: its linear margins do not
+        exist, and the amplitude margin counts. Otherwise such a loop is refused.
+    """
 
-    relies_on_friction: bool = Field(
-        False,
-        description="Accept a loop that friction alone holds still: its linear margins do not "
-        "exist, and the amplitude margin counts. Otherwise such a loop is refused.",
-    )
+    kp_n_m_per_rad: Positive
+    kd_n_m_s_per_rad: NonNegative = 0.0
+    ki_n_m_per_rad_s: NonNegative = 0.0
+    gravity_compensation: NonNegative = 0.0
+    torque_at: Literal["motor", "gearbox-output", "joint"]
+    angle_of: Literal["motor", "gearbox-output", "joint"]
+    sample_time_s: Positive
+    delay_s: NonNegative
+    encoder_at: Literal["motor", "joint"] = "motor"
+    encoder_counts_per_revolution: Positive
+    position_cutoff_hz: Positive | None = None
+    velocity_filter: Literal["first-difference", "low-pass"] = "first-difference"
+    velocity_cutoff_hz: Positive | None = None
+
+    relies_on_friction: bool = False
 
     @model_validator(mode="after")
     def _cutoff(self) -> "Controller":
@@ -137,27 +152,25 @@ class Controller(Section):
 
 
 class Compensation(Section):
-    """Friction feed-forward: gain × estimate × sign of a signal."""
+    """Friction feed-forward: gain × estimate × sign of a signal.
 
-    signal: Literal["none", "reference", "measured", "error"] = Field(
-        "none",
-        description="Signal whose sign is taken: the reference's velocity, the measured velocity, "
-        "or the position error. It decides whether the loop can hunt.",
-    )
-    gain: NonNegative = Field(1.0, description="γ, the share of the estimate that is fed forward.")
-    estimate_n_m: Positive | None = Field(
-        None,
-        description="Estimated friction F̂ at the motor. Absent: the mean friction of the draws.",
-    )
-    boundary_rad_s: NonNegative = Field(
-        0.0, description="Half width of a linear piece of the sign of a velocity, at the motor."
-    )
-    boundary_rad: NonNegative = Field(
-        0.0, description="ε, the same for the sign of the error; required above 0 there."
-    )
-    at_rest: Literal["off", "hold"] = Field(
-        "off", description="What is fed forward at zero speed: nothing, or the last sign."
-    )
+    Fields
+    ------
+    signal: Signal whose sign is taken: the reference's velocity, the measured velocity, or the
+        position error. It decides whether the loop can hunt.
+    gain: γ, the share of the estimate that is fed forward.
+    estimate_n_m: Estimated friction F̂ at the motor. Absent: the mean friction of the draws.
+    boundary_rad_s: Half width of a linear piece of the sign of a velocity, at the motor.
+    boundary_rad: ε, the same for the sign of the error; required above 0 there.
+    at_rest: What is fed forward at zero speed: nothing, or the last sign.
+    """
+
+    signal: Literal["none", "reference", "measured", "error"] = "none"
+    gain: NonNegative = 1.0
+    estimate_n_m: Positive | None = None
+    boundary_rad_s: NonNegative = 0.0
+    boundary_rad: NonNegative = 0.0
+    at_rest: Literal["off", "hold"] = "off"
 
     @model_validator(mode="after")
     def _band(self) -> "Compensation":
@@ -167,22 +180,21 @@ class Compensation(Section):
 
 
 class Kick(Section):
-    """What the loop is tried with for hunting."""
+    """What the loop is tried with for hunting.
 
-    over_stuck_band: Positive = Field(
-        2.0, description="Kick over the stuck band F/kp; hunting needs more than 1."
-    )
-    reference_speed_rad_s: Quantity = Field(
-        0.0,
-        description="A speed of the reference, at the motor, that is examined besides the range.",
-    )
-    reference_range_rad_s: tuple[Speed, Speed] | None = Field(
-        None,
-        strict=False,  # a file has lists
-        description="Slowest and fastest reference, at the motor, at which hunting is examined, "
-        "besides rest; both 0 is rest alone. Absent: 0.1 to 10 encoder counts a sample, as far "
-        "as the joint's peak velocity goes.",
-    )
+    Fields
+    ------
+    over_stuck_band: Kick over the stuck band F/kp; hunting needs more than 1.
+    reference_speed_rad_s: A speed of the reference, at the motor, that is examined besides the
+        range.
+    reference_range_rad_s: Slowest and fastest reference, at the motor, at which hunting is
+        examined, besides rest; both 0 is rest alone. Absent: 0.1 to 10 encoder counts a sample, as
+        far as the joint's peak velocity goes.
+    """
+
+    over_stuck_band: Positive = 2.0
+    reference_speed_rad_s: Quantity = 0.0
+    reference_range_rad_s: tuple[Speed, Speed] | None = Field(None, strict=False)
 
     @model_validator(mode="after")
     def _rises(self) -> "Kick":
@@ -193,84 +205,95 @@ class Kick(Section):
 
 
 class Tool(Section):
-    """From the joint to the tool tip."""
+    """From the joint to the tool tip.
 
-    lever_m: Positive | None = Field(
-        None, description="Distance from the axis of a revolute joint to the tip."
-    )
+    Fields
+    ------
+    lever_m: Distance from the axis of a revolute joint to the tip.
+    """
+
+    lever_m: Positive | None = None
 
 
 class Spec(Section):
-    """What the joint must meet; a key that is absent is not judged."""
+    """What the joint must meet; a key that is absent is not judged.
 
-    steady_error_max_m: Bound = Field(
-        None, description="Steady error of the servo alone, at the tip."
-    )
-    lost_motion_max_m: Bound = Field(None, description="Lost motion, at the tip.")
-    smallest_step_max_m: Bound = Field(None, description="Smallest step, at the tip.")
-    reversal_error_max_m: Bound = Field(None, description="Reversal error, at the tip.")
-    backdrive_force_max_n: Bound = Field(None, description="Backdrive force, at the tip.")
-    headroom_clip_min: Bound = Field(None, description="Share of the clipped torque left.")
-    headroom_continuous_min: Bound = Field(None, description="Share of the continuous torque left.")
-    gain_margin_min: Annotated[float, Field(gt=1)] | None = Field(
-        None, description="Gain margin as a factor, up or down."
-    )
-    phase_margin_min_rad: Bound = Field(None, description="Phase margin.")
-    delay_margin_min_s: Bound = Field(
-        None, description="Delay margin: further delay that the loop bears."
-    )
-    disk_margin_min: Bound = Field(
-        None, description="Disk margin: diameter of the disk, 2 at most."
-    )
-    amplitude_margin_min_rad: Bound = Field(None, description="Amplitude margin, at the motor.")
-    limit_cycle_probability_max: Share = Field(
-        0.05, description="Probability of hunting that the largest safe compensation gain may have."
-    )
-    violation_probability_max: Share = Field(
-        0.05,
-        description="Any other spec counts as missed if its probability of being missed is above "
-        "this.",
-    )
+    Fields
+    ------
+    steady_error_max_m: Steady error of the servo alone, at the tip.
+    lost_motion_max_m: Lost motion, at the tip.
+    smallest_step_max_m: Smallest step, at the tip.
+    reversal_error_max_m: Reversal error, at the tip.
+    backdrive_force_max_n: Backdrive force, at the tip.
+    headroom_clip_min: Share of the clipped torque left.
+    headroom_continuous_min: Share of the continuous torque left.
+    gain_margin_min: Gain margin as a factor, up or down.
+    phase_margin_min_rad: Phase margin.
+    delay_margin_min_s: Delay margin: further delay that the loop bears.
+    disk_margin_min: Disk margin: diameter of the disk, 2 at most.
+    amplitude_margin_min_rad: Amplitude margin, at the motor.
+    limit_cycle_probability_max: Probability of hunting that the largest safe compensation gain may
+        have.
+    violation_probability_max: Any other spec counts as missed if its probability of being missed is
+        above this.
+    """
+
+    steady_error_max_m: Bound = None
+    lost_motion_max_m: Bound = None
+    smallest_step_max_m: Bound = None
+    reversal_error_max_m: Bound = None
+    backdrive_force_max_n: Bound = None
+    headroom_clip_min: Bound = None
+    headroom_continuous_min: Bound = None
+    gain_margin_min: Annotated[float, Field(gt=1)] | None = None
+    phase_margin_min_rad: Bound = None
+    delay_margin_min_s: Bound = None
+    disk_margin_min: Bound = None
+    amplitude_margin_min_rad: Bound = None
+    limit_cycle_probability_max: Share = 0.05
+    violation_probability_max: Share = 0.05
 
 
 class Loop(Section):
-    """The whole of ``LOOP.toml``."""
+    """The whole of ``LOOP.toml``.
 
-    name: Annotated[str, Field(min_length=1, max_length=60)] = Field(
-        description="Name of the loop."
-    )
-    title: str = Field("", description="A sentence on what it is.")
-    assumptions: list[str] = Field(
-        default_factory=list,
-        description="Assumptions of the file, a sentence each. They become warnings.",
-    )
-    extrapolate: list[Literal["wrap_angle", "tension"]] = Field(
-        default_factory=list,
-        description="Conditions for which draws are accepted that do not know them: of which the "
-        "recording informs no coefficient, and in which it tested nothing.",
-    )
-    stiction_ratio: Positive = Field(
-        1.0,
-        description="Breakaway friction over moving friction, 1 or more. The paper says 1.",
-    )
-    joint: Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="kind")] = Field(
-        description="The joint."
-    )
-    drive: Drive = Field(description="Motor, gearbox and capstan.")
-    runs: Annotated[list[CableRun], Field(min_length=1)] = Field(description="Pulleys.")
-    cable: Cable = Field(description="The cable.")
-    second_stage: SecondStage | None = Field(
-        None,
-        description="A shaft that the cable turns, and a second cable from there to the joint.",
-    )
-    coupling: Coupling | None = Field(None, description="Joints that share motors.")
-    controller: Controller = Field(description="The controller.")
-    compensation: Compensation = Field(
-        default_factory=Compensation, description="Friction feed-forward."
-    )
-    kick: Kick = Field(default_factory=Kick, description="For hunting.")
-    tool: Tool = Field(default_factory=Tool, description="The tool tip.")
-    spec: Spec = Field(default_factory=Spec, description="What must be met.")
+    Fields
+    ------
+    name: Name of the loop.
+    title: A sentence on what it is.
+    assumptions: Assumptions of the file, a sentence each. They become warnings.
+    extrapolate: Conditions for which draws are accepted that do not know them: of which the
+        recording informs no coefficient, and in which it tested nothing.
+    stiction_ratio: Breakaway friction over moving friction, 1 or more. The paper says 1.
+    joint: The joint.
+    drive: Motor, gearbox and capstan.
+    runs: Pulleys.
+    cable: The cable.
+    second_stage: A shaft that the cable turns, and a second cable from there to the joint.
+    coupling: Joints that share motors.
+    controller: The controller.
+    compensation: Friction feed-forward.
+    kick: For hunting.
+    tool: The tool tip.
+    spec: What must be met.
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=60)]
+    title: str = ""
+    assumptions: list[str] = Field(default_factory=list)
+    extrapolate: list[Literal["wrap_angle", "tension"]] = Field(default_factory=list)
+    stiction_ratio: Positive = 1.0
+    joint: Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="kind")]
+    drive: Drive
+    runs: Annotated[list[CableRun], Field(min_length=1)]
+    cable: Cable
+    second_stage: SecondStage | None = None
+    coupling: Coupling | None = None
+    controller: Controller
+    compensation: Compensation = Field(default_factory=Compensation)
+    kick: Kick = Field(default_factory=Kick)
+    tool: Tool = Field(default_factory=Tool)
+    spec: Spec = Field(default_factory=Spec)
 
     @model_validator(mode="after")
     def _consistent(self) -> "Loop":

@@ -16,27 +16,27 @@ from bayesfric.margins.answer import (
     which_gain,
 )
 from bayesfric.margins.assembly import Assembly, draw_assembly
-from bayesfric.margins.bode import bode_bands
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.certificate import certify
 from bayesfric.margins.diagnosed import Diagnosed, reflected
-from bayesfric.margins.echo import plant_of
 from bayesfric.margins.following import follow_all
+from bayesfric.margins.frequency_figures import bode_bands, nyquist_fans
 from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Loop, Spec, loop_sha256
+from bayesfric.margins.metric_definitions import missed_specs
 from bayesfric.margins.metrics import Key, Linear, closed_forms, linear_of
-from bayesfric.margins.nyquist import nyquist_fans
+from bayesfric.margins.plant import plant_of
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.margins.rows import metric_rows
-from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, tune
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify
 from bayesfric.margins.warnings import loop_warnings
 from bayesfric.probabilities import stated_of_draws
-from bayesfric.schemas.margins import HuntingMap, LoopMargins, Metric, WithEffects
+from bayesfric.schemas.loop_runs import HuntingMap
+from bayesfric.schemas.margins import LoopMargins, Metric, WithEffects
 
 SHARED = 1000  # draws for the shares of variance
 

@@ -12,55 +12,49 @@ class MarginRules:
 
     Each has its unit, the page of docs/decisions where it is argued, and what it decides.
 
-    Parameters
-    ----------
-    formula_least_counts : counts (hunting-speeds)
-        γ* fails below so many encoder counts in F/kp: quantisation damps
-    formula_most_damping : 1 (hunting-speeds)
-        γ* is too high above this ζ: it is the start of 1 + tanh(πζ/(2√(1 − ζ²)))
-    formula_most_lag : rad (hunting-speeds)
-        above this ω_n τ the delay is more than negative damping, and γ* fails
-    formula_most_stiction : 1 (hunting-speeds)
-        γ* fails where breakaway is more than this times moving friction
-    formula_least_ringing : 1 (hunting-speeds)
-        γ* is too high where the cable rings below this multiple of ω_n
-    formula_most_load : 1 (hunting-speeds)
-        γ* fails where the load is more than this share of friction
-    swing_lasts : 1 (hunting-speeds)
-        a swing that keeps less of its amplitude from one quarter of a run to the next dies out;
-        below 1, since a limit cycle of a stepped encoder jitters
-    swing_least_reversals : 1 (hunting-speeds)
-        nothing swings that reverses less often in the last quarter of a run
-    swing_least_cycles : 1 (hunting-speeds)
-        a swing with fewer cycles in the last half of a run has no amplitude
-    threshold_tolerance : 1 (hunting-speeds)
-        a simulated threshold of γ is at most this much too high by how finely it was looked for
-    threshold_share : 1 (hunting-speeds)
-        share of a simulated threshold of γ by which it may be too high: coarse steps and where a
-        swing begins, as seen beside a simulation from outside
-    certificate_kept_back : 1 (certificate)
-        share of the largest certified slope that is not used: near it swings die out so slowly that
-        the simulator takes some for hunting
-    worth_measuring : 1 (linear-margins)
-        a number of the file that makes this share of a variance is to be measured
-    compensators_alike : 1 (hunting-speeds)
-        two compensators whose rms errors differ by this share count as equal
-    compensators_close : 1 (hunting-speeds)
-        a compensator that is best in so much less of the draws is named with the best
-    gains_widest : 1 (tuning)
-        gains are looked for up to this factor up and down
-    gains_left_to_gamma : 1 (tuning)
-        share of the draws that may miss a spec that closed forms leave to γ: one by formula is then
-        at the 0.5 % quantile of thresholds, and not 12 % lower
-    verification_tolerance : 1 (linear-margins)
-        a figure and the simulation agree up to this relative difference
-    verification_longest : s (linear-margins)
-        a figure that a longer run would show is not held against the simulation
-    stiff_cable : 1 (joints)
-        below this ratio of the cable's ringing to ω_n a stiff shaft is a poor model: γ that hunts
-        was 10 to 20 % lower in joints on such a cable
-    fastest_sampled : rad (linear-margins)
-        above this crossover times sample time, sampling is more than a delay
+    Fields
+    ------
+    formula_least_counts: γ* fails below so many encoder counts in F/kp: quantisation damps [counts;
+        hunting-speeds]
+    formula_most_damping: γ* is too high above this ζ: it is the start of 1 + tanh(πζ/(2√(1 − ζ²)))
+        [1; hunting-speeds]
+    formula_most_lag: above this ω_n τ the delay is more than negative damping, and γ* fails [rad;
+        hunting-speeds]
+    formula_most_stiction: γ* fails where breakaway is more than this times moving friction [1;
+        hunting-speeds]
+    formula_least_ringing: γ* is too high where the cable rings below this multiple of ω_n [1;
+        hunting-speeds]
+    formula_most_load: γ* fails where the load is more than this share of friction [1;
+        hunting-speeds]
+    swing_lasts: a swing that keeps less of its amplitude from one quarter of a run to the next dies
+        out; below 1, since a limit cycle of a stepped encoder jitters [1; hunting-speeds]
+    swing_least_reversals: nothing swings that reverses less often in the last quarter of a run [1;
+        hunting-speeds]
+    swing_least_cycles: a swing with fewer cycles in the last half of a run has no amplitude [1;
+        hunting-speeds]
+    threshold_tolerance: a simulated threshold of γ is at most this much too high by how finely it
+        was looked for [1; hunting-speeds]
+    threshold_share: share of a simulated threshold of γ by which it may be too high: coarse steps
+        and where a swing begins, as seen beside a simulation from outside [1; hunting-speeds]
+    certificate_kept_back: share of the largest certified slope that is not used: near it swings die
+        out so slowly that the simulator takes some for hunting [1; certificate]
+    worth_measuring: a number of the file that makes this share of a variance is to be measured [1;
+        linear-margins]
+    compensators_alike: two compensators whose rms errors differ by this share count as equal [1;
+        hunting-speeds]
+    compensators_close: a compensator that is best in so much less of the draws is named with the
+        best [1; hunting-speeds]
+    gains_widest: gains are looked for up to this factor up and down [1; tuning]
+    gains_left_to_gamma: share of the draws that may miss a spec that closed forms leave to γ: one
+        by formula is then at the 0.5 % quantile of thresholds, and not 12 % lower [1; tuning]
+    verification_tolerance: a figure and the simulation agree up to this relative difference [1;
+        linear-margins]
+    verification_longest: a figure that a longer run would show is not held against the simulation
+        [s; linear-margins]
+    stiff_cable: below this ratio of the cable's ringing to ω_n a stiff shaft is a poor model: γ
+        that hunts was 10 to 20 % lower in joints on such a cable [1; joints]
+    fastest_sampled: above this crossover times sample time, sampling is more than a delay [rad;
+        linear-margins]
     """
 
     formula_least_counts: float = 100.0

@@ -11,8 +11,8 @@ from bayesfric.margins.cable_stage import lost_motion
 from bayesfric.margins.describing import amplitude_margin, necessary_gain, steady_error
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid, peaks
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.metric_definitions import PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.margins.rules import PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.wrist import Wrist
 
 Key = tuple[str, Direction | None]

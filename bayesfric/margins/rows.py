@@ -10,8 +10,8 @@ from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.describing import effective_damping, steady_error
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
+from bayesfric.margins.metric_definitions import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.metrics import Key, Linear, spec_of
-from bayesfric.margins.rules import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import Metric

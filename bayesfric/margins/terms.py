@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from bayesfric.margins.spec import HUNTS
+from bayesfric.margins.metric_definitions import HUNTS
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import LoopMargins, Metric, Tuning

@@ -21,7 +21,7 @@ from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.swing import LoopMotion
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.schemas.margins import Held, Verification, VerifiedDraw
+from bayesfric.schemas.loop_runs import Held, Verification, VerifiedDraw
 
 TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
 STEPS_FOR_ONE = 4

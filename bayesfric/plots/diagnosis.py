@@ -16,7 +16,7 @@ from bayesfric.plots.style import COLORS, NEUTRAL, SHADES, figure, halves, key, 
 from bayesfric.probabilities import stated
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Inclusion
-from bayesfric.schemas.diagnosis import Axis
+from bayesfric.schemas.gap import Axis
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 BARS = 10  # axes whose share is drawn; the table has all

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayesfric.plots.style import COLORS, LINES, NEUTRAL, figure, key
-from bayesfric.schemas.margins import Following
+from bayesfric.schemas.loop_runs import Following
 
 SHADES = tuple(COLORS[name] for name in ("black", "blue", "vermilion", "green", "purple", "orange"))
 

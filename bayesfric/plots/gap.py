@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import plain, rounded
 from bayesfric.plots.style import COLORS, figure, halves, key, line_key
-from bayesfric.schemas.diagnosis import Gap, GapRow
+from bayesfric.schemas.gap import Gap, GapRow
 
 BARS = {
     "as_shipped": ("as shipped", "#8c8c8c"),

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from bayesfric.arrays import Array
 from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
-from bayesfric.schemas.margins import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
+from bayesfric.schemas.loop_runs import HuntingMap
+from bayesfric.schemas.margins import Bode, LoopMargins, Metric, NyquistFan
 
 ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
 QUANTILES = (0.01, *(step / 20 for step in range(1, 20)), 0.99)  # at which metrics have them

@@ -26,8 +26,8 @@ class Words:
     paper : bool
         Whether it is one of the paper's own, which its protocols are for.
     thresholds : dataclass or None
-        By which its log is read, where there are some: fields made by
-        :func:`bayesfric.rules.rules_of`.
+        By which its log is read, where there are some;
+        :func:`bayesfric.rules.rules_of` lists them.
     """
 
     rig: str

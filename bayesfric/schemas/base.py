@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from bayesfric.arrays import Array
+from bayesfric.docstrings import Documented
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
@@ -27,11 +28,10 @@ def _missing(value: Any) -> bool:
     return value is None or (isinstance(value, tuple | list) and not value)
 
 
-class Record(BaseModel):
+class Record(Documented):
     """Frozen, without unknown keys, and with a reason for what is null."""
 
-    # Built when first used: all of them at once take a tenth of a second of each command.
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -50,13 +50,22 @@ class Record(BaseModel):
 
 
 class Interval(Record):
-    """A distribution in five numbers."""
+    """A distribution in five numbers.
 
-    mean: Number = Field(description="Mean.")
-    sd: Number = Field(description="Standard deviation.")
-    q05: Number = Field(description="5 % quantile.")
-    q50: Number = Field(description="Median.")
-    q95: Number = Field(description="95 % quantile.")
+    Fields
+    ------
+    mean: Mean.
+    sd: Standard deviation.
+    q05: 5 % quantile.
+    q50: Median.
+    q95: 95 % quantile.
+    """
+
+    mean: Number
+    sd: Number
+    q05: Number
+    q50: Number
+    q95: Number
 
     @classmethod
     def of(cls, mean: float, sd: float, quantiles: Array) -> "Interval":
@@ -76,42 +85,59 @@ class Interval(Record):
 
 
 class Check(Record):
-    """What must hold of every result, and whether it does."""
+    """What must hold of every result, and whether it does.
 
-    check: str = Field(description="Its name, of docs/results.md.")
-    holds: bool = Field(description="False is a fault of the computation, and no finding.")
-    detail: str | None = Field(None, description="What breaks it, with the numbers.")
+    Fields
+    ------
+    check: Its name, of docs/results.md.
+    holds: False is a fault of the computation, and no finding.
+    detail: What breaks it, with the numbers.
+    """
+
+    check: str
+    holds: bool
+    detail: str | None = None
     detail_why: Annotated[Why, Because("it holds")] = None
 
 
 class RecordingId(Record):
-    """Which recording a result rests on."""
+    """Which recording a result rests on.
 
-    name: str = Field(description="Name in datapackage.json.")
-    title: str = Field("", description="Title in datapackage.json.")
-    sha256: str = Field(description="Over its tables, sorted by name.")
+    Fields
+    ------
+    name: Name in datapackage.json.
+    title: Title in datapackage.json.
+    sha256: Over its tables, sorted by name.
+    """
+
+    name: str
+    title: str = ""
+    sha256: str
 
 
 class Provenance(Record):
-    """What every file carries, so that it can be made again."""
+    """What every file carries, so that it can be made again.
 
-    seed: int = Field(description="Seed of everything random.")
-    versions: dict[str, str] = Field(description="Python and packages.")
-    recording: RecordingId = Field(description="The data.")
-    analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
-    analysis: dict[str, Any] | None = Field(
-        None,
-        description="Every setting, as in analysis.toml; one that is null there is chosen by "
-        "what is analysed. Null in files of earlier versions.",
-    )
-    created: str | None = Field(
-        description="SOURCE_DATE_EPOCH, else the recording's own date, else null."
-    )
+    Fields
+    ------
+    seed: Seed of everything random.
+    versions: Python and packages.
+    recording: The data.
+    analysis_sha256: Over the analysis, defaults filled in.
+    analysis: Every setting, as in analysis.toml; one that is null there is chosen by what is
+        analysed. Null in files of earlier versions.
+    created: SOURCE_DATE_EPOCH, else the recording's own date, else null.
+    run_id: Hash of all else in this file, carried by the files written with it; empty in files of
+        earlier versions.
+    """
+
+    seed: int
+    versions: dict[str, str]
+    recording: RecordingId
+    analysis_sha256: str
+    analysis: dict[str, Any] | None = None
+    created: str | None
     created_why: Annotated[
         Why, Because("neither SOURCE_DATE_EPOCH nor the recording has a date")
     ] = None
-    run_id: str = Field(
-        "",
-        description="Hash of all else in this file, carried by the files written with it; empty "
-        "in files of earlier versions.",
-    )
+    run_id: str = ""

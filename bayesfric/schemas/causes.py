@@ -2,130 +2,190 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
-
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
 
 class EffectNumber(Interval):
-    """A parameter of an effect, given that the effect acts."""
+    """A parameter of an effect, given that the effect acts.
 
-    unit: str = Field(description="SI, degrees for angles.")
-    prior: str = Field(description="What was assumed before the data.")
-    prior_density: Prior | None = Field(
-        None, description="The same in numbers; null in files of earlier versions."
-    )
+    Fields
+    ------
+    unit: SI, degrees for angles.
+    prior: What was assumed before the data.
+    prior_density: The same in numbers; null in files of earlier versions.
+    """
+
+    unit: str
+    prior: str
+    prior_density: Prior | None = None
 
 
 class Cause(Record):
-    """An effect that acts, or may act: of ``causes``, ``present`` or ``possible``."""
+    """An effect that acts, or may act: of ``causes``, ``present`` or ``possible``.
 
-    effect: str = Field(description="Name of the effect.")
-    sentence: str = Field(description="What the board does.")
-    inclusion_probability: Number = Field(description="Of all hypotheses with this effect.")
-    log10_bayes_factor: Number = Field(
-        description="The hypothesis against the same without this effect."
-    )
-    log10_bayes_factor_se: Number | None = Field(
-        description="Its standard error: how far importance draws of the noise of both "
-        "hypotheses are from the closed form, and how sure they are of it."
-    )
-    log10_bayes_factor_se_why: str | None = Field(None, description="Why there is none.")
-    law: str = Field(description="Most probable variant.")
-    parameters: dict[str, EffectNumber] = Field(
-        description="Amplitude, and shape if any; TWIN.NAME where the law is a twin's."
-    )
-    plausible: bool = Field(description="Whether the amplitude's median is physically plausible.")
-    plausible_range: tuple[Number, Number] = Field(description="Of the amplitude.")
-    plausible_reference: str = Field(description="Where that range comes from.")
-    strength: Number = Field(description="Rms of its force over that of friction, median.")
-    makes_a_gap: bool = Field(
-        True, description="Whether a recalibrated law leaves a practical part of its force."
-    )
-    below_floor: bool = Field(description="Whether its force is below the floor.")
+    Fields
+    ------
+    effect: Name of the effect.
+    sentence: What the board does.
+    inclusion_probability: Of all hypotheses with this effect.
+    log10_bayes_factor: The hypothesis against the same without this effect.
+    log10_bayes_factor_se: Its standard error: how far importance draws of the noise of both
+        hypotheses are from the closed form, and how sure they are of it.
+    log10_bayes_factor_se_why: Why there is none.
+    law: Most probable variant.
+    parameters: Amplitude, and shape if any; TWIN.NAME where the law is a twin's.
+    plausible: Whether the amplitude's median is physically plausible.
+    plausible_range: Of the amplitude.
+    plausible_reference: Where that range comes from.
+    strength: Rms of its force over that of friction, median.
+    makes_a_gap: Whether a recalibrated law leaves a practical part of its force.
+    below_floor: Whether its force is below the floor.
+    """
+
+    effect: str
+    sentence: str
+    inclusion_probability: Number
+    log10_bayes_factor: Number
+    log10_bayes_factor_se: Number | None
+    log10_bayes_factor_se_why: str | None = None
+    law: str
+    parameters: dict[str, EffectNumber]
+    plausible: bool
+    plausible_range: tuple[Number, Number]
+    plausible_reference: str
+    strength: Number
+    makes_a_gap: bool = True
+    below_floor: bool
 
 
 class Inclusion(Record):
-    """What is known of one effect, over all hypotheses."""
+    """What is known of one effect, over all hypotheses.
 
-    effect: str = Field(description="Name of the effect.")
-    probability: Number = Field(description="That it acts.")
-    strength: Interval | None = Field(
-        description="If it acts: rms of its force, or its equivalent, over rms friction."
-    )
-    strength_why: str | None = Field(None, description="Why there is none.")
-    probability_above_practical: Number = Field(
-        description="That it acts and its strength is above the practical share."
-    )
-    makes_a_gap: bool = Field(
-        description="Whether a recalibrated law leaves a practical part of its force."
-    )
+    Fields
+    ------
+    effect: Name of the effect.
+    probability: That it acts.
+    strength: If it acts: rms of its force, or its equivalent, over rms friction.
+    strength_why: Why there is none.
+    probability_above_practical: That it acts and its strength is above the practical share.
+    makes_a_gap: Whether a recalibrated law leaves a practical part of its force.
+    """
+
+    effect: str
+    probability: Number
+    strength: Interval | None
+    strength_why: str | None = None
+    probability_above_practical: Number
+    makes_a_gap: bool
 
 
 class LawNumber(Record):
-    """A number of the friction law, given all data."""
+    """A number of the friction law, given all data.
 
-    unit: str = Field(description="SI, degrees for angles.")
-    before: Interval = Field(description="Of the law alone.")
-    after: Interval = Field(
-        description="Averaged over all hypotheses, what acts beside the law taken apart; by the "
-        "instrument where that alarms. Of a joint, as wide as data held out show its errors to be."
-    )
-    least_squares: Interval | None = Field(
-        None, description="The same by least squares, where `after` is by the instrument."
-    )
+    Fields
+    ------
+    unit: SI, degrees for angles.
+    before: Of the law alone.
+    after: Averaged over all hypotheses, what acts beside the law taken apart; by the instrument
+        where that alarms. Of a joint, as wide as data held out show its errors to be.
+    least_squares: The same by least squares, where `after` is by the instrument.
+    """
+
+    unit: str
+    before: Interval
+    after: Interval
+    least_squares: Interval | None = None
     least_squares_why: Annotated[Why, Because("`after` is by least squares")] = None
 
 
 class ModelError(Record):
-    """By how much a number of the machine's model is off: of links, seen by its joints."""
+    """By how much a number of the machine's model is off: of links, seen by its joints.
 
-    link: str = Field(description="Name in the model.")
-    number: str = Field(
-        description="mass, hx to hz (mass times centre of mass), or ixx to iyz (inertia about "
-        "the link's frame)."
-    )
-    unit: str = Field(description="SI.")
-    in_your_model: Number = Field(description="As the model has it.")
-    error: Interval = Field(description="What it is in truth, less that.")
-    believed_sd: Number = Field(description="Standard deviation of that before the data.")
-    significant: bool = Field(description="Whether it surely is off by more than is usual.")
+    Fields
+    ------
+    link: Name in the model.
+    number: mass, hx to hz (mass times centre of mass), or ixx to iyz (inertia about the link's
+        frame).
+    unit: SI.
+    in_your_model: As the model has it.
+    error: What it is in truth, less that.
+    believed_sd: Standard deviation of that before the data.
+    significant: Whether it surely is off by more than is usual.
+    """
+
+    link: str
+    number: str
+    unit: str
+    in_your_model: Number
+    error: Interval
+    believed_sd: Number
+    significant: bool
 
 
 class Unseparated(Record):
-    """Effects that cannot be told apart."""
+    """Effects that cannot be told apart.
 
-    effects: tuple[str, ...] = Field(description="Names of hypotheses.")
-    reason: Literal["identical-on-this-rig", "these-data"] = Field(description="Why.")
+    Fields
+    ------
+    effects: Names of hypotheses.
+    reason: Why.
+    """
+
+    effects: tuple[str, ...]
+    reason: Literal["identical-on-this-rig", "these-data"]
 
 
 class Absorbed(Record):
-    """An effect that does nothing but move parameters of the baseline."""
+    """An effect that does nothing but move parameters of the baseline.
 
-    effect: str = Field(description="Name of the effect.")
-    by: str = Field(description="The parameter that moves most, by its prior's width.")
-    bias: Number = Field(description="By how much at one standard deviation of the amplitude.")
-    unit: str = Field(description="Of the bias.")
+    Fields
+    ------
+    effect: Name of the effect.
+    by: The parameter that moves most, by its prior's width.
+    bias: By how much at one standard deviation of the amplitude.
+    unit: Of the bias.
+    """
+
+    effect: str
+    by: str
+    bias: Number
+    unit: str
 
 
 class Remainder(Record):
-    """What the named causes leave."""
+    """What the named causes leave.
 
-    significant: bool = Field(description="Whether the evidence asks for a further, smooth force.")
-    log10_bayes_factor: Number = Field(description="Of a further force against none.")
-    share_of_gap: Interval | None = Field(
-        description="Mean square of the further force over that of the systematic gap."
-    )
-    share_of_gap_why: str | None = Field(None, description="Why there is none.")
-    axis: str | None = Field(description="Where it is largest.")
-    axis_why: str | None = Field(None, description="Why there is none.")
+    Fields
+    ------
+    significant: Whether the evidence asks for a further, smooth force.
+    log10_bayes_factor: Of a further force against none.
+    share_of_gap: Mean square of the further force over that of the systematic gap.
+    share_of_gap_why: Why there is none.
+    axis: Where it is largest.
+    axis_why: Why there is none.
+    """
+
+    significant: bool
+    log10_bayes_factor: Number
+    share_of_gap: Interval | None
+    share_of_gap_why: str | None = None
+    axis: str | None
+    axis_why: str | None = None
 
 
 class Shape(Record):
-    """The residual force along an axis."""
+    """The residual force along an axis.
 
-    grid: tuple[Number, ...] = Field(description="Of the covariate.")
-    gap_n: tuple[Number, ...] = Field(description="Systematic residual force [N].")
-    low_n: tuple[Number, ...] = Field(description="Lower edge of the simultaneous 95 % band [N].")
-    high_n: tuple[Number, ...] = Field(description="Upper edge [N].")
+    Fields
+    ------
+    grid: Of the covariate.
+    gap_n: Systematic residual force [N].
+    low_n: Lower edge of the simultaneous 95 % band [N].
+    high_n: Upper edge [N].
+    """
+
+    grid: tuple[Number, ...]
+    gap_n: tuple[Number, ...]
+    low_n: tuple[Number, ...]
+    high_n: tuple[Number, ...]

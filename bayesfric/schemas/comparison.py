@@ -8,53 +8,86 @@ from bayesfric.schemas.base import Because, Number, Record, Why
 
 
 class Setting(Record):
-    """Something that went into both runs and is not the same."""
+    """Something that went into both runs and is not the same.
 
-    file: str = Field(description="Result that says so, such as fit.json.")
-    key: str = Field(description="Dotted key, such as analysis.priors.c1.scale.")
-    a: str | None = Field(description="In the first run; null where it has none.")
+    Fields
+    ------
+    file: Result that says so, such as fit.json.
+    key: Dotted key, such as analysis.priors.c1.scale.
+    a: In the first run; null where it has none.
+    b: In the second run; null where it has none.
+    """
+
+    file: str
+    key: str
+    a: str | None
     a_why: Annotated[Why, Because("the first run has none")] = None
-    b: str | None = Field(description="In the second run; null where it has none.")
+    b: str | None
     b_why: Annotated[Why, Because("the second run has none")] = None
 
 
 class Shift(Record):
-    """A number with an uncertainty, in both runs."""
+    """A number with an uncertainty, in both runs.
 
-    file: str = Field(description="Result that it is of.")
-    name: str = Field(description="Such as pulleys.small.c1.")
-    unit: str = Field(description="SI, degrees for angles; 1 for none.")
-    a: Number = Field(description="Mean in the first run.")
-    b: Number = Field(description="Likewise in the second.")
-    sd_a: Number = Field(
-        description="Standard deviation in the first run; of a Bayes factor, its standard error."
-    )
-    sd_b: Number = Field(description="Likewise in the second.")
-    shift: Number | None = Field(
-        description="b less a, in standard deviations (the root of their mean square)."
-    )
+    Fields
+    ------
+    file: Result that it is of.
+    name: Such as pulleys.small.c1.
+    unit: SI, degrees for angles; 1 for none.
+    a: Mean in the first run.
+    b: Likewise in the second.
+    sd_a: Standard deviation in the first run; of a Bayes factor, its standard error.
+    sd_b: Likewise in the second.
+    shift: b less a, in standard deviations (the root of their mean square).
+    """
+
+    file: str
+    name: str
+    unit: str
+    a: Number
+    b: Number
+    sd_a: Number
+    sd_b: Number
+    shift: Number | None
     shift_why: Annotated[Why, Because("it has no uncertainty in either run")] = None
 
 
 class Flip(Record):
-    """A verdict that is not the same."""
+    """A verdict that is not the same.
 
-    file: str = Field(description="Result that it is of.")
-    name: str = Field(description="Id of a claim, or what the verdict is about.")
-    a: str = Field(description="In the first run.")
-    b: str = Field(description="In the second run.")
+    Fields
+    ------
+    file: Result that it is of.
+    name: Id of a claim, or what the verdict is about.
+    a: In the first run.
+    b: In the second run.
+    """
+
+    file: str
+    name: str
+    a: str
+    b: str
 
 
 class ComparisonFile(Record):
-    """``comparison.json``: two folders of results, by their stored files."""
+    """``comparison.json``: two folders of results, by their stored files.
+
+    Fields
+    ------
+    run_ids: Of each result that is in both; equal where nothing at all differs.
+    only_in_a: Results that the second folder lacks.
+    only_in_b: Results that the first folder lacks.
+    same: Whether no result differs in anything.
+    settings: What went in.
+    flips: What is concluded.
+    shifts: Every number that is in both, largest first.
+    """
 
     schema_: Literal["bayesfric.comparison/1"] = Field("bayesfric.comparison/1", alias="schema")
-    run_ids: dict[str, tuple[str, str]] = Field(
-        description="Of each result that is in both; equal where nothing at all differs."
-    )
-    only_in_a: tuple[str, ...] = Field(description="Results that the second folder lacks.")
-    only_in_b: tuple[str, ...] = Field(description="Results that the first folder lacks.")
-    same: bool = Field(description="Whether no result differs in anything.")
-    settings: tuple[Setting, ...] = Field(description="What went in.")
-    flips: tuple[Flip, ...] = Field(description="What is concluded.")
-    shifts: tuple[Shift, ...] = Field(description="Every number that is in both, largest first.")
+    run_ids: dict[str, tuple[str, str]]
+    only_in_a: tuple[str, ...]
+    only_in_b: tuple[str, ...]
+    same: bool
+    settings: tuple[Setting, ...]
+    flips: tuple[Flip, ...]
+    shifts: tuple[Shift, ...]

@@ -4,7 +4,7 @@ from bayesfric.analysis import HalfNormal
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, EffectNumber, Remainder
-from bayesfric.schemas.diagnosis import Gap, GapRow
+from bayesfric.schemas.gap import Gap, GapRow
 
 WHY = "made up"
 PRACTICAL = 0.02

@@ -78,6 +78,7 @@ def case(given):
         "probability": found.verdict_probability,
         "causes": {cause.effect: cause.strength for cause in found.causes},
         "possible": [cause.effect for cause in found.possible],
+        "present": [cause.effect for cause in found.present],
         "remainder": found.remainder.significant,
         "gap": found.gap.systematic.q50 / friction,
         "floor": found.gap.floor.q50 / friction,
@@ -94,6 +95,9 @@ def right(found, truth):
         return found["verdict"] in ("no-gap", "undecided")
     if found["kind"] in world().unlisted():
         return found["verdict"] == "unknown" or found["remainder"]
+    # An error of sensors acts without making a gap: no gap, and told beside it.
+    if found["verdict"] == "no-gap" and truth & set(found["present"]):
+        return True
     exactly = named and len(found["causes"]) == 1 and set(found["causes"]) <= truth
     told = bool(truth & {*found["causes"], *found["possible"]}) and not named
     return exactly or (told and found["strength"] < 1.0)

@@ -1,5 +1,6 @@
 """Log predictive densities of blocks held out: those of a normal that is written out."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,14 +12,16 @@ from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import held_out_density
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
+from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.examined import examinable
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities, blocks_of
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import residuals_of, spread_numbers
 from bayesfric.diagnosis.shipped import shipped_of
 from bayesfric.effects.candidates import candidates_of
-from bayesfric.hypothesis import Hypothesis
+from bayesfric.hypothesis import NONE, Hypothesis
 from bayesfric.rigs.opening import with_own_priors
 
 
@@ -39,7 +42,7 @@ def points_model(folder, viscous):
 def search_of(acting, at):
     acts = Hypothesis(("viscous",))
     weighed = SimpleNamespace(hypothesis=acts, names=acts.names, acting=acting, at=at)
-    return SimpleNamespace(weighed={acts: weighed}, worth=lambda _: 0.0)
+    return SimpleNamespace(weighed={acts: weighed}, worth=lambda _: 0.0, doubted=frozenset())
 
 
 def test_a_block_has_the_density_of_a_normal_given_the_others(tmp_path, monkeypatch):
@@ -94,3 +97,46 @@ def test_three_assemblies_tell_no_error(monkeypatch):
     monkeypatch.setattr(held_out_density, "_one_by_one", lambda model, best: (model, best.acting))
     assert block_densities(model, search, ["viscous"], np.random.default_rng(0)) is None
     assert block_densities(model, search, [], np.random.default_rng(0)) is None
+
+
+@pytest.mark.parametrize(
+    ("told", "weakest"),
+    [
+        ({"backlash": (5.0, -8.0, 3.0, -3.0), "stiction": (90.0, 120.0, 140.0, 150.0)}, "backlash"),
+        ({"stribeck": (8.0, -2.0, 5.0, 1.0), "stiction": (8.0, -1.0, 5.0, 3.0)}, "stribeck"),
+        # Better by 2.5 errors, and in each block though by no two errors: of these one stands.
+        ({"cogging": (5.0, -0.2, 4.0, 4.4), "gravity-torque": (2.0, 9.0, 400.0, 9e3)}, "cogging"),
+        (
+            {
+                "stribeck": (5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, -0.1),
+                "stiction": (50.0, 60.0, 70.0, 60.0),
+            },
+            None,
+        ),
+    ],
+)
+def test_the_cause_that_held_out_data_ask_for_least_is_the_one_in_doubt(told, weakest, monkeypatch):
+    def densities(model, search, causes, rng):
+        (name,) = causes
+        return BlockDensities(np.zeros(len(told[name])), np.array(told[name]))
+
+    monkeypatch.setattr(held_out_density, "block_densities", densities)
+    rng = np.random.default_rng(1)
+    assert held_out_density.least_asked_for(None, None, list(told), rng) == weakest
+
+
+def test_a_doubted_effect_counts_half_and_is_no_leader():
+    pair, alone = Hypothesis(["spring", "stribeck"]), Hypothesis(["spring"])
+    weighed = {
+        acting: SimpleNamespace(log_evidence=log_evidence, hypothesis=acting)
+        for acting, log_evidence in ((NONE, -50.0), (alone, 0.0), (pair, 30.0))
+    }
+    priors = Analysis().diagnosis.hypotheses
+    classes = Classes((("spring",), ("stribeck",)), (), {})
+    search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
+    assert search.best().hypothesis == pair
+    doubted = replace(search, doubted=frozenset({"stribeck"}))
+    assert doubted.best().hypothesis == alone
+    chances = doubted.probabilities()
+    assert chances[pair] == pytest.approx(0.5)
+    assert chances[alone] == pytest.approx(0.5)

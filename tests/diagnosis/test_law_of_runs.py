@@ -15,7 +15,9 @@ from bayesfric.diagnosis.widening import (
     block_errors,
     by_held_out,
     by_parts,
+    by_sign,
     errors_by_pace,
+    is_below_zero,
     widened,
     wider,
 )
@@ -110,7 +112,25 @@ def test_a_number_squeezed_at_its_bound_widens_as_the_normal_that_the_bound_cuts
 
     number = wider(above(0.2), 3.0, "coulomb")
     assert number.q95 == pytest.approx(above(0.6).q95, rel=0.02)
-    assert number.q05 == pytest.approx(above(0.6).q05, abs=0.02)
+    assert number.q05 == 0.0  # the end of a tail that the bound cuts off is no finding
+
+
+def test_numbers_of_a_law_whose_viscous_friction_is_below_zero_are_off_by_as_much():
+    """A controller that answers ripple: -1.23 ± 0.03, and Coulomb friction 0.4 ± 0.1 beside it."""
+    law = {
+        name: LawNumber(unit="1", before=known, after=known)
+        for name, known in (("viscous", interval(-1.23, 0.03)), ("coulomb", interval(0.4, 0.1)))
+    }
+    factors = by_sign(law, speed=0.3)
+    numbers = widened(law, factors)
+    assert numbers["viscous"].after.q95 == pytest.approx(0.0, abs=1e-12)
+    assert numbers["coulomb"].after.sd == pytest.approx(1.23 * 0.3)
+    assert numbers["viscous"].before == law["viscous"].before
+    assert is_below_zero(numbers)
+    rising = {"viscous": LawNumber(unit="1", before=interval(0.1, 0.03), after=interval(0.1, 0.03))}
+    falling = {"viscous": LawNumber(unit="1", before=interval(-1, 0.5), after=interval(-1, 0.5))}
+    assert not by_sign(rising, 0.3)
+    assert not by_sign(falling, 0.3)
 
 
 def test_a_push_by_hand_bends_the_inertia_and_errors_by_stretches_hold_the_truth():
@@ -158,9 +178,9 @@ def test_numbers_of_quick_motion_that_slow_motion_has_otherwise_are_open(shakes,
     assert apart[0] == pytest.approx(expected, abs=0.01)
 
 
-@pytest.mark.parametrize("pushed", [False, True])
-def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
-    """Rows count along the motion; gravity, which the law lacks, is not its error."""
+@pytest.mark.parametrize(("pushed", "around"), [(False, -0.0326), (True, -0.0326), (False, 0.3)])
+def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed, around):
+    """Gravity that the law lacks is no error of it, but where an inertia stood for its pull."""
     rng = np.random.default_rng(5)
     time = np.arange(222) * 0.08
     place, speed = 2.5 * np.sin(3.5 * time), 8.75 * np.cos(3.5 * time)
@@ -182,7 +202,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     )
     model = SimpleNamespace(
         rigs=[SimpleNamespace(rows=rows)],
-        laws={"axis": None},
+        laws={"axis": (around,)},
         data=SimpleNamespace(
             rigs=[SimpleNamespace(shared_numbers={})],
             law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")],
@@ -193,8 +213,9 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed):
     }
     held = widened(numbers, by_parts(numbers, model, turns=True))["inertia"].after
     assert held.q50 == 0.03
-    assert (held.sd > 0.02) is pushed
-    if not pushed:
+    bent = pushed or around > 0
+    assert (held.sd > 0.02) is bent
+    if not bent:
         assert held == numbers["inertia"].after
 
 
@@ -280,7 +301,7 @@ def test_a_number_that_the_motion_does_not_show_takes_no_error_from_another():
     )
     model = SimpleNamespace(
         rigs=[SimpleNamespace(rows=rows)],
-        laws={"axis": None},
+        laws={"axis": (0.0,)},
         data=SimpleNamespace(
             rigs=[SimpleNamespace(shared_numbers={})],
             law_numbers=lambda size: [("mass", "kg"), ("idle", "1"), ("coulomb", "N")],

@@ -11,6 +11,7 @@ import bayesfric as bf
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import concluded
 from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.answer import is_named
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.held_out_density import BlockDensities
 from bayesfric.diagnosis.hypotheses import Search
@@ -29,7 +30,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Remainder
-from bayesfric.schemas.diagnosis import HeldOutDensity
+from bayesfric.schemas.gap import HeldOutDensity
 
 PRACTICAL = 0.02
 
@@ -249,3 +250,11 @@ def test_a_small_remainder_does_not_tell_what_is_many_times_larger(left, is_told
     assert tells_what_is_left(remainder, gap) is is_told
     nothing = remainder.model_copy(update={"significant": False})
     assert not tells_what_is_left(nothing, gap)
+
+
+def test_an_effect_is_named_by_its_whole_name_alone():
+    words = "viscous-asymmetry and load-stribeck fit what was recorded."
+    assert is_named("viscous-asymmetry", words)
+    assert not is_named("viscous", words)
+    assert not is_named("stribeck", words)
+    assert is_named("stribeck", "stribeck, which fits,")

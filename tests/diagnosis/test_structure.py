@@ -7,8 +7,10 @@ import pytest
 from report.diagnosis_sample import diagnosis, interval
 
 from bayesfric.diagnosis import structure
+from bayesfric.diagnosis.concluded import _why_no_scatter
 from bayesfric.diagnosis.sentence import Statement, sentence_of
 from bayesfric.diagnosis.structure import differs_within_runs, goes_together, unlike_scatter
+from bayesfric.diagnosis.verdict import KnownEffect
 
 COUNT, PRACTICAL = 200, 0.02
 
@@ -107,6 +109,23 @@ def test_what_is_left_of_held_out_data_is_no_scatter_either():
     assert "0.05 N rms of data held out" in unlike_scatter(gap, None, None, None, 0.02, None)
     nothing = gap.model_copy(update={"before": interval(0.6)})  # of friction of 1 N
     assert unlike_scatter(nothing, None, None, None, 0.02, None) is None
+
+
+@pytest.mark.parametrize(("measuring", "is_open"), [(True, False), (False, True)])
+def test_sensors_that_are_known_to_be_off_explain_what_is_left(measuring, is_open):
+    """Magnets off by a part of their distance: felt in every window, and no part of a gap."""
+    gap = diagnosis().gap.model_copy(update={"held_out_excess": 0.05, "friction_rms": 1.0})
+    felt = KnownEffect("magnet-spacing", 1.0, 0.0, 0.01, measuring)
+    judged = SimpleNamespace(
+        effects_known=[felt],
+        present=["magnet-spacing"],
+        residuals=None,
+        posterior=None,
+        settled=SimpleNamespace(psi=None),
+    )
+    measured = SimpleNamespace(gap=gap, held_out=SimpleNamespace(inside=[None, None]))
+    model = SimpleNamespace(noise=SimpleNamespace(named=lambda psi: {}))
+    assert (_why_no_scatter(model, judged, measured, 0.02, None) is not None) == is_open
 
 
 def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():

@@ -7,7 +7,9 @@ from bayesfric.report.content import BulletList, Notice, Table
 from bayesfric.robots.fields import fields_of
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import Enter, Gap, SimulatorField
+from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.diagnosis import Enter, SimulatorField
+from bayesfric.schemas.gap import Gap
 
 
 def number(parameter, mean, sd, unit="N·m", **more):
@@ -64,6 +66,8 @@ def joint(**gap):
         joints=(),
         verdict="named",
         causes=(),
+        law={},
+        shipped=None,
         enter=(COULOMB,),
         practical_share=0.02,
         gap=Gap.model_construct(unit="N·m", friction_rms=0.8, **gap),
@@ -121,3 +125,14 @@ def test_a_share_of_friction_that_cannot_be_told_is_in_no_warning():
     warning = why_untrusted(joint(**gap, no_share="friction is within its error of zero"))
     assert warning.startswith("Enter these numbers with care")
     assert "%" not in warning
+
+
+def test_what_an_instrument_tells_is_not_said_to_miss_what_least_squares_miss():
+    by_it = {"coulomb": LawNumber.model_construct(least_squares=middle(0.5))}
+    entered = joint(as_shipped=middle(0.4), after=middle(0.3), held_out_excess=0.1,
+                    floor=middle(0.1))  # fmt: skip
+    told = entered.model_copy(update={"law": by_it, "shipped": {"c2": 0.5}})
+    lines = " ".join(entered_lines(told))
+    assert "With the numbers that were shipped it misses" in lines
+    assert "with those of least squares, and not these of an instrument, by 0.3 N·m" in lines
+    assert "the law with those of least squares misses data" in lines

@@ -20,6 +20,7 @@ ROWS = (
         "arrays",
         "errors",
         "characters",
+        "docstrings",
         "files",
         "resources",
         "hypothesis",

@@ -19,11 +19,9 @@ DECISIONS = Path(__file__).parents[2] / "docs" / "decisions"
 class Bench:
     """Thresholds of a bench.
 
-    Parameters
-    ----------
-    longest : s (rigs)
-        a run that takes longer
-        is left out
+    Fields
+    ------
+    longest: a run that takes longer is left out [s; rigs]
     """
 
     longest: float = 2.5

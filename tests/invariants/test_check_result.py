@@ -102,6 +102,24 @@ def test_shares_with_what_no_axis_explains_add_up_to_one():
     assert "0.9" in broken_of(record() | {"where": told, "unexplained": rest})["shares-add-up-to-1"]
 
 
+@pytest.mark.parametrize(("share", "is_broken"), [(1.0, False), (0.5, True)])
+def test_what_begins_otherwise_in_each_trial_is_not_shown_by_data_held_out(share, is_broken):
+    """Runout of pulleys whose angle nobody knows: windows held out cannot have it."""
+    gap = {
+        "gap__systematic__q05": 0.20,
+        "gap__systematic__q50": 0.24,
+        "gap__before__q50": 0.055,
+        "gap__before__q95": 0.06,
+    }
+    axis = {
+        **record()["where"][0],
+        "axis": "rotation_angle",
+        "share": dict.fromkeys(("mean", "q05", "q50", "q95"), share),
+    }
+    broken = broken_of(record(**gap) | {"where": [axis]})
+    assert ("gap-is-measured" in broken) == is_broken
+
+
 def test_a_diagnosis_that_contradicts_itself_concludes_nothing():
     """A systematic gap of 9.9 % of friction beside a gap before of 1.4 %."""
     whole = diagnosis()

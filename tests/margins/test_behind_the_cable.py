@@ -12,12 +12,12 @@ from margins.loops import shaft
 from bayesfric.margins.certificate import not_applicable
 from bayesfric.margins.describing import effective_damping, formula_conditions, steady_error
 from bayesfric.margins.diagnosed import with_effects
-from bayesfric.margins.echo import plant_of
 from bayesfric.margins.linear import is_stable
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.margins.plant import plant_of
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.state_space import state_space
 from bayesfric.margins.thresholds import find_hunting

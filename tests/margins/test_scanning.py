@@ -128,8 +128,8 @@ def test_the_sentence_says_speed_kick_error_and_what_was_not_looked_at(tmp_path)
     draws = write_draws(tmp_path / "draws.nc", n=40)
     one = loop({"compensation.gain": 1.0, "kick.reference_range_rad_s": [0.3, 0.3]})
     (found,) = compute_margins([one], draws, simulated=12).summary.loops
-    for words in ("Monte Carlo error", "rad/s", "mm/s at the tip", "after a kick of", "worst is",
-                  "Not examined", "At γ = 1, as in the file"):  # fmt: skip
+    for words in ("Monte Carlo error", "rad/s", "mm/s at the tip", "after a kick of",
+                  "the worst is", "Not examined", "At γ = 1, as in the file"):  # fmt: skip
         assert words in found.answer, words
     chart = found.hunting_map
     assert chart.speed_rad_s == pytest.approx((0.0, 0.3))

@@ -6,7 +6,7 @@ from margins.loops import loop, write_draws
 
 from bayesfric.margins import compute_margins
 from bayesfric.margins.loop_file import Spec
-from bayesfric.margins.spec import missed_specs
+from bayesfric.margins.metric_definitions import missed_specs
 from bayesfric.schemas.margins import Metric
 
 

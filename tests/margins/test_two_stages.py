@@ -13,12 +13,12 @@ from bayesfric.margins.cable_stage import train_modes
 from bayesfric.margins.certificate import not_applicable
 from bayesfric.margins.describing import steady_error
 from bayesfric.margins.diagnosed import with_effects
-from bayesfric.margins.echo import plant_of
 from bayesfric.margins.hunting import hunting_threshold
 from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.linear import is_stable
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.margins.plant import plant_of
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.simulating import simulate

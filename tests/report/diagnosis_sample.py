@@ -19,7 +19,8 @@ from bayesfric.schemas.causes import (
     Shape,
     Unseparated,
 )
-from bayesfric.schemas.diagnosis import Axis, ExaminedEffect, Gap, GapRow, NextExperiment
+from bayesfric.schemas.diagnosis import ExaminedEffect, NextExperiment
+from bayesfric.schemas.gap import Axis, Gap, GapRow
 
 PROVENANCE = {
     "seed": 5,

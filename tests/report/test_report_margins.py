@@ -25,7 +25,8 @@ from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.margins import Certificate, FollowedWith, Following, Trajectory
+from bayesfric.schemas.loop_runs import FollowedWith, Following, Trajectory
+from bayesfric.schemas.margins import Certificate
 
 
 def test_what_is_assumed_stands_beside_the_answer_and_draws_are_counted_once(computed):

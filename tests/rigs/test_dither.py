@@ -6,6 +6,9 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.recording.held import answering, held_for, released
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.single_axis import entering
+from bayesfric.rigs.single_axis.dither import steady
+from bayesfric.rigs.single_axis.even_log import EvenLog
 
 AXIS = all_rigs()["single-axis"]
 SHAKEN = {"stiffness": 60.0, "damping": 12.0, "amplitude": 0.2}
@@ -41,6 +44,42 @@ def test_a_force_that_is_held_over_the_kicks_of_a_controller_is_told_by_the_coun
     assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)
     first = recording.axis.samples.query("run == 'r0'")
     assert "the force answers each count of the encoder" in released(first, force_is)[1]
+
+
+@pytest.mark.parametrize(("count", "shaken"), [(2 * np.pi / 2**16, True), (1e-8, False)])
+def test_counts_show_in_a_log_of_every_fifth_command(count, shaken):
+    """A loop of 500 Hz, logged at 100 Hz: four slow windows named cogging with 0.98."""
+    time = np.arange(0, 20, 0.002)
+    reference, inertia = 0.3 * np.sin(1.7 * time) + 0.2 * np.sin(4.1 * time), 0.02
+    read = count * np.round(reference / count)
+    moved, speed = np.diff(read, prepend=read[0]) / 0.002, np.gradient(reference, 0.002)
+    force = inertia * np.gradient(speed, 0.002) + 7.0 * (speed - moved)
+    every = slice(None, None, 5)
+    everywhere = np.ones(time[every].size, dtype=bool)
+    log = EvenLog(time[every], read[every], force[every], everywhere, 0.01, {})
+    logs, dither = steady([log], inertia, 0.08, count)
+    assert (dither.windows > 2) is shaken
+    if shaken:
+        slow = np.abs(speed[every]) < 0.05
+        assert logs[0].dithers[slow].mean() > 4 * logs[0].dithers[~slow].mean()
+
+
+@pytest.mark.nightly
+def test_a_joint_of_which_too_little_would_be_left_enters_with_its_dither(monkeypatch):
+    """A log of 2 s was refused: 5 of 11 windows shook, and wider ones left 2."""
+    joint = LoopedJoint(count=2e-3, **SHAKEN)
+    seen = []
+
+    def few(readings):
+        seen.append(readings)
+        return "too few" if len(seen) == 1 else None
+
+    monkeypatch.setattr(entering, "refused_for_few_windows", few)
+    runs = AXIS.trials(joint.recording())
+    assert len(seen) == 2
+    assert runs.dither.windows > 20
+    assert not runs.dither.left_out
+    assert "too few would be left" in " ".join(runs.doubts({}))
 
 
 def test_a_slow_controllers_command_acts_as_it_is_held():

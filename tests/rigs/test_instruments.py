@@ -93,3 +93,17 @@ def test_a_delay_that_acts_takes_the_place_of_the_clocks():
     assert without_clock(nuisances, {"delay": -0.02 * nuisances[:, 0]}).shape == (50, 2)
     other = {"actuator-lag": nuisances[:, 0] + 0.01 * nuisances[:, 1]}
     assert without_clock(nuisances, other) is nuisances
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "law"), [(1, "viscous", "viscous"), (2, "more", "coulomb")]
+)
+def test_an_effect_that_is_a_number_of_the_law_is_told_by_the_instrument(place, name, law):
+    """Drag as a share of Coulomb friction, where the law has none: its column is the speed's."""
+    force, columns, instruments, piece = rows(1)
+    found = compared(
+        force, np.column_stack([columns, 0.2 * columns[:, place]]), instruments, piece, (name,)
+    )
+    instrumental, ordinary = found.effects[name]
+    assert instrumental.value == pytest.approx(found.instrumental[law].value / 0.2)
+    assert ordinary.error == pytest.approx(found.ordinary[law].error / 0.2)

@@ -7,7 +7,7 @@ from rigs.looped_joint import LoopedJoint
 
 from bayesfric.recording.held import released, stale
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.even_log import even_grid, spikes
+from bayesfric.rigs.single_axis.even_log import clipped, even_grid, spikes
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
 AXIS = all_rigs()["single-axis"]
@@ -118,3 +118,19 @@ def test_spikes_of_a_sensor_are_counted_and_steps_and_swings_are_none():
     assert spikes(smooth + np.sign(np.sin(40 * time))) == 0.0
     assert spikes(smooth + 0.5 * (-1.0) ** np.arange(1200)) == 0.0
     assert spikes(np.zeros(1200)) == 0.0
+
+
+@pytest.mark.parametrize("limit", [0.6, np.inf])
+def test_readings_at_the_end_of_a_range_are_known(limit):
+    """A force that a sensor cuts off at 0.6 N·m told an inertia of 0.033 for 0.060."""
+    time = np.arange(0, 20, 0.005)
+    force = 0.7 * np.sin(2 * np.pi * 0.23 * time) + 0.3 * np.sin(2 * np.pi * 0.61 * time)
+    read = np.clip(force + np.random.default_rng(1).normal(0, 0.01, time.size), -limit, limit)
+    assert clipped(read).mean() == pytest.approx(np.mean(np.abs(force) >= limit), abs=0.01)
+
+
+@pytest.mark.parametrize("step", [0.0, 0.02, 0.2])
+def test_counts_of_a_current_and_a_drive_that_is_off_are_no_end_of_a_range(step):
+    time = np.arange(0, 20, 0.005)
+    force = np.sin(2 * np.pi * 0.23 * time) + np.random.default_rng(1).normal(0, 0.01, time.size)
+    assert not clipped(np.round(force / step) * step if step else np.minimum(force, 0.0)).any()

@@ -8,6 +8,7 @@ from rigs.loaded_joints import LoadedJoint
 
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.on_time import margin_s, on_time
+from bayesfric.rigs.single_axis.readings import readings_of, rough_law_of
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
@@ -52,3 +53,23 @@ def test_windows_are_wide_where_a_known_force_tells_the_acceleration_better(is_k
         log = replace(log, known_force=WeakForce(of_link), beside=share)
     half_s, _ = window_width([log], count / 12**0.5, 2.0)
     assert (half_s > 0.03) is is_known_exactly
+
+
+def test_windows_are_wide_where_a_weight_pulls_as_the_acceleration_goes():
+    """In a free swing errors of counts made an inertia of 0.0005, which asked for no wider one."""
+    step, count, inertia, fine = 0.005, 2.9e-3, 0.3, 10
+    place, speed, places, forces = 0.0, 0.0, [], []
+    for tick in range(int(12 / step) * fine):
+        time = tick * step / fine
+        force = 0.3 * np.sin(4.0 * time) + 0.1 * np.sin(2.7 * time)
+        if tick % fine == 0:
+            places.append(place)
+            forces.append(force)
+        speed += step / fine * (force - 5.0 * np.sin(place) - 0.02 * speed) / inertia
+        speed = np.sign(speed) * max(0.0, abs(speed) - step / fine * 0.05 / inertia)
+        place += step / fine * speed
+    force = np.array(forces) + np.random.default_rng(3).normal(0, 0.05, len(forces))
+    read = np.round(np.array(places) / count) * count
+    log = EvenLog(step * np.arange(read.size), read, force, np.ones(read.size, bool), step, {})
+    rows = readings_of([log], [np.zeros(1, dtype=int)], count)
+    assert rough_law_of(rows, np.ones(rows.count, dtype=bool)).mass == pytest.approx(0.3, rel=0.3)

@@ -49,7 +49,7 @@ from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import Axis, Gap
+from bayesfric.schemas.gap import Axis, Gap
 
 ALL_BUT = 0.999  # a share is never printed as all of it
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent

@@ -37,7 +37,7 @@ from bayesfric.rigs.base import Words
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause
-from bayesfric.schemas.diagnosis import Gap, GapRow
+from bayesfric.schemas.gap import Gap, GapRow
 
 NUMBER = re.compile(r"\d+\.\d+")
 ROWS = 20  # hypotheses listed; diagnosis.json has all

@@ -46,7 +46,8 @@ from bayesfric.report.quantities import (
 from bayesfric.report.words import sentences
 from bayesfric.schemas import MarginsFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.margins import Held, LoopMargins, Metric
+from bayesfric.schemas.loop_runs import Held
+from bayesfric.schemas.margins import LoopMargins, Metric
 
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 

@@ -21,7 +21,7 @@ from bayesfric.rigs.single_axis.enough import (
     too_short,
     without_force,
 )
-from bayesfric.rigs.single_axis.even_log import EvenLog, spikes
+from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -67,6 +67,7 @@ class Entering(NamedTuple):
     servo: Servo | None
     constants: RigConstants
     spikes: float
+    clipped: float
     lever_n: float
     stamps_sd_s: float
 
@@ -135,9 +136,7 @@ def entering(
     lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
     readings, measures = _with_lever(readings, measures, lever_n)
     sensed = constants.force_is in MEASURED
-    moving = np.unique(readings.trial)
-    still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
-    chosen = moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")]
+    chosen, still = _by_setup(readings, table)
     return Entering(
         table.iloc[chosen].reset_index(drop=True),
         readings.of(chosen),
@@ -152,9 +151,19 @@ def entering(
         servo,
         constants,
         max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
+        0.0
+        if constants.force_is == "commanded" or servo is not None
+        else max(float(clipped(log.force).mean()) for log in recorded.logs),
         lever_n,
         max(log.stamps_sd_s for log in recorded.logs),
     )
+
+
+def _by_setup(readings: Readings, table: pd.DataFrame) -> tuple[Whole, list[str]]:
+    """Return the places of runs that have windows, by assembly, and the names of the others."""
+    moving = np.unique(readings.trial)
+    still = [str(run) for run in table["trial"][~table.index.isin(moving)]]
+    return moving[np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")], still
 
 
 def _with_lever(
@@ -214,10 +223,13 @@ def _within_limit(
     if limited is None or not calm:
         return logs, limited, Dither()
     mass = rough_law_of(limited[0], limited[1].within(limited[0])).mass
-    logs, dither = steady(logs, mass, limited[0].half_s, resolution)
-    if dither.left_out:
-        limited = within_limit(logs, starts, resolution, clips=clips, declared=declared)
-    return list(logs), limited, dither
+    marked, dither = steady(logs, mass, limited[0].half_s, resolution)
+    if not dither.left_out:
+        return list(marked), limited, dither
+    calmer = within_limit(marked, starts, resolution, clips=clips, declared=declared)
+    if calmer is None or refused_for_few_windows(calmer[0]) is not None:
+        return logs, limited, dither._replace(left_out=False)
+    return list(marked), calmer, dither
 
 
 def _beside_simulator(

@@ -18,6 +18,8 @@ QUICK = 3  # samples on either side of a polynomial of fourth degree, at the lea
 MOST_OFF = 2.0  # intervals, by which a stamp of an even clock is off at most
 SMOOTHER = 2.0  # times, that positions are over an even clock where stamps jitter about it
 AROUND = 3  # samples on either side of a reading that may be a spike
+OFTEN_AT_END, STAYS = 10, 5  # readings at the end of a range, and of these in a row
+BESIDE_END, PILED_UP = 5, 5  # steps of readings below that end, and times as many at it
 SPIKE = (5.0, 4.0)  # times the spread about it, and times that of the run, by which it is off
 
 
@@ -211,6 +213,32 @@ def spikes(force: Array) -> float:
     usual = NORMAL * float(np.median(off))
     share = float(np.mean((off > SPIKE[0] * spread) & (off > SPIKE[1] * usual)))
     return share if usual > 0 and share > AXIS_RULES.often_spiked else 0.0
+
+
+def clipped(force: Array) -> Flags:
+    """Return which readings lie at an end of what could be read, (N,); none where few do.
+
+    A sensor, or what wrote the log, cuts off what is beyond its range: its largest reading comes
+    again and again, and those just below it do not. What acted meanwhile nobody knows.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        As it was read.
+    """
+    at_ends = np.zeros(force.size, dtype=np.bool_)
+    steps = np.diff(np.unique(force))
+    if not steps.size:
+        return at_ends
+    for sign in (1.0, -1.0):
+        top = float((sign * force).max())
+        there = sign * force == top
+        below = (sign * force < top) & (sign * force >= top - BESIDE_END * float(steps.min()))
+        lengths = np.diff(np.flatnonzero(np.diff(np.pad(there, 1).astype(np.int8))))[::2]
+        often = there.sum() > max(OFTEN_AT_END, PILED_UP * below.sum() / BESIDE_END)
+        if top > 0 and often and there.mean() > AXIS_RULES.often_spiked and lengths.max() >= STAYS:
+            at_ends |= there
+    return at_ends
 
 
 def given(log: EvenLog, limit: float) -> EvenLog:

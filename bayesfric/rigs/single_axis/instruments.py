@@ -41,6 +41,10 @@ class Estimate(NamedTuple):
     value: float
     error: float
 
+    def over(self, ratio: float) -> "Estimate":
+        """Return the number over a ratio, with its error."""
+        return Estimate(self.value / ratio, self.error / abs(ratio))
+
 
 class Compared(NamedTuple):
     """Least squares with instruments and without.
@@ -59,8 +63,8 @@ class Compared(NamedTuple):
     rows : int
         That both are of.
     effects : dict of str to (Estimate, Estimate)
-        Amplitudes of effects that act, with instruments and without; of those alone that the
-        columns before them do not make.
+        Amplitudes of effects that act, with instruments and without; of those alone that are a
+        number of the law, or that the columns before them do not make.
     """
 
     kind: Literal["reference", "earlier motion"]
@@ -217,6 +221,7 @@ def compared(
     place_of = {
         acting[column - first]: place for place, column in enumerate(chosen) if column >= first
     }
+    laws = _of_the_law(columns, acting)
     columns = columns[:, chosen]
     if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * columns.shape[1]:
         return f"{len(force)} windows in {pieces} stretches are too few to tell"
@@ -235,6 +240,9 @@ def compared(
     instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
     numbers = _least_squares(columns, force)
     ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
+    effects = {name: (instrumental[place], ordinary[place]) for name, place in place_of.items()}
+    for name, (place, ratio) in laws.items():
+        effects[name] = instrumental[place].over(ratio), ordinary[place].over(ratio)
     return Compared(
         kind,
         statistic,
@@ -243,8 +251,24 @@ def compared(
         dict(zip(NAMES, instrumental, strict=False)),
         dict(zip(NAMES, ordinary, strict=False)),
         len(force),
-        {name: (instrumental[place], ordinary[place]) for name, place in place_of.items()},
+        effects,
     )
+
+
+def _of_the_law(columns: Array, acting: Sequence[str]) -> dict[str, tuple[int, float]]:
+    """Return which effects, the last columns, are numbers of the law, and how many times these.
+
+    Beside a law without viscous friction the drag that acts is its column.
+    """
+    places: dict[str, tuple[int, float]] = {}
+    for name, column in zip(acting, columns.T[columns.shape[1] - len(acting) :], strict=True):
+        for place, own in enumerate(columns.T[: len(NAMES)]):
+            size = float(own @ own)
+            ratio = float(own @ column) / size if size else 0.0
+            rest = float(np.linalg.norm(column - ratio * own))
+            if ratio and rest <= ALIKE * float(np.linalg.norm(column)):
+                places[name] = place, ratio
+    return places
 
 
 def _strength(

@@ -29,7 +29,7 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
 from bayesfric.recording.held import held_for, position_held_for, released
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
+from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.servo_log import commanded, force_of_commands
@@ -193,7 +193,10 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     value = log.further.get("known_force")
     # A simulator in the place of the law says the whole force.
     known_force = None if value is None or forces or is_relative else WeakForce(value)
-    return replace(log, forces=forces, known_force=known_force)
+    is_known = log.is_known
+    if not tells_commands and constants.force_is != "commanded":
+        is_known = is_known & ~clipped(log.force)
+    return replace(log, forces=forces, known_force=known_force, is_known=is_known)
 
 
 def _time_of_force(samples: pd.DataFrame) -> Array:

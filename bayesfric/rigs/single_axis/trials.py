@@ -32,6 +32,7 @@ from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.linear import LinearAxis
 from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.mistakes import likely_mistakes
+from bayesfric.rigs.single_axis.moved_otherwise import MovedOtherwise, moved_otherwise
 from bayesfric.rigs.single_axis.next_runs import lay_out, settings_of
 from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.other_joints import Machine
@@ -111,6 +112,8 @@ class AxisRuns(RigTrials):
         Windows in which the joint turns back between two counts.
     spikes : float
         Share of a run's readings of the force that are spikes; 0 where they are no habit.
+    clipped : float
+        Share of a run's readings of the force that lie at an end of what could be read.
     servo : Servo or None
         Whose commands stand in the place of a force; None where a force was logged.
     lever_n : float
@@ -136,6 +139,7 @@ class AxisRuns(RigTrials):
     late_s: float = 0.0
     dither: Dither = field(default_factory=Dither)
     spikes: float = 0.0
+    clipped: float = 0.0
     servo: Servo | None = None
     lever_n: float = 0.0
     stamps_sd_s: float = 0.0
@@ -298,6 +302,8 @@ class AxisRuns(RigTrials):
         too_slow = self.servo is not None and not self.servo.tells_inertia
         if self.servo is not None:
             return {"mass": self.servo.no_inertia} if too_slow else {}
+        if self._moved_otherwise is not None:
+            return dict.fromkeys(("mass", "coulomb", "viscous"), self._moved_otherwise.advice)
         return {"mass": LIKE_A_PULL} if self._pulled_alike else {}
 
     @cached_property
@@ -306,6 +312,14 @@ class AxisRuns(RigTrials):
         own = self.readings.acceleration_of_its_own
         pulled = self.measures.rotary and self.measures.pull > 0
         return pulled and own < AXIS_RULES.acceleration_shows
+
+    @cached_property
+    def _moved_otherwise(self) -> MovedOtherwise | None:
+        """Why the force says nothing of the joint's own friction; see :mod:`.moved_otherwise`."""
+        if self.servo is not None or self._beside is not None or self._load_is_known:
+            return None
+        inside = self.measures.limit.within(self.readings)
+        return moved_otherwise(self.readings, self.measures, inside)
 
     @property
     def scale_share(self) -> float:
@@ -319,7 +333,9 @@ class AxisRuns(RigTrials):
         """
         lines = [*doubts(self.constants, law, self.measures.rough_mass)]
         lines += beyond_limit(self.constants, self.readings.drive, self.unit)
-        if self._pulled_alike and self.servo is None:
+        if self._moved_otherwise is not None:
+            lines.append(self._moved_otherwise.advice)
+        elif self._pulled_alike and self.servo is None:
             lines.append(LIKE_A_PULL)
         if self.servo is None:
             viscous = "c3" not in self._lacks
@@ -338,6 +354,12 @@ class AxisRuns(RigTrials):
             lines.append(
                 f"Stamps jitter by {self.stamps_sd_s:.2g} s about an even clock, over which "
                 "positions are smoother: the even clock was taken"
+            )
+        if self.clipped:
+            lines.append(
+                f"In some run {self.clipped:.1%} of the readings of force_n are the largest that "
+                "there is, again and again: a sensor or a drive is at its end there, and what acts "
+                "beyond is not known. Windows with such readings do not enter"
             )
         if self.spikes:
             lines.append(
@@ -437,6 +459,8 @@ class AxisRuns(RigTrials):
     def open_still(self) -> str | None:
         """That it hardly turns, so that effects of the place were not examined, or spikes."""
         needed = min(TURNS)
+        if self._moved_otherwise is not None:
+            return self._moved_otherwise.why
         if self.turns < needed and self._beside is None:
             return (
                 f"the joint turns {self.turns} time{'' if self.turns == 1 else 's'}, and from "

@@ -31,7 +31,8 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
     if any(log.sent is not None for log in logs):
         # Delay and damping of a servo are told apart by little: its windows are as wide as can be.
         half_s = longest
-    tried: list[tuple[float, float]] = []  # by quiet widths, the acceleration's error over its own
+    # Widths from the first quiet one on, and the acceleration's error over what is its own there.
+    tried: list[tuple[float, float]] = []
     while half_s < longest:
         rows = [
             rows_of_run(log, test_function(half, log.interval_s), 2 * half, noise, stroke)
@@ -40,9 +41,9 @@ def window_width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[
         mass, force, beyond_known, own = _told_by(rows)
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
         is_quiet = (mass + moved) * error < AXIS_RULES.quiet * force
-        if is_quiet and error < AXIS_RULES.told_apart * beyond_known:
+        if tried or (is_quiet and error < AXIS_RULES.told_apart * beyond_known):
             tried.append((half_s, error / max(own, 1e-300)))
-            if error < AXIS_RULES.told_apart * own:
+            if is_quiet and error < AXIS_RULES.told_apart * own:
                 break
         half_s *= 1.25
     half_s = min(_told_best(tried, longest), longest)

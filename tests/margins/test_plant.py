@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from margins.loops import shaft
 
-from bayesfric.margins.echo import plant_of
+from bayesfric.margins.plant import plant_of
 
 
 def test_the_plant_of_the_bench_by_hand():
