@@ -12,6 +12,14 @@ from bayesfric.errors import Fault
 from bayesfric.logs.clock import CLOCK, ISO
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.readers.csv import lines_of, split
+from bayesfric.logs.spelling import (
+    QUANTITIES,
+    SPELLINGS,
+    is_unit,
+    unit_in_name,
+    unit_of_text,
+    words_of,
+)
 from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 from bayesfric.logs.units import SECONDS
 
@@ -33,20 +41,7 @@ WORDS = {
     "temperature": r"temperature|temp",
 }
 """Words in names, by what a column that has them may be."""
-UNIT_WORDS = {
-    "position": {"deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "rad": "rad",
-                 "mm": "mm", "m": "m", "ticks": "tick", "tick": "tick", "counts": "tick",
-                 "enc": "tick", "turn": "turn", "turns": "turn", "rev": "turn"},
-    "velocity": {"rpm": "rpm", "deg/s": "deg/s", "rad/s": "rad/s", "m/s": "m/s", "mm/s": "mm/s"},
-    "force": {"nm": "N·m", "n·m": "N·m", "n*m": "N·m", "mnm": "mN·m", "nmm": "N·mm", "n·mm": "N·mm",
-              "a": "A", "amp": "A", "amps": "A", "ma": "mA", "current": "A", "iq": "A", "v": "V",
-              "volt": "V", "voltage": "V", "pwm": "share", "duty": "share", "n": "N"},
-    "time": {"us": "us", "micros": "us", "ms": "ms", "millis": "ms", "ns": "ns", "s": "s",
-             "sec": "s", "secs": "s", "seconds": "s", "µs": "us"},
-}  # fmt: skip
-"""Words for units, by what a column is."""
-
-OF_UNITS = tuple(word for words in UNIT_WORDS.values() for word in words)
+OF_UNITS = tuple(word for words in (*SPELLINGS.values(), *QUANTITIES.values()) for word in words)
 OF_ANY = r"joint|joints|motor|sensor|actual|act|measured|meas|feedback|fb|log|data|observation"
 """Words that are of no joint."""
 
@@ -161,16 +156,16 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
         shown += f" in the first {len(few):,}"
     if np.ptp(numbers) == 0:
         shown = f"{numbers[0]:.6g} throughout"
-    words = _words(column)
-    said = (log.units or {}).get(column, "").strip(" []()").lower()
-    clock = _clock_unit(numbers, words, said)
+    words = words_of(column)
+    said = (log.units or {}).get(column, "").strip(" []()")
+    clock = _clock_unit(numbers, column, said)
     kind = _kind(words, clock is not None)
     if kind == "time":
         tick, why = clock or ("s", "")
         return Belief(column, "time", tick, f"its name, and it increases; {why}", shown, rows)
     if kind is None:
         return Belief(column, None, None, "its name says nothing", shown, rows)
-    unit, why = _unit(kind, words, said, numbers)
+    unit, why = _unit(kind, column, said, numbers)
     return Belief(column, kind, unit, f"its name; {why}", shown, rows)
 
 
@@ -182,22 +177,17 @@ def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
     return None if faults or not numbers.size else numbers
 
 
-def _words(column: str) -> list[str]:
-    """Return the words of a name, also of ``jointPos2`` and ``tau1``."""
-    apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", column)
-    return [word.lower() for word in re.findall(r"[^\W\d_]+|°|µs", apart)]
-
-
 def name_of_joint(column: str) -> str:
     """Return what may be the joint in a name: in brackets, a number, or words of no other use."""
     bracket = re.search(r"\[([^\]]+)\]", column)
-    if bracket and not set(_words(bracket.group(1))) <= {*OF_UNITS}:
+    if bracket and words_of(bracket.group(1)) and not is_unit(bracket.group(1)):
         return bracket.group(1)
     number = re.search(r"(\d+)(?!.*\d)", column)
     if number:
         return number.group(1)
     used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
-    words = list(re.finditer(r"[^\W_]+", column))
+    unit = bracket is not None and is_unit(bracket.group(1))
+    words = list(re.finditer(r"[^\W_]+", column[: bracket.start()] if bracket and unit else column))
     left = [at for at, word in enumerate(words) if not re.fullmatch(used, word.group().lower())]
     if not left or left[-1] - left[0] >= len(left):  # none, or other words between them
         return ""
@@ -222,9 +212,9 @@ def _kind(words: list[str], is_clock: bool) -> str | None:
     return next((kind for kind in order if kind in matches), None)
 
 
-def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] | None:
+def _clock_unit(numbers: Array, column: str, said: str) -> tuple[str, str] | None:
     """Return the unit of a clock, and why; None where a column is none."""
-    is_named = any(re.fullmatch(WORDS["time"], word) for word in words)
+    is_named = any(re.fullmatch(WORDS["time"], word) for word in words_of(column))
     steps = np.diff(numbers)
     if not steps.size or not is_named or (steps > 0).mean() < 0.9:
         return None
@@ -232,11 +222,10 @@ def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] 
     for unit, second in SECONDS.items():
         if SINCE_1970[0] < numbers[0] * second < SINCE_1970[1]:
             return unit, f"{numbers[0]:.0f} is {unit} since 1970"
-    written = said if said in SECONDS else None
-    named = [UNIT_WORDS["time"][word] for word in words if word in UNIT_WORDS["time"]]
-    says = [written] if written is not None else named
-    if says:
-        return says[0], f"it says {says[0]}, which is {1 / (interval * SECONDS[says[0]]):.4g} Hz"
+    written = unit_of_text("time", said) or unit_in_name("time", column)
+    if written is not None and written.unit is not None:
+        rate = 1 / (interval * SECONDS[written.unit])
+        return written.unit, f"it says {written.unit}, which is {rate:.4g} Hz"
     usual = [
         unit for unit, second in SECONDS.items() if USUAL_S[0] <= interval * second <= USUAL_S[1]
     ]
@@ -246,14 +235,16 @@ def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] 
     return None
 
 
-def _unit(kind: str, words: list[str], said: str, numbers: Array) -> tuple[str | None, str]:
-    """Return a unit and why: what the file says, a word of the name, or the size of a position."""
-    units = UNIT_WORDS.get("position" if kind == "command" else kind, {})
-    if said in units:
-        return units[said], f"the file says {said}"
-    unit = next((units[word] for word in reversed(words) if word in units), None)
-    if unit is not None:
-        return unit, f"its name says {unit}"
+def _unit(kind: str, column: str, said: str, numbers: Array) -> tuple[str | None, str]:
+    """Return a unit and why: what the file says, what the name says, or a position's size."""
+    of_kind = "position" if kind == "command" else kind
+    by_file = unit_of_text(of_kind, said) if of_kind in SPELLINGS else None
+    spelled = by_file or unit_in_name(of_kind, column)
+    if spelled is not None:
+        who = "its name" if by_file is None else "the file"
+        if spelled.unit is None:
+            return None, f"{who} says {spelled.text}, whose prefix no unit of a mapping has"
+        return spelled.unit, f"{who} says {spelled.text}"
     if kind not in ("position", "command"):
         return None, "nothing says its unit"
     largest = float(np.abs(numbers).max())

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.logs import import_log, propose_mapping
-from bayesfric.logs.looking import csv_form
+from bayesfric.logs.looking import csv_form, name_of_joint
 from bayesfric.recording import read_recording
 
 SAID = {
@@ -186,3 +186,61 @@ def test_a_recording_needs_its_place(tmp_path):
     done = CliRunner().invoke(app, ["import", "log.csv", "--map", str(tmp_path / "map.toml")])
     assert done.exit_code == 2
     assert "-o: expected the folder of the recording" in done.stderr
+
+
+WRITTEN_UNITS = [
+    ("torque_mNm", "force", "mN·m"),
+    ("torque_mnm_filtered", "force", "mN·m"),
+    ("torque_N_m", "force", "N·m"),
+    ("torque (N·mm)", "force", "N·mm"),
+    ("torque_kNm", "force", "kN·m"),
+    ("torque_Ncm", "force", "N·cm"),
+    ("motorTorqueNm", "force", "N·m"),
+    ("current_mA", "force", "mA"),
+    ("Current [mA]", "force", "mA"),
+    ("mA_current", "force", "mA"),
+    ("current_a_1", "force", "A"),
+    ("current", "force", "A"),
+    ("voltage_mV", "force", "mV"),
+    ("duty_cycle_%", "force", "%"),
+    ("force_kN", "force", "kN"),
+    ("pos_mrad", "position", "mrad"),
+    ("position_cm", "position", "cm"),
+    ("position_um", "position", "um"),
+    ("position [\u00b5m]", "position", "um"),
+    ("position [\u03bcm]", "position", "um"),
+    ("enc_deg", "position", "deg"),
+]
+UNKNOWN_PREFIXES = [
+    ("torque_uNm", "force"),
+    ("torqueMotormNm", "force"),
+    ("current_kA", "force"),
+    ("current_uA_filtered", "force"),
+    ("pos_urad", "position"),
+    ("position_nm", "position"),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "unit"),
+    [*WRITTEN_UNITS, *((*row, "SAY") for row in UNKNOWN_PREFIXES)],
+    ids=lambda given: given,
+)
+def test_a_unit_is_proposed_with_its_prefix(tmp_path, name, key, unit):
+    other = {"force": "q_rad", "position": "tau_nm"}[key]
+    proposal = proposed(tmp_path, f"t,{name},{other}\n" + table(",", TIME, ANGLE, CURRENT))
+    section = tomllib.loads(proposal.toml)[key]
+    assert section["column"] == name
+    assert section["unit"] == unit
+
+
+def test_a_row_of_units_has_its_prefix(tmp_path):
+    head = "t,q,tau\ns,mrad,mNm\n"
+    keys = tomllib.loads(proposed(tmp_path, head + table(",", TIME, ANGLE, CURRENT)).toml)
+    assert keys["position"]["unit"] == "mrad"
+    assert keys["force"]["unit"] == "mN·m"
+
+
+@pytest.mark.parametrize("unit", ["mN·m", "kNm", "mA", "kA", "rad/s", "%"])
+def test_a_unit_with_a_prefix_in_brackets_is_no_joint(unit):
+    assert name_of_joint(f"torque [{unit}]") == ""
