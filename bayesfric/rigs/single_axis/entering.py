@@ -19,6 +19,7 @@ from bayesfric.rigs.single_axis.enough import (
     refused_for_few_windows,
     too_little_motion,
     too_short,
+    without_a_difference,
     without_force,
 )
 from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, spikes
@@ -108,6 +109,8 @@ def entering(
     simulator : SimulatorCalls or None
         A user's, whose force is looked for beside the rows.
     """
+    if (copied := without_a_difference(axis.samples)) is not None:
+        return copied
     servo = servo_of(axis, constants)
     constants = constants if servo is None else servo.constants
     machine = machine_of(axis, constants)
