@@ -370,6 +370,10 @@ def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal
     return faults
 
 
+def _is_finite(value: object) -> bool:
+    return isinstance(value, float) and math.isfinite(value)
+
+
 def _of_runs(mapping: Mapping, name: str) -> list[Fault]:
     faults = [
         Fault(name, "to_s above from_s", column=f"runs.{run.name}", value=f"{run.to_s:g}")
@@ -381,6 +385,12 @@ def _of_runs(mapping: Mapping, name: str) -> list[Fault]:
         for run in mapping.runs
         for text in (run.name, *(run.model_extra or ()))
         if text.startswith(FORMULA)
+    ]
+    faults += [
+        Fault(name, "a number or a text", column=f"runs.{run.name}.{key}", value=str(value))
+        for run in mapping.runs
+        for key, value in (run.model_extra or {}).items()
+        if not isinstance(value, str | int) and not _is_finite(value)
     ]
     names = [run.name for run in mapping.runs]
     faults += [

@@ -17,6 +17,8 @@ from bayesfric.logs.table import Log, numbers_of, texts_of
 
 ALL = "all"
 LISTED = 12
+OPTIONAL = ("measured_force", "velocity", "known_force", "temperature")
+"""Signals that a mapping may leave out, so that a blank column is none."""
 
 
 @dataclass(frozen=True)
@@ -138,8 +140,17 @@ def signals_of(
             clock = mapping.clock_of(signal)
             time = _of_rate(mapping, value.size) if clock is None else times[_name(log, clock)]
             ordered[name] = in_order(time, value, log.name, _called(log, clock), log.first_row)
+            if name in OPTIONAL and not ordered[name].series.time_s.size:
+                faults.append(_blank(log, name, signal))
         of_joints[joint] = _signals(ordered, said)
+    if faults:
+        raise InputError(faults)
     return of_joints
+
+
+def _blank(log: Log, name: str, signal: Signal) -> Fault:
+    expected = f"some number, where the mapping has [{name}]: leave it out where it is blank"
+    return Fault(log.name, expected, column=_name(log, signal.column), value="no number")
 
 
 def _name(log: Log, column: str | int) -> str:

@@ -200,6 +200,29 @@ MISTAKES = {
         {"name": "log.xlsx"},
         "found '.xlsx', expected a log: a file that ends in .csv",
     ),
+    "a covariate that is a list": (
+        {"mapping": GOOD + '[[runs]]\nname = "a"\npayload = [1, 2]\n'},
+        "runs.a.payload: found '[1, 2]', expected a number or a text",
+    ),
+    "a covariate that is no number": (
+        {"mapping": GOOD + '[[runs]]\nname = "a"\npayload = nan\n'},
+        "runs.a.payload: found 'nan', expected a number or a text",
+    ),
+    **{
+        f"a blank column of {signal}": (
+            {
+                "mapping": f'{GOOD}[{signal}]\ncolumn = "extra"\nunit = "{unit}"\n',
+                "text": HEADER.strip() + ",extra\n" + lines().replace("\n", ",\n"),
+            },
+            f"log.csv, extra: found 'no number', expected some number, where the mapping has "
+            f"[{signal}]",
+        )
+        for signal, unit in (
+            ("known_force", "N·m"),
+            ("temperature", "degC"),
+            ("measured_force", "N·m"),
+        )
+    },
     "another sign of a signal that is not there": (
         {"mapping": GOOD + "[joints.1.torque]\nsign = -1\n"},
         "joints.1.torque: expected one of position, force, velocity",
