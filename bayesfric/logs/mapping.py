@@ -352,6 +352,9 @@ def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal
     if signal.unit == "tick" and signal.factor is None and signal.counts_per_turn is None:
         expected = "counts of the encoder a turn, where unit is tick"
         faults.append(Fault(name, expected, column=f"{place}.counts_per_turn"))
+    if signal.unit == "tick" and None not in (signal.factor, signal.counts_per_turn):
+        expected = "counts_per_turn or a factor, not both: each says what a tick is"
+        faults.append(Fault(name, expected, column=f"{place}.factor", value=f"{signal.factor:g}"))
     if signal.counts_per_turn is not None and signal.unit != "tick":
         expected = 'unit = "tick", where counts_per_turn stands'
         faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))

@@ -141,6 +141,34 @@ MISTAKES = {
         {"joint": "3"},
         "--joint: found '3', expected all, or one of its joints (1, 2)",
     ),
+    "a joint that the mapping does not name": (
+        {
+            "mapping": GOOD.replace("{joint}", "1") + "[joints.elbow.force]\ncolumn = 'tau2'\n",
+            "joint": "elbwo",
+        },
+        "the mapping, --joint: found 'elbwo', expected all, or one of its joints (elbow); is "
+        "'elbow' meant?",
+    ),
+    "a joint of forces that there is not": (
+        {"mapping": GOOD.replace('"q{joint}"', '"q1"'), "joint": "3"},
+        "log.csv, --joint: found '3', expected all, or one of its joints (1, 2)",
+    ),
+    "ticks by a factor and by counts a turn": (
+        {"mapping": instead('"rad"', '"tick"\nfactor = 0.001\ncounts_per_turn = 4096')},
+        "position.factor: found '0.001', expected counts_per_turn or a factor, not both",
+    ),
+    "one rate and tables of different lengths": (
+        {
+            "name": "log.json",
+            "mapping": GOOD.replace('[csv]\nseparator = ","\n', "")
+            .replace('column = "t"', "rate_hz = 100")
+            .partition("[velocity]")[0]
+            + "[force]"
+            + GOOD.partition("[force]")[2],
+            "text": '{"q1": [0, 1, 2, 3, 4, 5], "tau1": [0, 1, 2]}',
+        },
+        "log.json, tau1: found '3 rows', expected 6 rows, as q1 has, where time.rate_hz stands for",
+    ),
     "no joint": ({"joint": None}, "--joint: expected all, or one of the joints 1, 2"),
     "all joints, and columns of one": (
         {"mapping": GOOD.replace("{joint}", "1"), "joint": "all"},
