@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,9 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.logs.agreeing import check_velocity
 from bayesfric.logs.cutting import Window, cut, span_of
 from bayesfric.logs.delay import Delay, delay_between
-from bayesfric.logs.mapping import Mapping, Run, read_mapping
+from bayesfric.logs.long_form import by_joint, mapping_by_joint
+from bayesfric.logs.mapping import Mapping, Run
+from bayesfric.logs.mapping_file import read_mapping
 from bayesfric.logs.readers import read_log
 from bayesfric.logs.robot import robot_of
 from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
@@ -91,7 +93,7 @@ def import_log(
     paths = [logs] if isinstance(logs, Path) else list(logs)
     what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
     folder = (paths[0] if isinstance(mapping, Mapping) else mapping).parent
-    pieces = _pieces(paths, what)
+    pieces, what = _by_joint(_pieces(paths, what), what)
     joints = joints_of(pieces[0].log, what, joint)
     windows = _runs_of(pieces, what)
     cuts = [
@@ -154,6 +156,12 @@ def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
     if double is not None:
         raise InputError([Fault("LOG", "files of different names", value=double)])
     return pieces
+
+
+def _by_joint(pieces: list[_Piece], what: Mapping) -> tuple[list[_Piece], Mapping]:
+    """Return pieces in which each joint has columns of its own, and the mapping of these."""
+    apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
+    return apart, mapping_by_joint(what, pieces[0].log)
 
 
 def _id(text: str) -> str:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from textwrap import shorten
 
 import numpy as np
@@ -30,6 +31,8 @@ SEPARATORS = (",", ";", "\t", "|", "space")
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 SINCE_1970 = (1e9, 4.2e9)  # seconds, from 2001 to 2103
 USUAL_S = (2e-4, 0.2)  # between samples of a joint: 5 Hz to 5 kHz
+MOST_JOINTS, LEAST_ROWS = 60, 3  # of a log with a row for each joint, and rows of each
+JOINT_WORDS = r"joint|jnt|motor|servo|actuator|axis|id|name|names|index"
 WHOLE_TURNS_RAD = 40.0  # beyond which a position is hardly in rad
 
 WORDS = {
@@ -55,7 +58,8 @@ class Belief:
     column : str
         Its name.
     kind : str or None
-        A key of :data:`WORDS`; None where nothing speaks for any.
+        A key of :data:`WORDS`, or ``joint`` of a column that names the joint of each row; None
+        where nothing speaks for any.
     unit : str or None
         None where nothing says it.
     why : str
@@ -149,6 +153,9 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
             column, "time", "s", "its cells are stamps, which say their unit", shown, rows
         )
     numbers = _numbers(log, column, few)
+    if (why := _names_joints(column, few)) is not None:
+        shown = shorten(", ".join(dict.fromkeys(texts)), LONGEST, placeholder=" …")
+        return Belief(column, "joint", None, why, shown, rows)
     if numbers is None:
         return Belief(column, None, None, "its cells are no numbers", texts[0][:40], rows)
     shown = f"{numbers.min():.6g} to {numbers.max():.6g}"
@@ -167,6 +174,22 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
         return Belief(column, None, None, "its name says nothing", shown, rows)
     unit, why = _unit(kind, column, said, numbers)
     return Belief(column, kind, unit, f"its name; {why}", shown, rows)
+
+
+def _names_joints(column: str, cells: Cells) -> str | None:
+    """Return why a column says of which joint a row is; None where it does not."""
+    texts = [text.strip() for text in texts_of(cells) if text and text.strip()]
+    names = set(texts)
+    of_joint = [re.fullmatch(JOINT_WORDS, word) is not None for word in words_of(column)]
+    is_text = not any(NUMBER.fullmatch(name) for name in names)
+    if not 2 <= len(names) <= MOST_JOINTS or len(texts) < LEAST_ROWS * len(names):
+        return None
+    alternate = np.mean([a != b for a, b in pairwise(texts)]) > 0.5
+    if is_text and (alternate or any(of_joint)):
+        return f"it has {len(names)} texts, each in many rows: names of joints"
+    if alternate and of_joint and all(of_joint) and all(name.isdigit() for name in names):
+        return f"its name, and {len(names)} numbers that alternate: a row for each joint"
+    return None
 
 
 def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
@@ -216,7 +239,9 @@ def _clock_unit(numbers: Array, column: str, said: str) -> tuple[str, str] | Non
     """Return the unit of a clock, and why; None where a column is none."""
     is_named = any(re.fullmatch(WORDS["time"], word) for word in words_of(column))
     steps = np.diff(numbers)
-    if not steps.size or not is_named or (steps > 0).mean() < 0.9:
+    if not steps.size or not is_named or (steps >= 0).mean() < 0.9:
+        return None
+    if (steps > 0).mean() < 1 / (2 * MOST_JOINTS):  # of which each may have a row at each time
         return None
     interval = float(np.median(steps[steps > 0]))
     for unit, second in SECONDS.items():

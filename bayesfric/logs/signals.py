@@ -11,6 +11,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.logs.clock import DECIMALS, Stamps, seconds_since, stamps_of
+from bayesfric.logs.long_form import is_of_several_joints
 from bayesfric.logs.mapping import JOINT, Mapping, Signal, scale_of
 from bayesfric.logs.ordering import Ordered, Series, in_order, unwrapped
 from bayesfric.logs.table import Log, numbers_of, texts_of
@@ -124,7 +125,8 @@ def wanted_columns(mapping: Mapping) -> set[str | int] | None:
     signals = mapping.signals.values()
     columns = {signal.column for signal in signals}
     clocks = {mapping.clock_of(signal) for signal in signals}
-    return {column for column in columns | clocks | {mapping.run} if column is not None}
+    keys = {mapping.run, mapping.joint_column}
+    return {column for column in columns | clocks | keys if column is not None}
 
 
 def signals_of(
@@ -157,12 +159,22 @@ def signals_of(
             clock = mapping.clock_of(signal)
             time = _of_rate(mapping, value.size) if clock is None else times[_name(log, clock)]
             ordered[name] = in_order(time, value, log.name, _called(log, clock), log.first_row)
+            if name == "position" and is_of_several_joints(time, value):
+                faults.append(_several_joints(log, signal))
             if name in OPTIONAL and not ordered[name].series.time_s.size:
                 faults.append(_blank(log, name, signal))
         of_joints[joint] = _signals(ordered, said)
     if faults:
         raise InputError(faults)
     return of_joints
+
+
+def _several_joints(log: Log, signal: Signal) -> Fault:
+    expected = (
+        "rows of one joint, and each time has rows of several: say which column names the joint, "
+        'joint_column = "…", at the top of the mapping'
+    )
+    return Fault(log.name, expected, column=_name(log, signal.column))
 
 
 def _blank(log: Log, name: str, signal: Signal) -> Fault:

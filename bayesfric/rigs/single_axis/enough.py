@@ -57,8 +57,8 @@ def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
         Of one joint, as a recording has them.
     """
     if "known_force_n" in samples and "force_n" in samples:
-        force, known = samples["force_n"].to_numpy(), samples["known_force_n"].to_numpy()
-        if np.array_equal(force, known) and force.any():
+        force, modelled = samples["force_n"].to_numpy(), samples["known_force_n"].to_numpy()
+        if np.array_equal(force, modelled) and force.any():
             return Unsupported(
                 "known_force_n is force_n in every row, so that nothing is left for friction: "
                 "known_force_n is what a rigid-body model says of the motion"

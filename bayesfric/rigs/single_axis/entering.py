@@ -109,12 +109,11 @@ def entering(
     simulator : SimulatorCalls or None
         A user's, whose force is looked for beside the rows.
     """
-    if (copied := without_a_difference(axis.samples)) is not None:
-        return copied
     servo = servo_of(axis, constants)
     constants = constants if servo is None else servo.constants
     machine = machine_of(axis, constants)
-    recorded = _even_logs(axis, constants, machine if simulator is None else None)
+    without = without_a_difference(axis.samples)
+    recorded = without or _even_logs(axis, constants, machine if simulator is None else None)
     if isinstance(recorded, Unsupported):
         return recorded
     logs, resolution = recorded.logs, constants.encoder_resolution
