@@ -20,6 +20,7 @@ from bayesfric.logs.readers import read_log
 from bayesfric.logs.robot import robot_of
 from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
 from bayesfric.logs.table import Log, texts_of
+from bayesfric.recording.package import ForceIs
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
 MOST_RUNS = 10_000
@@ -126,14 +127,30 @@ def import_log(
 
 
 def _constants(what: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
+    if what.moving_mass is not None and len(joints) > 1:
+        expected = f"the mass of one joint, and {len(joints)} are imported: leave it out for all"
+        value = f"{what.moving_mass:g}"
+        raise InputError([Fault("the mapping", expected, column="moving_mass", value=value)])
     return RigConstants(
         rotary=what.rotary,
-        force_is=None if what.force is None else what.force.force_is,
-        encoder_resolution=what.encoder_resolution if len(joints) == 1 else None,
-        moving_mass_kg=what.moving_mass if len(joints) == 1 else None,
+        force_is=_force_is(what, joints),
+        encoder_resolution=what.encoder_resolution,
+        moving_mass_kg=what.moving_mass,
         other_joints=what.other_joints,
         robot=None if what.robot is None else robot_of(what.robot, folder, joints),
     )
+
+
+def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
+    """Return what the force of all joints is: a recording says it once."""
+    forces = {joint: what.of_joint(joint).get("force") for joint in joints}
+    of_joint = {joint: force.force_is for joint, force in forces.items() if force is not None}
+    kinds = [kind for kind in dict.fromkeys(of_joint.values()) if kind is not None]
+    if len(kinds) > 1:
+        expected = "one force_is for all joints of a recording: import those of another apart"
+        value = ", ".join(f"{joint}: {kind}" for joint, kind in of_joint.items())
+        raise InputError([Fault("the mapping", expected, column="force.force_is", value=value)])
+    return kinds[0] if kinds else None
 
 
 def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:

@@ -148,6 +148,8 @@ class Mapping(_Section):
     known_force: By the user's rigid-body model.
     joints: What is another for a joint: joints.elbow.force.sign.
     run: A column: each value of it is a run.
+    encoder_resolution: Of the position of each joint that is imported.
+    moving_mass: Of a joint that is imported alone.
     joint_column: A column that names the joint of each row, where all joints share the others.
     """
 

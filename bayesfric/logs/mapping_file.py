@@ -164,6 +164,12 @@ def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal
             else f"a force, since position is in {mapping.position.unit}, or 1/m as factor"
         )
         faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
+    if key == "position" and (signal.unit in ROTARY) != mapping.rotary:
+        expected = (
+            f"a unit as that of the other joints, {mapping.position.unit}: joints that turn and "
+            "joints that slide are recordings of their own"
+        )
+        faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
     if key == "command" and (signal.unit in ROTARY) != mapping.rotary:
         expected = f"a unit as that of the position, {mapping.position.unit}"
         faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))

@@ -106,6 +106,53 @@ def test_a_joint_may_have_a_sign_and_a_gear_of_its_own(tmp_path):
     assert np.array_equal(shoulder["force_n"], torque[:, 0])
 
 
+def of_all(folder, more="", top=""):
+    """All joints of the JSON log, with keys for the elbow, or at the top."""
+    text = top + MAPPINGS["json"].replace("[[runs]]", f"{more}[[runs]]")
+    return import_log(write(folder, "json"), "all", mapping=mapped(folder, text)).recording
+
+
+def test_what_is_declared_of_an_encoder_is_of_all_joints(tmp_path):
+    assert of_all(tmp_path, top="encoder_resolution = 1e-4\n").rig.encoder_resolution == 1e-4
+
+
+@pytest.mark.parametrize(
+    ("more", "top", "said"),
+    [
+        (
+            "",
+            "moving_mass = 2.5\n",
+            "moving_mass: found '2.5', expected the mass of one joint, and 2",
+        ),
+        (
+            '[joints.elbow.position]\nunit = "mm"\n',
+            "",
+            "joints.elbow.position.unit: found 'mm', expected a unit as that of the other joints",
+        ),
+        (
+            '[joints.elbow.force]\nforce_is = "link"\n',
+            "",
+            "force.force_is: found 'shoulder: motor, elbow: link', expected one force_is for all",
+        ),
+    ],
+)
+def test_what_cannot_be_of_all_joints_is_refused(tmp_path, more, top, said):
+    with pytest.raises(InputError, match=said):
+        of_all(tmp_path, more, top)
+
+
+def test_a_joint_alone_has_its_own_kind_of_force(tmp_path):
+    text = MAPPINGS["json"].replace("[[runs]]", '[joints.elbow]\nforce.force_is = "link"\n[[runs]]')
+    path = mapped(tmp_path, f"moving_mass = 2.5\n{text}")
+    rig = import_log(write(tmp_path, "json"), "elbow", mapping=path).recording.rig
+    assert rig.force_is == "link"
+    assert rig.moving_mass_kg == 2.5
+    assert (
+        import_log(tmp_path / "log.json", "shoulder", mapping=path).recording.rig.force_is
+        == "motor"
+    )
+
+
 def test_several_files_are_runs(tmp_path):
     _, position, _ = motion()
     files = []
