@@ -17,6 +17,7 @@ from bayesfric.logs.spelling import (
     QUANTITIES,
     SPELLINGS,
     is_unit,
+    kind_of_unit,
     unit_in_name,
     unit_of_text,
     words_of,
@@ -38,12 +39,20 @@ WHOLE_TURNS_RAD = 40.0  # beyond which a position is hardly in rad
 WORDS = {
     "time": r"time|timestamp|stamp|t|clock|sec|secs|seconds|micros|millis|us|ms|ns|epoch",
     "command": r"cmd|command|commanded|target|desired|des|ref|reference|setpoint|goal|action|sp",
-    "position": r"position|pos|q|angle|theta|qpos|encoder|enc|state|x|travel|ticks|deg|rad",
+    "position": r"position|pos|q|angle|theta|qpos|encoder|enc|state|travel|ticks|deg|rad",
     "velocity": r"velocity|vel|qd|dq|qdot|speed|omega|qvel|rpm",
-    "force": r"torque|tau|effort|force|current|trq|f|m|i|iq|amps|amp|volt|voltage|pwm|duty|load|nm",
+    "force": r"torque|tau|effort|force|trq|iq|amps|amp|volt|voltage|pwm|duty|nm",
     "temperature": r"temperature|temp",
 }
 """Words in names, by what a column that has them may be."""
+OF_MOTOR = r"current|load"
+"""Words for a force where none says otherwise: the current velocity is no current."""
+LETTERS = {"position": "x", "force": "f|m|i"}
+"""What counts where no word says anything."""
+OTHERS = r"acc|accel|acceleration|qdd|ddq|qddot|jerk|gyro|imu|id"
+"""Words of what no mapping has; id is the current that turns nothing."""
+RANK = {r"error|err|deviation|limit|lim|min|max": 2, WORDS["command"]: 1}
+"""Words by which a column of a kind stands behind others of that kind."""
 OF_UNITS = tuple(word for words in (*SPELLINGS.values(), *QUANTITIES.values()) for word in words)
 OF_ANY = r"joint|joints|motor|sensor|actual|act|measured|meas|feedback|fb|log|data|observation"
 """Words that are of no joint."""
@@ -163,10 +172,11 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
         shown += f" in the first {len(few):,}"
     if np.ptp(numbers) == 0:
         shown = f"{numbers[0]:.6g} throughout"
-    words = words_of(column)
     said = (log.units or {}).get(column, "").strip(" []()")
     clock = _clock_unit(numbers, column, said)
-    kind = _kind(words, clock is not None)
+    kind = _kind(column, clock is not None)
+    if kind is not None and _counts_rows(column, numbers):
+        return Belief(column, None, None, "it counts the rows", shown, rows)
     if kind == "time":
         tick, why = clock or ("s", "")
         return Belief(column, "time", tick, f"its name, and it increases; {why}", shown, rows)
@@ -208,7 +218,9 @@ def name_of_joint(column: str) -> str:
     number = re.search(r"(\d+)(?!.*\d)", column)
     if number:
         return number.group(1)
-    used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
+    used = "|".join(
+        (*WORDS.values(), OF_MOTOR, *LETTERS.values(), *map(re.escape, OF_UNITS), OF_ANY)
+    )
     unit = bracket is not None and is_unit(bracket.group(1))
     words = list(re.finditer(r"[^\W_]+", column[: bracket.start()] if bracket and unit else column))
     left = [at for at, word in enumerate(words) if not re.fullmatch(used, word.group().lower())]
@@ -217,22 +229,54 @@ def name_of_joint(column: str) -> str:
     return column[words[left[0]].start() : words[left[-1]].end()]
 
 
-def _kind(words: list[str], is_clock: bool) -> str | None:
-    """Return what the words of a name say: a command first, then what is behind in the name."""
+def rank_of(belief: Belief) -> int:
+    """Return how far behind others of its kind a column stands: a limit is no position."""
+    words = words_of(belief.column)
+    return sum(
+        rank
+        for pattern, rank in RANK.items()
+        if _has(words, pattern) and not (pattern == WORDS["command"] and belief.kind == "command")
+    )
+
+
+def _has(words: list[str], pattern: str) -> bool:
+    return any(re.fullmatch(pattern, word) for word in words)
+
+
+def _kind(column: str, is_clock: bool) -> str | None:
+    """Return what the words of a name say, those that can mean one thing alone before others."""
+    words = words_of(column)
     if is_clock:
         return "time"
-    matches = {
-        kind: place
-        for kind, pattern in WORDS.items()
-        for place, word in enumerate(words)
-        if re.fullmatch(pattern, word) and kind != "time"
-    }
-    if "force" in matches and "position" not in matches:
-        return "force"
-    if "velocity" in matches:
+    if _has(words, OTHERS):
+        return None
+    said = {kind for kind, pattern in WORDS.items() if _has(words, pattern)}
+    by_unit = kind_of_unit(column)
+    if "temperature" in said:
+        return "temperature"
+    if "velocity" in said or by_unit == "velocity":
         return "velocity"
-    order = ("command", "temperature", "position", "force")
-    return next((kind for kind in order if kind in matches), None)
+    if "position" in said:
+        return "command" if "command" in said else "position"
+    if "force" in said:
+        return "force"
+    is_of_motor = _has(words, OF_MOTOR) or by_unit == "force"
+    if "command" in said and (not is_of_motor or by_unit == "position"):
+        return "command"
+    if by_unit is not None:
+        return by_unit
+    if is_of_motor:
+        return "force"
+    return next((kind for kind, letters in LETTERS.items() if _has(words, letters)), None)
+
+
+def _counts_rows(column: str, numbers: Array) -> bool:
+    """Return whether a column whose name is a letter goes on by one from row to row."""
+    return (
+        len("".join(words_of(column))) == 1
+        and numbers.size > 1
+        and bool(np.all(np.diff(numbers) == 1))
+    )
 
 
 def _clock_unit(numbers: Array, column: str, said: str) -> tuple[str, str] | None:

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from bayesfric.logs.looking import Belief, believed, csv_form, name_of_joint
+from bayesfric.logs.looking import Belief, believed, csv_form, name_of_joint, rank_of
 from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, CsvForm
 from bayesfric.logs.readers import kind_of, read_log
 from bayesfric.logs.readers.csv import decoded
@@ -147,7 +147,7 @@ def _chosen(
     Joints are named where there are several, and so a pattern.
     """
     of_kind: dict[str, list[Belief]] = {}
-    for belief in beliefs:
+    for belief in sorted(beliefs, key=rank_of):
         if belief.kind is not None:
             of_kind.setdefault(belief.kind, []).append(belief)
     chosen: dict[str, tuple[Belief, str]] = {}

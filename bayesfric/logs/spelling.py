@@ -4,6 +4,8 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
+from bayesfric.logs.units import SLIDING, SPEEDS, STRAIGHT, TORQUES
+
 SPELLINGS = {
     "position": {
         "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "rad": "rad",
@@ -36,8 +38,11 @@ QUANTITIES = {
 """Words for quantities that go with a unit where no unit is written."""
 PREFIXES = ("da", *"kmguncdhp")
 """Of SI units; where no spelling has one, what a unit is cannot be said."""
+TELLING = {*TORQUES, *STRAIGHT, "A", "mA", *SPEEDS, *SLIDING, "rad", "mrad", "deg"}
+"""Units that say what a column is."""
 MOST_PARTS = 3  # of a unit
 BEFORE_CAPITAL = re.compile(r"(?<=[a-zµ])(?=[A-Z])")
+AXES = re.compile(r"\bi ([qd])\b")
 MULTIPLES = re.compile(r"[kmuµ](?=[A-Z])")
 
 
@@ -58,14 +63,17 @@ class Spelled:
 
 
 def words_of(name: str) -> list[str]:
-    """Return the words of a name, also of ``jointPos2`` and ``tau1``; a unit is never parted."""
+    """Return the words of a name, also of ``jointPos2`` and ``tau1``; a unit is never parted.
+
+    The currents of a motor's axes, ``i_q`` and ``i_d``, are a word each.
+    """
     words: list[str] = []
     for run in re.findall(r"[^\W\d_]+|[°%]", unicodedata.normalize("NFKC", name)):
         run = run.replace("\u03bc", "u")
         whole = run.lower()
         is_unit = any(_spelled(kind, whole) for kind in SPELLINGS)
         words += [whole] if is_unit else [word.lower() for word in BEFORE_CAPITAL.split(run)]
-    return words
+    return AXES.sub(r"i\1", " ".join(words)).split()
 
 
 def unit_of_text(kind: str, text: str) -> Spelled | None:
@@ -113,6 +121,23 @@ def unit_in_name(kind: str, name: str) -> Spelled | None:
         return Spelled(quantities[word], word)
     letter = next((word for word in reversed(words) if word in SPELLINGS[kind]), None)
     return None if letter is None else Spelled(SPELLINGS[kind][letter], letter)
+
+
+def kind_of_unit(name: str) -> str | None:
+    """Return of what kind the unit is that a name ends with, or has in brackets: the longest.
+
+    One of a letter is of no kind alone, nor is one of supplies and counters.
+    """
+    lengths: dict[str, int] = {}
+    for kind in ("velocity", "force", "position"):
+        brackets = re.findall(r"[\[(]([^\])]*)[\])]", name)
+        spelled = next(
+            filter(None, (unit_of_text(kind, text) for text in reversed(brackets))), None
+        )
+        spelled = spelled or _ends_with(kind, words_of(name), name)
+        if spelled is not None and len(spelled.text) > 1 and spelled.unit in TELLING:
+            lengths[kind] = len(words_of(spelled.text))
+    return max(lengths, key=lambda kind: lengths[kind], default=None)
 
 
 def _ends_with(kind: str, words: list[str], name: str) -> Spelled | None:
