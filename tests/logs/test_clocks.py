@@ -132,6 +132,16 @@ def test_a_clock_that_starts_anew_is_refused_with_its_row(tmp_path):
         imported(tmp_path, stamps)
 
 
+@pytest.mark.parametrize("restart_s", [2**32 * 1e-9, 2**16 * 1e-3])
+def test_a_log_in_seconds_that_starts_anew_is_no_counter(tmp_path, restart_s):
+    """It begins again at 0 where a counter of 32 bits of ns, or of 16 of ms, would."""
+    stamps = TIME + 0.0004
+    stamps[:250] += restart_s - stamps[249] - STEP_S / 2
+    stamps[250:] -= TIME[250]
+    with pytest.raises(InputError, match="row 252, t: expected a clock that runs on"):
+        imported(tmp_path, stamps.round(6))
+
+
 EPOCH = datetime(2026, 11, 1, 23, 59, 59, tzinfo=UTC)
 STAMPS = [EPOCH + timedelta(microseconds=round(1e6 * one)) for one in TIME]
 NANOSECONDS = [round(EPOCH.timestamp()) * 10**9 + 5_000_000 * row + row % 7 for row in range(ROWS)]
