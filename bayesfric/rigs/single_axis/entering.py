@@ -112,8 +112,7 @@ def entering(
     servo = servo_of(axis, constants)
     constants = constants if servo is None else servo.constants
     machine = machine_of(axis, constants)
-    without = without_a_difference(axis.samples)
-    recorded = without or _even_logs(axis, constants, machine if simulator is None else None)
+    recorded = _even_logs(axis, constants, machine if simulator is None else None)
     if isinstance(recorded, Unsupported):
         return recorded
     logs, resolution = recorded.logs, constants.encoder_resolution
@@ -217,7 +216,8 @@ def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> 
             moved.rows.append({**moved.runs[-1], "trial": str(name)})
     if not logs:
         return too_short(axis)
-    return without_force(logs) or too_little_motion(logs, constants.encoder_resolution) or moved
+    without = without_a_difference(axis.samples) or without_force(logs)
+    return without or too_little_motion(logs, constants.encoder_resolution) or moved
 
 
 def _within_limit(
