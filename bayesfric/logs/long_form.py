@@ -7,7 +7,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.mapping import JOINT, Mapping, Signal
-from bayesfric.logs.table import Cells, Log, texts_of
+from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 
 MOST_JOINTS = 200
 ALIKE = 0.9  # of times that have the same number of rows
@@ -28,13 +28,14 @@ def by_joint(log: Log, mapping: Mapping) -> Log:
     Raises
     ------
     InputError
-        There is no such column, or it has no names of joints.
+        There is no such column, or it has no names of joints, or a signal has no number in a row.
     """
     if mapping.joint_column is None:
         return log
     named = log.name_of(mapping.joint_column)
     if named is None:
         raise InputError([log.no_column(mapping.joint_column)])
+    _check_numbers(log, mapping)
     rows: dict[str, list[int]] = {}
     cells = texts_of(log.columns[named])
     for row, cell in enumerate(cells):
@@ -51,6 +52,17 @@ def by_joint(log: Log, mapping: Mapping) -> Log:
         units |= {_of(name, joint): unit for name, unit in (log.units or {}).items()}
     notes = (*log.notes, f"Rows are of the joints that {named} names: {', '.join(rows)}.")
     return Log(log.name, columns, log.first_row, notes, units or None)
+
+
+def _check_numbers(log: Log, mapping: Mapping) -> None:
+    """Refuse what is no number while rows still have the places that they have in the file."""
+    names = [log.name_of(signal.column) for signal in mapping.signals.values()]
+    faults: list[Fault] = []
+    for name in dict.fromkeys(names):
+        if name is not None:
+            numbers_of(log, name, faults)
+    if faults:
+        raise InputError(faults)
 
 
 def mapping_by_joint(mapping: Mapping, log: Log) -> Mapping:

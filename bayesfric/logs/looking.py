@@ -34,6 +34,7 @@ SINCE_1970 = (1e9, 4.2e9)  # seconds, from 2001 to 2103
 USUAL_S = (2e-4, 0.2)  # between samples of a joint: 5 Hz to 5 kHz
 MOST_JOINTS, LEAST_ROWS = 60, 3  # of a log with a row for each joint, and rows of each
 JOINT_WORDS = r"joint|jnt|motor|servo|actuator|axis|id|name|names|index"
+WHOLE_SHARE = 1.01  # of a PWM, rounded
 WHOLE_TURNS_RAD = 40.0  # beyond which a position is hardly in rad
 
 WORDS = {
@@ -313,6 +314,8 @@ def _unit(kind: str, column: str, said: str, numbers: Array) -> tuple[str | None
         who = "its name" if by_file is None else "the file"
         if spelled.unit is None:
             return None, f"{who} says {spelled.text}, whose prefix no unit of a mapping has"
+        if spelled.unit == "share" and np.abs(numbers).max() > WHOLE_SHARE:
+            return None, f"{spelled.text} beyond 1 is no share of the whole: %, or counts (raw)"
         return spelled.unit, f"{who} says {spelled.text}"
     if kind not in ("position", "command"):
         return None, "nothing says its unit"

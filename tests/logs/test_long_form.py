@@ -91,6 +91,15 @@ def test_joints_are_not_mixed(tmp_path, mapping, said):
         made(tmp_path, mapping, joint=None if "joint_column" not in mapping else "elbow")
 
 
+def test_a_cell_that_is_no_number_has_its_row_in_the_file(tmp_path):
+    log = long_log(tmp_path)
+    lines = log.read_text("utf-8").splitlines()
+    lines[7] += "x"  # row 8 of the file, and the fourth of the shoulder
+    log.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(InputError, match="row 8, effort: found"):
+        made(tmp_path, log=log)
+
+
 def test_two_readings_of_one_joint_at_a_time_are_no_two_joints(tmp_path):
     log = tmp_path / "log.csv"
     rows = "".join(f"{k // 2 / 100},a,{float(np.sin(k / 20))!r},1\n" for k in range(200))

@@ -235,6 +235,13 @@ def test_a_unit_is_proposed_with_its_prefix(tmp_path, name, key, unit):
     assert section["unit"] == unit
 
 
+@pytest.mark.parametrize(("size", "unit"), [(0.8, "share"), (80.0, "SAY")])
+def test_a_duty_beyond_1_is_no_share(tmp_path, size, unit):
+    duty = size * CURRENT / np.abs(CURRENT).max()
+    proposal = proposed(tmp_path, "t,q_rad,pwm\n" + table(",", TIME, ANGLE, duty))
+    assert tomllib.loads(proposal.toml)["force"]["unit"] == unit
+
+
 def test_a_row_of_units_has_its_prefix(tmp_path):
     head = "t,q,tau\ns,mrad,mNm\n"
     keys = tomllib.loads(proposed(tmp_path, head + table(",", TIME, ANGLE, CURRENT)).toml)
