@@ -109,6 +109,8 @@ def read_robot(
     compiled = _compiled(model, root, assets)
     if urdf and gravity_m_s2 is not None:
         compiled.opt.gravity[:] = 0.0, 0.0, -gravity_m_s2
+    elif _without_gravity(compiled):
+        compiled.opt.gravity[:] = 0.0
     return _with_joints(model, compiled, joints)
 
 
@@ -263,6 +265,13 @@ def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
     if faults:
         raise InputError(faults)
     return compiled
+
+
+def _without_gravity(compiled: Any) -> bool:
+    """Return whether a flag of the model switches gravity off."""
+    import mujoco
+
+    return bool(compiled.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY)
 
 
 def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:
