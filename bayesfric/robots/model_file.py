@@ -15,6 +15,7 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError, needs_extra, one_of
 from bayesfric.files import file_bytes
+from bayesfric.robots.simplifying import simplify_mjcf, simplify_urdf
 
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
 LARGEST_MESHES = 67_108_864  # bytes of all meshes together
@@ -27,8 +28,6 @@ REFUSED = {
     "flexcomp": "rigid links",
     "flex": "rigid links",
 }
-UNSEEN = {"texture", "material", "skin", "hfield", "visual", "keyframe", "sensor"}
-"""Elements of MJCF that move nothing."""
 HEAVIEST_KG = 1e4
 """Of one link: more is a mistake of units."""
 
@@ -88,7 +87,7 @@ def read_robot(
     joints : mapping of str to str
         Joint in the log to its name in the model.
     gravity_m_s2 : float or None
-        Local gravity, along −z, of a URDF, which states none; None is 9.81.
+        Local gravity, along −z, of a URDF that states none (in ``mujoco/option``); None is 9.81.
 
     Raises
     ------
@@ -101,16 +100,17 @@ def read_robot(
         expected = "a URDF model (<robot>) or an MJCF model (<mujoco>)"
         raise InputError([Fault(model, expected, value=f"<{root.tag}>")])
     if urdf:
-        _simplify_urdf(root)
+        simplify_urdf(model, root, joints.values())
         assets: dict[str, bytes] = {}
     else:
         root = _with_includes(folder, model, root)
-        assets = _simplify_mjcf(folder, model, root)
+        simplify_mjcf(model, root, joints.values())
+        assets = dict(_meshes(folder, model, root))
     compiled = _compiled(model, root, assets)
-    if urdf and gravity_m_s2 is not None:
-        compiled.opt.gravity[:] = 0.0, 0.0, -gravity_m_s2
-    elif _without_gravity(compiled):
+    if _without_gravity(compiled):
         compiled.opt.gravity[:] = 0.0
+    elif urdf and gravity_m_s2 is not None and not _states_gravity(root):
+        compiled.opt.gravity[:] = 0.0, 0.0, -gravity_m_s2
     return _with_joints(model, compiled, joints)
 
 
@@ -191,45 +191,12 @@ def _with_includes(folder: Path, model: str, root: ET.Element, depth: int = 0) -
     return root
 
 
-def _simplify_urdf(root: ET.Element) -> None:
-    """Drop what moves nothing: shapes, and settings for other programs."""
-    for link in root.iter("link"):
-        for child in [element for element in link if element.tag in ("visual", "collision")]:
-            link.remove(child)
-    for child in [
-        element for element in root if element.tag in ("gazebo", "transmission", "mujoco")
-    ]:
-        root.remove(child)
-
-
-def _simplify_mjcf(folder: Path, model: str, root: ET.Element) -> dict[str, bytes]:
-    """Drop what moves nothing, and return the meshes from which links have their mass."""
-    for parent in list(root.iter()):
-        for child in [element for element in parent if element.tag in UNSEEN]:
-            if not (child.tag == "visual" and parent.tag == "default"):
-                parent.remove(child)
-    for body in root.iter("body"):
-        if body.find("inertial") is not None:
-            for geom in body.findall("geom"):
-                body.remove(geom)
-    for geom in root.iter("geom"):
-        geom.attrib.pop("material", None)
-    for tag in ("actuator", "contact", "tendon", "equality"):
-        for element in root.findall(tag):
-            if tag == "equality" and len(element):
-                raise InputError(
-                    [Fault(model, "joints that move by themselves", value=f"<{element[0].tag}>")]
-                )
-            root.remove(element)
+def _meshes(folder: Path, model: str, root: ET.Element) -> Iterator[tuple[str, bytes]]:
+    """Yield the meshes of the shapes that are left, by name; drop the others."""
     used = {geom.get("mesh") for geom in root.iter("geom")} - {None}
-    return dict(_meshes(folder, model, root, {str(name) for name in used}))
-
-
-def _meshes(
-    folder: Path, model: str, root: ET.Element, used: set[str]
-) -> Iterator[tuple[str, bytes]]:
-    compiler = root.find("compiler")
-    below = "" if compiler is None else compiler.get("meshdir", compiler.get("assetdir", ""))
+    below = ""
+    for compiler in root.iter("compiler"):
+        below = compiler.get("meshdir", compiler.get("assetdir", below))
     left = LARGEST_MESHES
     for asset in root.iter("asset"):
         for mesh in list(asset.findall("mesh")):
@@ -272,6 +239,10 @@ def _without_gravity(compiled: Any) -> bool:
     import mujoco
 
     return bool(compiled.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+
+
+def _states_gravity(root: ET.Element) -> bool:
+    return any("gravity" in option.attrib for option in root.iter("option"))
 
 
 def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:

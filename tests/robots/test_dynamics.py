@@ -88,3 +88,17 @@ def test_gravity_that_a_flag_switches_off_pulls_at_nothing(tmp_path):
     mujoco.mj_forward(model, data)
     assert not data.qfrc_bias.any()
     assert pull == pytest.approx(0.0, abs=1e-12)
+
+
+def test_shapes_overrule_stated_masses_where_the_compiler_says_so(tmp_path):
+    """As MuJoCo compiles the user's file: a ball of 2 kg in place of the 7 kg that are stated."""
+    text = """<mujoco><compiler inertiafromgeom="true"/><worldbody><body name="rod">
+    <joint name="turn" axis="0 1 0"/><inertial pos="0 0 0" mass="7" diaginertia="1 1 1"/>
+    <geom type="sphere" size="0.1" pos="0.5 0 0" mass="2"/>
+    </body></worldbody></mujoco>"""
+    robot = read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"a": "turn"})
+    momentum, _ = RigidBodies(robot).momentum_and_pull(np.zeros((1, 1)), np.ones((1, 1)))
+    model = mujoco.MjModel.from_xml_string(text)
+    inertia = mass_matrix(model, mujoco.MjData(model), np.zeros(1))[0, 0]
+    assert inertia == pytest.approx(2 * (0.5**2 + 0.4 * 0.1**2), rel=1e-9)
+    assert momentum == pytest.approx(inertia, rel=1e-9)

@@ -99,3 +99,53 @@ def test_an_include_beside_a_model_in_a_folder_is_read_from_bytes():
     assert RigidBodies(robot).parameters[-1, 0] == pytest.approx(3.0)
     with pytest.raises(InputError, match="inside the folder"):
         robot_of_bytes("models/arm.xml", text.encode(), names, files={"../part.xml": part})
+
+
+TWO_FINGERS = """<robot name="hand"><link name="world"/>{links}
+<joint name="first" type="continuous"><parent link="world"/><child link="a"/><axis xyz="0 1 0"/>
+</joint><joint name="second" type="continuous"><parent link="world"/><child link="b"/>
+<axis xyz="0 1 0"/><mimic joint="first" multiplier="-1"/></joint>
+<joint name="third" type="continuous"><parent link="world"/><child link="c"/><axis xyz="0 1 0"/>
+</joint></robot>""".format(
+    links="".join(
+        f'<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" '
+        'ixz="0" iyz="0"/></inertial></link>'
+        for name in "abc"
+    )
+)
+
+
+@pytest.mark.parametrize("logged", ["first", "second"])
+def test_a_logged_joint_that_mimics_or_is_mimicked_is_refused(tmp_path, logged):
+    """MuJoCo ties the two with an equality, whose force no log has."""
+    mujoco = pytest.importorskip("mujoco")
+    assert mujoco.MjModel.from_xml_string(TWO_FINGERS).neq == 1
+    told = refused(tmp_path, TWO_FINGERS, {"a": logged}, "hand.urdf")
+    assert f"({logged} of the log is in it: leave it out of rig.robot.joints" in told
+    assert "<mimic>" in told
+
+
+def test_fingers_that_nobody_logged_may_mimic_each_other(tmp_path):
+    robot = read_robot(written(tmp_path, "hand.urdf", TWO_FINGERS), "hand.urdf", {"a": "third"})
+    assert robot.compiled.neq == 0
+    assert set(robot.held) == {"first", "second"}
+
+
+@pytest.mark.parametrize(
+    ("tie", "tied"),
+    [
+        ('<joint joint1="wrist" joint2="branch"/>', {"wrist", "branch"}),
+        ('<joint joint1="branch"/>', {"branch"}),
+        ('<joint joint1="branch" active="false"/>', set()),
+        ('<weld body1="hand"/>', {"turn", "slide", "swing", "wrist"}),
+        ('<connect body1="hand" body2="counterweight" anchor="0 0 0"/>', {"wrist", "branch"}),
+    ],
+    ids=["two joints", "one joint", "inactive", "to the world", "a loop"],
+)
+def test_an_equality_is_refused_where_a_logged_joint_is_in_it(tmp_path, tie, tied):
+    text = TREE.replace("</worldbody>", f"</worldbody><equality>{tie}</equality>")
+    for joint in ("turn", "slide", "swing", "wrist", "branch"):
+        if joint in tied:
+            assert "by themselves" in refused(tmp_path, text, {"a": joint})
+        else:
+            read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"a": joint})
