@@ -220,7 +220,7 @@ def _samples(delay: Enter, model: ModelText) -> str:
 
 
 def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
-    """Return what the file has no field for, and what a joint without an actuator loses."""
+    """Return what the file has no field for, and whether a delay has no actuator."""
     remarks = []
     simulator = {"mjcf": "mujoco", "urdf": "urdf", "sdf": "sdf"}[model.kind]
     for name, number in joint.numbers.items():
@@ -236,10 +236,9 @@ def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
         if field is not None and name not in WRITTEN[model.kind]:
             printed = by_error(number.value.mean, number.value.sd)
             remarks.append(f"{place}: not set: {name} {printed} {number.unit} ({field.field})")
-    driven = {"delay.time", "torque-saturation.limit"} & set(joint.numbers)
-    if driven and model.kind == "mjcf" and not model.actuators(place):
+    late = "delay.time" in joint.numbers
+    if late and model.kind == "mjcf" and not model.actuators(place):
         remarks.append(
-            f"{place}: {' and '.join(sorted(driven))} belong to an actuator of the joint, "
-            "and this file has none"
+            f"{place}: delay.time belongs to an actuator of the joint, and this file has none"
         )
     return remarks

@@ -68,7 +68,7 @@ _MASS = {
     URDF: "link/inertial/mass/@value",
 }
 _LIMIT = {
-    MUJOCO: "actuator/@forcerange, from minus to plus the value",
+    MUJOCO: "joint/@actuatorfrcrange, from minus to plus the value",
     ISAACLAB: "ActuatorBaseCfg.effort_limit_sim",
     USD: "drive:{axis}:physics:maxForce",
     NEWTON: "drive:{axis}:physics:maxForce",

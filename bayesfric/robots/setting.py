@@ -42,7 +42,7 @@ class JointValues:
     samples : str or None
         Commands that such a delay keeps.
     limit : str or None
-        Largest drive force or torque.
+        Largest drive force or torque at the joint, behind any gear.
     """
 
     frictionloss: str | None = None
@@ -154,9 +154,11 @@ class ModelText:
         own = _said(
             frictionloss=values.frictionloss, damping=values.damping, armature=values.armature
         )
+        if values.limit is not None:  # at the joint: an actuator's own lies before its gear
+            own |= {"actuatorfrcrange": f"-{values.limit} {values.limit}"}
+            own |= {"actuatorfrclimited": "true"}
         yield with_attributes(self.content, joint, own)
-        limits = None if values.limit is None else f"-{values.limit} {values.limit}"
-        driving = _said(delay=values.delay, nsample=values.samples, forcerange=limits)
+        driving = _said(delay=values.delay, nsample=values.samples)
         for actuator in self.actuators(joint.attributes["name"]) if driving else ():
             yield with_attributes(self.content, actuator, driving)
 

@@ -58,11 +58,28 @@ def test_a_tag_may_hold_a_sign_that_ends_one():
     assert b'user="a > b" armature="2.5"></joint>' in done.content
 
 
-def test_delay_and_limit_go_to_the_actuators_of_the_joint():
-    values = JointValues(delay="0.008", samples="6", limit="4.2")
+def test_a_delay_goes_to_the_actuators_of_the_joint():
+    values = JointValues(delay="0.008", samples="6")
     done = model_text(MJCF, "robot.xml").with_values({"shoulder": values}).content
-    motor = b'<motor name="m" joint="shoulder" delay="0.008" nsample="6" forcerange="-4.2 4.2"/>'
+    motor = b'<motor name="m" joint="shoulder" delay="0.008" nsample="6"/>'
     assert motor in done
+
+
+@pytest.mark.parametrize("autolimits", ["true", "false"])
+def test_a_limit_is_one_of_the_joint_whatever_the_gear(autolimits):
+    """A motor with a gear of 50, asked for 500 N·m, gives the 4.2 N·m that were found."""
+    mujoco = pytest.importorskip("mujoco")
+    geared = MJCF.replace(b'joint="shoulder"/>', b'joint="shoulder" gear="50"/>')
+    geared = geared.replace(b' user="a > b"', b"").replace(
+        b"<default>", f'<compiler autolimits="{autolimits}"/><default>'.encode()
+    )
+    geared = geared.replace(b' range="-90 90"', b"").replace(b'range="-90 90"', b"")
+    done = model_text(geared, "robot.xml").with_values({"shoulder": JointValues(limit="4.2")})
+    compiled = mujoco.MjModel.from_xml_string(done.content.decode())
+    data = mujoco.MjData(compiled)
+    data.ctrl[0] = 10.0
+    mujoco.mj_forward(compiled, data)
+    assert data.qfrc_actuator[0] == pytest.approx(4.2)
 
 
 def test_urdf_has_dynamics_that_were_there_and_that_were_not():
