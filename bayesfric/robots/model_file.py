@@ -28,6 +28,11 @@ REFUSED = {
     "flexcomp": "rigid links",
     "flex": "rigid links",
 }
+SET_ASIDE = (
+    *("dof_damping", "dof_dampingpoly", "dof_frictionloss", "dof_armature"),
+    *("jnt_stiffness", "jnt_stiffnesspoly"),
+)
+"""What a compiled model has of its joints beside rigid bodies; polynomials since MuJoCo 3.5."""
 HEAVIEST_KG = 1e4
 """Of one link: more is a mistake of units."""
 
@@ -40,12 +45,18 @@ class JointSettings:
     ----------
     damping, frictionloss, armature, stiffness : float
         As written in the model; SI units of the joint.
+    drag : tuple of float
+        Of its damping the factors of the square and the cube of speed.
+    spring_rest : float
+        Where its spring is at rest [rad or m].
     """
 
     damping: float
     frictionloss: float
     armature: float
     stiffness: float
+    drag: tuple[float, float] = (0.0, 0.0)
+    spring_rest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -268,15 +279,22 @@ def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:
     places = tuple(names.index(name) for name in joints.values())
     dofs = [int(compiled.jnt_dofadr[place]) for place in places]
     settings = tuple(
-        JointSettings(
-            float(np.ravel(compiled.dof_damping[dof])[0]),
-            float(compiled.dof_frictionloss[dof]),
-            float(compiled.dof_armature[dof]),
-            float(np.ravel(compiled.jnt_stiffness[place])[0]),
-        )
-        for place, dof in zip(places, dofs, strict=True)
+        _settings(compiled, place, dof) for place, dof in zip(places, dofs, strict=True)
     )
-    for array in ("dof_damping", "dof_frictionloss", "dof_armature", "jnt_stiffness"):
-        getattr(compiled, array)[:] = 0.0
+    for array in SET_ASIDE:
+        if hasattr(compiled, array):
+            getattr(compiled, array)[:] = 0.0
     held = tuple(name for place, name in enumerate(names) if place not in places)
     return Robot(compiled, tuple(joints), places, held, settings)
+
+
+def _settings(compiled: Any, place: int, dof: int) -> JointSettings:
+    drag = compiled.dof_dampingpoly[dof] if hasattr(compiled, "dof_dampingpoly") else (0.0, 0.0)
+    return JointSettings(
+        damping=float(np.ravel(compiled.dof_damping[dof])[0]),
+        frictionloss=float(compiled.dof_frictionloss[dof]),
+        armature=float(compiled.dof_armature[dof]),
+        stiffness=float(np.ravel(compiled.jnt_stiffness[place])[0]),
+        drag=(float(drag[0]), float(drag[1])),
+        spring_rest=float(compiled.qpos_spring[compiled.jnt_qposadr[place]]),
+    )

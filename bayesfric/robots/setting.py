@@ -120,6 +120,43 @@ class ModelText:
             if element.attributes.get("joint") == joint
         ]
 
+    def written(self, joint: str) -> dict[str, str]:
+        """Return damping and Coulomb friction as the file has them at a joint itself.
+
+        Parameters
+        ----------
+        joint : str
+            Its name in the file.
+
+        Returns
+        -------
+        dict of str to str
+            ``damping``, ``friction`` and ``armature``; without those that it does not say.
+        """
+        element = self.joint(joint)
+        if self.kind == "mjcf":
+            own = {
+                name: element.attributes.get(field)
+                for name, field in (
+                    ("damping", "damping"),
+                    ("friction", "frictionloss"),
+                    ("armature", "armature"),
+                )
+            }
+            return _said(**own)
+        above: Element | None = element if self.kind == "urdf" else element.child("axis")
+        dynamics = None if above is None else above.child("dynamics")
+        if dynamics is None:
+            return {}
+        if self.kind == "urdf":
+            own = {name: dynamics.attributes.get(name) for name in ("damping", "friction")}
+        else:
+            texts = {
+                child.tag: self.content[child.opened : child.closed] for child in dynamics.children
+            }
+            own = {name: texts[name].decode() for name in ("damping", "friction") if name in texts}
+        return _said(**own)
+
     def with_values(self, values: Mapping[str, JointValues]) -> "ModelText":
         """Return it with the fields of joints set.
 

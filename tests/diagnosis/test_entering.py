@@ -110,7 +110,8 @@ def test_mujoco_compiles_every_field_that_is_named_of_it():
     mujoco = pytest.importorskip("mujoco")
     compiled = mujoco.MjModel.from_xml_string(
         """<mujoco><worldbody><body><joint name="a" axis="0 0 1" frictionloss="0.3"
-        damping="0.1 0.02 0.003" armature="0.04" actuatorfrcrange="-3 3" stiffness="5" springref="0.2"/>
+        damping="0.1 0.02 0.003" armature="0.04" actuatorfrcrange="-3 3" stiffness="5"
+        springref="0.2"/>
         <geom size=".1" mass="1"/></body></worldbody><actuator>
         <motor joint="a" delay="0.01" nsample="6"/></actuator></mujoco>"""
     )
