@@ -240,7 +240,10 @@ def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
         field = number.fields.get(simulator)
         if field is not None and name not in WRITTEN[model.kind]:
             printed = by_error(number.value.mean, number.value.sd)
-            remarks.append(f"{place}: not set: {name} {printed} {number.unit} ({field.field})")
+            times = "" if field.factor == 1 else f" × {field.factor:.6g}"
+            remarks.append(
+                f"{place}: not set: {name} {printed} {number.unit}{times} ({field.field})"
+            )
     late = "delay.time" in joint.numbers
     if late and model.kind == "mjcf" and not model.actuators(place):
         remarks.append(

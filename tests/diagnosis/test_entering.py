@@ -76,12 +76,29 @@ def test_what_a_simulator_lacks_is_told_in_force(found):
         ("coulomb", "sdf", "joint/axis/dynamics/friction", 1.0),
         ("torque-saturation.limit", "mujoco", "joint/@actuatorfrcrange", 1.0),
         ("delay.time", "mujoco", "actuator/@delay", 1.0),
+        ("spring.rest", "mujoco", "joint/@springref, in degrees (with compiler", 180 / math.pi),
+        ("spring.rest", "sdf", "joint/axis/dynamics/spring_reference", 1.0),
     ],
 )
 def test_fields_of_a_joint_that_turns(parameter, simulator, field, factor):
     entry = fields_of(parameter, turns=True)[simulator]
     assert entry.field.startswith(field)
     assert entry.factor == factor
+
+
+@pytest.mark.parametrize(("angle", "joint"), [("", "hinge"), ("radian", "hinge"), ("", "slide")])
+def test_a_spring_rests_in_mujoco_where_it_was_found(angle, joint):
+    """At 0.2 rad, or 0.2 m, by the factor that is told; the compiler may count in radians."""
+    mujoco = pytest.importorskip("mujoco")
+    entry = fields_of("spring.rest", turns=joint == "hinge")["mujoco"]
+    factor = 1.0 if angle else entry.factor
+    compiled = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><compiler angle="{angle or "degree"}"/><worldbody><body>
+        <joint type="{joint}" stiffness="5" springref="{0.2 * factor!r}"/>
+        <geom size=".1" mass="1"/></body></worldbody></mujoco>"""
+    )
+    assert compiled.qpos_spring[0] == pytest.approx(0.2, rel=1e-12)
+    assert ("radian" in entry.field) == (joint == "hinge")
 
 
 @pytest.mark.parametrize(
