@@ -15,7 +15,7 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError, needs_extra, one_of
 from bayesfric.files import file_bytes
-from bayesfric.robots.simplifying import simplify_mjcf, simplify_urdf
+from bayesfric.robots.simplifying import drop_for_others, simplify_mjcf, simplify_urdf
 
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
 LARGEST_MESHES = 67_108_864  # bytes of all meshes together
@@ -180,6 +180,7 @@ def _parsed(folder: Path, model: str, name: str) -> ET.Element:
         root = ET.fromstring(data)
     except (ET.ParseError, ValueError, LookupError) as error:  # LookupError: an unknown encoding
         raise InputError([Fault(name, f"XML that parses ({error})")]) from error
+    drop_for_others(root)
     for element in root.iter():
         if element.tag in REFUSED:
             raise InputError([Fault(name, REFUSED[element.tag], value=f"<{element.tag}>")])
@@ -232,10 +233,11 @@ def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
         why = " ".join(str(error).split())
         raise InputError([Fault(model, f"a model that MuJoCo compiles ({why})")]) from error
     faults = []
+    # A frame that is fixed to a link, as of a tool, needs no mass: the link has it.
+    together = np.bincount(compiled.body_weldid, compiled.body_mass, compiled.nbody)
     for body in range(1, compiled.nbody):
         name, mass = compiled.body(body).name or f"body {body}", float(compiled.body_mass[body])
-        moves = compiled.body_weldid[body] != 0
-        if moves and mass <= 0:
+        if compiled.body_weldid[body] == body and together[body] <= 0:
             faults.append(Fault(model, "a link that moves to have a mass", column=name, value="0"))
         if mass > HEAVIEST_KG:
             expected = f"a mass in kg, at most {HEAVIEST_KG:g} (grams?)"

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.robots.mjcf_defaults import with_default
 from bayesfric.robots.xml_text import (
     Edit,
     Element,
@@ -177,7 +178,9 @@ class ModelText:
         return replace(self, content=content, root=elements_of(content, self.name))
 
     def _type(self, joint: Element) -> str:
-        return joint.attributes.get("type", "hinge" if self.kind == "mjcf" else "")
+        if self.kind == "mjcf":
+            return with_default(self.root, joint, "type") or "hinge"
+        return joint.attributes.get("type", "")
 
     def _edits(self, joint: Element, values: JointValues) -> Iterator[Edit]:
         if self.kind == "mjcf":

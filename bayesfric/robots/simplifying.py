@@ -18,6 +18,18 @@ OF_OTHERS = {"gazebo", "transmission", "ros2_control"}
 READ_BY_MUJOCO = {"compiler", "option"}
 
 
+def drop_for_others(root: Element) -> None:
+    """Drop from URDF what other programs read, their plugins among it.
+
+    Parameters
+    ----------
+    root : Element
+        Changed in place; MJCF stays as it is.
+    """
+    if root.tag == "robot":
+        _remove(root, OF_OTHERS)
+
+
 def simplify_urdf(model: str, root: Element, logged: Collection[str]) -> None:
     """Drop from URDF what moves nothing.
 
@@ -40,7 +52,6 @@ def simplify_urdf(model: str, root: Element, logged: Collection[str]) -> None:
         _remove(link, {"visual", "collision"})
     for joint in root.iter("joint"):
         _remove(joint, {"mimic"})
-    _remove(root, OF_OTHERS)
     for extension in root.findall("mujoco"):
         _remove(extension, {child.tag for child in extension} - READ_BY_MUJOCO)
 

@@ -1,9 +1,12 @@
 """A model file is input like any other: one clear fault, and nothing outside its folder."""
 
+import numpy as np
 import pytest
 from robots.arms import TREE, written
 
 from bayesfric.errors import InputError
+from bayesfric.recording.robot_file import files_of_model
+from bayesfric.recording.tables import Robot as RecordedRobot
 from bayesfric.robots import RigidBodies, read_robot, robot_of_bytes
 
 pytest.importorskip("mujoco")
@@ -99,6 +102,85 @@ def test_an_include_beside_a_model_in_a_folder_is_read_from_bytes():
     assert RigidBodies(robot).parameters[-1, 0] == pytest.approx(3.0)
     with pytest.raises(InputError, match="inside the folder"):
         robot_of_bytes("models/arm.xml", text.encode(), names, files={"../part.xml": part})
+
+
+ROD = """<robot name="arm"><link name="world"/><link name="rod"><inertial>
+<mass value="1"/><inertia ixx="{ixx}" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="turn" type="continuous"><parent link="world"/><child link="rod"/>
+<axis xyz="0 1 0"/></joint>{further}</robot>"""
+
+
+@pytest.mark.parametrize(
+    "further",
+    [
+        '<gazebo><plugin filename="libgazebo_ros2_control.so" name="control"/></gazebo>',
+        '<ros2_control name="a" type="system"><hardware><plugin>mock/System</plugin></hardware>'
+        '<joint name="turn"/></ros2_control>',
+    ],
+    ids=["gazebo", "ros2_control"],
+)
+def test_what_a_urdf_says_to_other_programs_is_left_out(tmp_path, further):
+    text = ROD.format(ixx=1, further=further)
+    robot = read_robot(written(tmp_path, "arm.urdf", text), "arm.urdf", {"a": "turn"})
+    assert RigidBodies(robot).parameters[:, 0] == pytest.approx([1.0])
+
+
+def test_a_urdf_may_tell_the_compiler_to_balance_inertias(tmp_path):
+    """5, 1, 1 are no body's: MuJoCo takes their mean of each, 7/3."""
+    balanced = '<mujoco><compiler balanceinertia="true"/><size/></mujoco>'
+    text = ROD.format(ixx=5, further=balanced)
+    robot = read_robot(written(tmp_path, "arm.urdf", text), "arm.urdf", {"a": "turn"})
+    assert RigidBodies(robot).parameters[0, 4:7] == pytest.approx(7 / 3)
+    assert "balanceinertia" in refused(tmp_path, ROD.format(ixx=5, further=""), name="arm.urdf")
+
+
+def test_a_urdf_may_switch_gravity_off_or_state_its_own(tmp_path):
+    for option, down in (('<flag gravity="disable"/>', 0.0), ("", -3.0)):
+        further = f'<mujoco><option gravity="0 0 -3">{option}</option></mujoco>'
+        text = ROD.format(ixx=1, further=further)
+        folder = written(tmp_path, "arm.urdf", text)
+        robot = read_robot(folder, "arm.urdf", {"a": "turn"}, gravity_m_s2=9.8)
+        assert robot.compiled.opt.gravity[2] == down
+
+
+def test_a_frame_that_is_fixed_to_a_link_needs_no_mass(tmp_path):
+    """MuJoCo compiles both; a link of nothing but a massless frame it does not."""
+    framed = TREE.replace('mass="0.8"/>', 'mass="0.8"/><body name="tcp" pos="0.1 0 0"/>')
+    robot = read_robot(written(tmp_path, "arm.xml", framed), "arm.xml", {"a": "wrist"})
+    bare = read_robot(written(tmp_path, "arm.xml", TREE), "arm.xml", {"a": "wrist"})
+    at = np.array([[0.3]]), np.array([[0.7]])
+    found, expected = (RigidBodies(own).momentum_and_pull(*at) for own in (robot, bare))
+    assert np.array(found) == pytest.approx(np.array(expected), rel=1e-12)
+    carried = TREE.replace(
+        '<geom type="box" size="0.02 0.05 0.1" pos="0.1 0.05 0" mass="0.8"/>',
+        '<body><geom type="box" size="0.02 0.05 0.1" pos="0.1 0.05 0" mass="0.8"/></body>',
+    )
+    robot = read_robot(written(tmp_path, "arm.xml", carried), "arm.xml", {"a": "wrist"})
+    found = RigidBodies(robot).momentum_and_pull(*at)
+    assert np.array(found) == pytest.approx(np.array(expected), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "seen",
+    [
+        '<site name="s" material="steel"/>',
+        '<geom type="hfield" hfield="ground"/>',
+        '<geom type="mesh" mesh="table"/>',
+        '<frame><geom type="mesh" mesh="table"/></frame>',
+        '<light type="image" texture="sky"/>',
+    ],
+    ids=["site", "height field", "mesh of the world", "mesh in a frame", "light"],
+)
+def test_what_is_only_looked_at_is_left_out_with_its_files(tmp_path, seen):
+    assets = """<asset><material name="steel"/><mesh name="table" file="table.stl"/>
+    <hfield name="ground" file="ground.png" size="1 1 1 1"/>
+    <texture name="sky" type="skybox" file="sky.png"/></asset><worldbody>"""
+    text = TREE.replace("<worldbody>", assets + seen)
+    robot = read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"a": "wrist"})
+    assert robot.compiled.nmesh == robot.compiled.nhfield == 0
+    assert not files_of_model(
+        RecordedRobot("arm.xml", {"a": "wrist"}, text.encode()), (tmp_path / "no").open
+    )
 
 
 TWO_FINGERS = """<robot name="hand"><link name="world"/>{links}

@@ -53,6 +53,22 @@ def test_mjcf_has_the_numbers_and_all_else_byte_for_byte():
     assert not model.turns("elbow")
 
 
+CLASSES = """<mujoco><default><joint damping="1"/><default class="rail"><joint type="slide"/>
+<default class="far"><joint damping="2"/></default><default class="pin"><joint type="hinge"/>
+</default></default></default><worldbody><body name="b" childclass="{childclass}">
+<joint name="j" axis="0 0 1"{own}/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("childclass", ["main", "rail", "far", "pin"])
+@pytest.mark.parametrize("own", ["", ' class="rail"', ' class="pin"', ' type="hinge"'])
+def test_a_joint_has_its_type_from_its_class_as_mujoco_has_it(childclass, own):
+    mujoco = pytest.importorskip("mujoco")
+    text = CLASSES.format(childclass=childclass, own=own)
+    compiled = mujoco.MjModel.from_xml_string(text)
+    turns = compiled.jnt_type[0] == mujoco.mjtJoint.mjJNT_HINGE
+    assert model_text(text.encode(), "robot.xml").turns("j") == turns
+
+
 def test_a_tag_may_hold_a_sign_that_ends_one():
     done = model_text(MJCF, "robot.xml").with_values({"elbow": JointValues(armature="2.5")})
     assert b'user="a > b" armature="2.5"></joint>' in done.content
