@@ -183,6 +183,35 @@ def test_what_is_only_looked_at_is_left_out_with_its_files(tmp_path, seen):
     )
 
 
+@pytest.mark.parametrize(
+    ("compiler", "inertial", "needed"),
+    [
+        ("", "", True),
+        ("", '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', False),
+        (
+            '<compiler inertiafromgeom="true"/>',
+            '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>',
+            True,
+        ),
+    ],
+    ids=["no mass", "a mass", "a mass that shapes overrule"],
+)
+def test_a_mesh_in_a_frame_is_read_where_a_link_has_its_mass_from_it(
+    tmp_path, compiler, inertial, needed
+):
+    """A tetrahedron of 1/6 m³ at the density of water; its file is one of the recording."""
+    text = f"""<mujoco>{compiler}<asset><mesh name="m" file="m.obj"/></asset><worldbody><body>
+    <joint name="turn" axis="0 1 0"/>{inertial}<frame><geom type="mesh" mesh="m"/></frame></body>
+    </worldbody></mujoco>"""
+    mesh = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    log = RecordedRobot("arm.xml", {"a": "turn"}, text.encode())
+    files = files_of_model(log, {"m.obj": mesh}.__getitem__)
+    assert set(files) == ({"m.obj"} if needed else set())
+    robot = robot_of_bytes("arm.xml", text.encode(), {"a": "turn"}, files=files)
+    mass = RigidBodies(robot).parameters[0, 0]
+    assert mass == pytest.approx(1000 / 6 if needed else 1.0, rel=1e-6)
+
+
 TWO_FINGERS = """<robot name="hand"><link name="world"/>{links}
 <joint name="first" type="continuous"><parent link="world"/><child link="a"/><axis xyz="0 1 0"/>
 </joint><joint name="second" type="continuous"><parent link="world"/><child link="b"/>
