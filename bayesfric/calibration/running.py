@@ -178,7 +178,7 @@ def calibration_of(
         quantities=tuple(quantities),
         stalled_share=stalled,
         r_hat=r_hat,
-        calibrated=not outside and stalled <= MOST_STALLED,
+        calibrated=not outside and stalled <= MOST_STALLED and r_hat <= LARGEST_R_HAT,
         attention=tuple(attention),
         cases=tuple(read),
     )

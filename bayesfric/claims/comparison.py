@@ -77,6 +77,9 @@ def _against_rivals(
     elpd_errors = predicted.elpd / predicted.se if predicted.se > 0 else 0.0
     stable = _over_width(curve)
     verdict, reason = decide(rules, log10, stable, bound, beyond, elpd_errors, best.label)
+    if verdict == "refuted" and not predicted.reliable:
+        why = "; ".join(predicted.unreliable)
+        reason += f" The error of that prediction is itself not reliable: {why}."
     verdicts = verdicts_over_widths(case, weighed, curve, elpd_errors)
     if lacking:
         verdicts = ["undecided" if of_width == "supported" else of_width for of_width in verdicts]

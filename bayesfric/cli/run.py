@@ -107,20 +107,17 @@ def run_into(
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile
 
-    common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
+    asked: dict[str, Any] = {"rigs": rigs, "baseline": baseline}
     spoken: dict[str, Any] = {"quiet": quiet, "verbose": verbose}
     stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
     diagnosing = partial(diagnosed, recording, output, analysis, baseline=baseline)
     begun = executor.submit(diagnosing) if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
-        "fit", lambda: fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
+        "fit", lambda: fit_into([recording], output, analysis, loops=loops, quiet=quiet, **asked)
     )
     happened |= stages.after(
-        "claims",
-        lambda: claims_into(
-            recording, output, analysis, executor, rigs=rigs, verbose=verbose, **common
-        ),
+        "claims", lambda: claims_into(recording, output, analysis, executor, **asked, **spoken)
     )
     if junit is not None:  # whether the claims were judged now or before
         write_junit(read_json(ClaimsFile, output / "claims.json"), junit)
@@ -143,8 +140,7 @@ def run_into(
     if stages.computed:
         _add_timings(output / TIMINGS, stages)
     elif not quiet:
-        anew = f"to compute all anew, empty {output} or name another -o"
-        say(f"nothing has changed: {anew}", err=True)
+        say(f"nothing has changed: to compute again, empty {output} or name another -o", err=True)
     return happened
 
 

@@ -63,7 +63,7 @@ class CalibrationFile(Record):
     quantities: Everything that is ranked.
     stalled_share: Of the trials; below 0.01 the prior is one of moving boards.
     r_hat: The largest of all fits.
-    calibrated: Every quantity is inside its band, and boards move.
+    calibrated: Every quantity is inside its band, boards move, and fits converged.
     attention: What a reader must know.
     cases: In the order of the campaign.
     """

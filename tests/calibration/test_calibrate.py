@@ -112,6 +112,23 @@ def test_fail_on_uncalibrated(tmp_path, monkeypatch, quick_cases):
     assert "tau are not uniform" in said
 
 
+def test_fits_that_have_not_converged_calibrate_nothing(tmp_path, monkeypatch, quick_cases):
+    """Ranks that are uniform are none of the posterior, where R-hat is 1.2."""
+
+    def unmixed(given):
+        return {
+            "ranks": {"tau": (37 * given.number) % 100},
+            "r_hat": 1.2,
+            "stalled": 0,
+            "trials": 4,
+        }
+
+    monkeypatch.setattr("bayesfric.calibration.running.run_case", unmixed)
+    arguments = ["calibrate", "-o", str(tmp_path), "--n", "60", "--fail-on", "uncalibrated"]
+    assert CliRunner().invoke(app, arguments).exit_code == 1
+    assert not json.loads((tmp_path / "calibration.json").read_text())["calibrated"]
+
+
 def test_one_case_ranks_every_quantity():
     """A whole case, cheaply: each rank is one, and the truth is the one that was drawn."""
     rules = CalibrationRules(

@@ -31,6 +31,7 @@ from bayesfric.blind.engines.reference import Withheld
 from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
+from bayesfric.errors import InputError
 
 FINGERPRINT = ("effects", "likelihood.axis", "diagnosis.axis", "whole.axis")
 BASES = {"joints": 25000, "arms": 26000, "servos": 27000, "ladder": 28000}
@@ -146,7 +147,11 @@ PARTS = {"joints": joint, "arms": arm, "servos": servo, "ladder": rung}
 def case(given):
     """Play one case: of a part, at a place, from a seed on."""
     part, place, base = given
-    return {"part": part, "place": place} | PARTS[part](place, base)
+    row = {"part": part, "place": place}
+    try:
+        return row | PARTS[part](place, base)
+    except InputError as error:  # a machine that ran away: no joint moves by thousands of turns
+        return row | {"refused": str(error)}
 
 
 def cases(part, first=0, last=NUMBER, base=None):
@@ -258,8 +263,12 @@ FIGURES = {"joints": of_joints, "arms": of_arms, "servos": of_servos, "ladder": 
 
 def figures(done):
     """Return the figures of each part of which there is a case."""
-    of_part = {part: [row for row in done if row["part"] == part] for part in PARTS}
-    return {part: FIGURES[part](rows) for part, rows in of_part.items() if rows}
+    played = [row for row in done if "refused" not in row]
+    of_part = {part: [row for row in played if row["part"] == part] for part in PARTS}
+    refused = {f"{row['part']} {row['place']}": row["refused"] for row in done if "refused" in row}
+    return {part: FIGURES[part](rows) for part, rows in of_part.items() if rows} | {
+        "refused": refused
+    }
 
 
 def gathered(done):

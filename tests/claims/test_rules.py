@@ -215,6 +215,8 @@ def test_without_a_board_friction_at_constant_speed_is_judged(effects, verdict):
     (found,) = check_claims(recording, only=["linear-in-tension"]).summary.claims
     assert found.verdict == verdict
     assert found.reason.endswith(" Judged on points of the bench, at constant speed.")
+    warned = "The error of that prediction is itself not reliable" in found.reason
+    assert warned == (verdict == "refuted" and not found.figures["elpd_reliable"])
 
 
 @pytest.mark.parametrize(

@@ -168,7 +168,7 @@ def test_the_diagnosis_begins_before_the_fit_and_not_where_it_is_done(
             future.set_result(SimpleNamespace(seconds=7.0))
             return future
 
-    def diagnose_into(output, diagnosis, *, quiet):
+    def diagnose_into(output, diagnosis, *, quiet, verbose):
         (output / "diagnosis.json").write_text(str(diagnosis()))
         return set()
 

@@ -25,7 +25,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, spikes
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import Limit, within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
-from bayesfric.rigs.single_axis.on_time import margin_s, on_time
+from bayesfric.rigs.single_axis.on_time import OnTime, margin_s, on_time
 from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.readings import (
     LEVER,
@@ -82,6 +82,16 @@ class _Logs(NamedTuple):
     still: list[str]
 
 
+def _on_time(
+    logs: Sequence[EvenLog], constants: RigConstants, interval_s: float, servo: Servo | None
+) -> OnTime:
+    """Return logs whose force stands where it acts; a servo's log has its delay in it already."""
+    if servo is not None:
+        return OnTime(tuple(logs))
+    margin = AXIS_RULES.early * margin_s(interval_s)
+    return on_time(logs, constants.encoder_resolution, margin)
+
+
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> Entering | Unsupported:
@@ -106,19 +116,17 @@ def entering(
         return recorded
     logs, resolution = recorded.logs, constants.encoder_resolution
     interval = float(np.median([log.interval_s for log in logs]))
-    late_s = 0.0
-    if servo is None:  # what a servo is late by is in its log already
-        clocked = on_time(logs, resolution, AXIS_RULES.early * margin_s(interval))
-        if clocked.why_refused is not None:
-            return Unsupported(clocked.why_refused)
-        logs, late_s = list(clocked.logs), clocked.late_s
-    logs, limited, dither = _within_limit(logs, recorded.starts, constants, calm=servo is None)
+    clocked = _on_time(logs, constants, interval, servo)
+    if clocked.why_refused is not None:
+        return Unsupported(clocked.why_refused)
+    logs, limited, dither = _within_limit(
+        list(clocked.logs), recorded.starts, constants, calm=servo is None
+    )
     too_few = refused_for_few_windows(None if limited is None else limited[0])
     if limited is None or too_few is not None:
         return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = limited
-    if servo is not None:
-        readings = with_open_stiffness(with_open_delay(readings), servo)
+    readings = readings if servo is None else with_open_stiffness(with_open_delay(readings), servo)
     table = pd.DataFrame(recorded.rows).assign(**NO_CABLE)
     measures = measures_of(readings, logs, constants, limit)
     if servo is not None and readings.beside.shape[1]:
@@ -146,7 +154,7 @@ def entering(
         beside,
         turns,
         machine,
-        late_s,
+        clocked.late_s,
         dither,
         servo,
         constants,
