@@ -192,8 +192,8 @@ def _robot(recording: Recording) -> Robot:
 
 
 def _proposed(joint: ExportedJoint, own: SimulatedJoint) -> SimulatedJoint:
-    def value(name: str, otherwise: float) -> float:
-        return max(joint.numbers[name].value.mean, 0.0) if name in joint.numbers else otherwise
+    def value(name: str, otherwise: float, least: float = 0.0) -> float:
+        return max(joint.numbers[name].value.mean, least) if name in joint.numbers else otherwise
 
     powers = ("viscous", "air-drag.coefficient", "cubic-drag.coefficient")
     damping = tuple(value(name, old) for name, old in zip(powers, own.damping, strict=True))
@@ -202,9 +202,7 @@ def _proposed(joint: ExportedJoint, own: SimulatedJoint) -> SimulatedJoint:
         armature=value(joint.inertia or "", own.armature),
         damping=(damping[0], damping[1], damping[2]),
         stiffness=value("spring.stiffness", own.stiffness),
-        spring_rest=joint.numbers["spring.rest"].value.mean
-        if "spring.rest" in joint.numbers
-        else own.spring_rest,
+        spring_rest=value("spring.rest", own.spring_rest, -np.inf),
     )
 
 

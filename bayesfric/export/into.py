@@ -199,9 +199,9 @@ def _values(
 
     damping = text("viscous")
     if model.kind == "mjcf":
-        found = {name: text(name) for name in POWERS[1:]} | {POWERS[0]: damping}
-        told = {name: value for name, value in found.items() if value is not None}
-        damping = damping_terms(told, own, place, remarks)
+        terms = {name: text(name) for name in POWERS[1:]} | {POWERS[0]: damping}
+        texts = {name: value for name, value in terms.items() if value is not None}
+        damping = damping_terms(texts, own, place, remarks)
     delay = joint.numbers.get("delay.time")
     late = delay is not None and delay.value.mean > 0
     values = JointValues(

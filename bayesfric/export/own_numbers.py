@@ -53,7 +53,7 @@ def _numbers(text: str) -> tuple[float, ...]:
 
 
 def damping_terms(
-    found: Mapping[str, str], own: Mapping[str, float], place: str, remarks: list[str]
+    texts: Mapping[str, str], own: Mapping[str, float], place: str, remarks: list[str]
 ) -> str | None:
     """Return the damping of a joint of MJCF; None leaves what is there.
 
@@ -62,8 +62,8 @@ def damping_terms(
 
     Parameters
     ----------
-    found : mapping of str to str
-        Texts of the numbers that were found, by parameter.
+    texts : mapping of str to str
+        Of the numbers that were found, by parameter.
     own : mapping of str to float
         As of :func:`own_numbers`.
     place : str
@@ -71,17 +71,17 @@ def damping_terms(
     remarks : list of str
         Gets what is lost or kept, a line each.
     """
-    if not any(name in found for name in POWERS):
+    if not any(name in texts for name in POWERS):
         return None
-    terms = [found.get(name, "0") for name in POWERS]
-    if POWERS[0] not in found:
+    terms = [texts.get(name, "0") for name in POWERS]
+    if POWERS[0] not in texts:
         terms[0] = f"{own.get(POWERS[0], 0.0):.6g}"
         whose = "as this file has it" if POWERS[0] in own else "which nobody can tell of this file"
         remarks.append(f"{place}: viscous was not found: {terms[0]} is entered, {whose}")
     for name in POWERS[1:]:
-        if name not in found and own.get(name):
+        if name not in texts and own.get(name):
             remarks.append(
                 f"{place}: {name} of this file, {own[name]:.6g}, is set to 0: the damping that was "
                 "found is without it"
             )
-    return " ".join(terms if any(name in found for name in POWERS[1:]) else terms[:1])
+    return " ".join(terms if any(name in texts for name in POWERS[1:]) else terms[:1])

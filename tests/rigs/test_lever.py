@@ -55,4 +55,4 @@ def test_gravity_is_no_part_of_the_law_where_it_is_examined_or_is_none(joint, co
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
 def test_no_weight_is_looked_for_where_no_gravity_acts(gravity):
     trials = trials_of(Joint(seconds=6.0, sampled_hz=100.0), gravity_m_s2=gravity)
-    assert GRAVITY_TORQUE.needs - trials.offers == (set() if gravity else {"gravity"})
+    assert GRAVITY_TORQUE.needs - trials.offers == (set() if gravity else {"acting-gravity"})
