@@ -30,9 +30,12 @@ REFUSED = {
 }
 SET_ASIDE = (
     *("dof_damping", "dof_dampingpoly", "dof_frictionloss", "dof_armature"),
-    *("jnt_stiffness", "jnt_stiffnesspoly"),
+    *("jnt_stiffness", "jnt_stiffnesspoly", "body_gravcomp"),
 )
-"""What a compiled model has of its joints beside rigid bodies; polynomials since MuJoCo 3.5."""
+"""What a compiled model has beside rigid bodies; polynomials since MuJoCo 3.5.
+
+A gravity compensation is a program's, whose force is in the log with that of the drive.
+"""
 HEAVIEST_KG = 1e4
 """Of one link: more is a mistake of units."""
 
@@ -66,7 +69,8 @@ class Robot:
     Parameters
     ----------
     compiled : mujoco.MjModel
-        Damping, friction, armature and springs of all joints set to zero.
+        Damping, friction, armature and springs of all joints set to zero, and what compensates
+        gravity.
     joints : tuple of str
         Names in the log, in order.
     places : tuple of int

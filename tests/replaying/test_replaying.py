@@ -13,7 +13,7 @@ from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Robot
 from bayesfric.replaying import _pieces, _proposed, held_out_parts, replay, with_replay
 from bayesfric.results import read_json
-from bayesfric.robots import robot_of_bytes
+from bayesfric.robots import RigidBodies, robot_of_bytes
 from bayesfric.robots.replaying import (
     Motion,
     SimulatedJoint,
@@ -158,6 +158,17 @@ def test_a_run_without_one_of_the_joints_is_not_replayed():
     pieces = _pieces(with_tables(log, runs, samples), robot)
     assert len(pieces) == 1
     assert not pieces[0].motion.position[:, 1].any()
+
+
+def test_a_drive_carries_the_weight_that_a_program_compensates():
+    """In a replay as in a diagnosis: the log's force has the compensation in it."""
+    text = WRONG.model().replace('<body name="rod">', '<body name="rod" gravcomp="1">')
+    robot = robot_of_bytes("one.xml", text.encode(), {"swing": "hinge"})
+    still = np.zeros((1, 1))
+    motion = Motion(0.004, still, still, still, still)
+    torque = inverse_torques(robot, [SimulatedJoint(0.0, 0.05)], motion)
+    assert torque == pytest.approx(-1.2 * 9.81 * 0.15, rel=1e-6)
+    assert RigidBodies(robot).momentum_and_pull(still, still)[1] == pytest.approx(-torque)
 
 
 def test_a_window_follows_the_closed_form():
