@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from bayesfric.errors import InputError
 from bayesfric.export.joints import INERTIAS
 from bayesfric.robots.link_inertia import settings_of
@@ -38,8 +40,9 @@ def own_numbers(path: Path, model: ModelText, place: str, links: float | None) -
         else:
             own = dict(zip(POWERS, (settings.damping, *settings.drag), strict=True))
             own["coulomb"], armature = settings.frictionloss, (settings.armature,)
-    else:
-        own = {"viscous": 0.0, "coulomb": 0.0} | own
+    else:  # what neither format says is none
+        absent = {"damping": "viscous", "friction": "coulomb"}
+        own |= {name: 0.0 for field, name in absent.items() if field not in written}
     if links is not None:
         own |= {name: links + value for name in INERTIAS for value in armature}
     return own
@@ -47,9 +50,10 @@ def own_numbers(path: Path, model: ModelText, place: str, links: float | None) -
 
 def _numbers(text: str) -> tuple[float, ...]:
     try:
-        return tuple(float(word) for word in text.split())
+        numbers = tuple(float(word) for word in text.split())
     except ValueError:  # a macro of a program that writes the model
         return ()
+    return numbers if np.isfinite(numbers).all() else ()
 
 
 def damping_terms(

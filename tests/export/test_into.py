@@ -18,8 +18,10 @@ from bayesfric.cli import app
 from bayesfric.export.into import filled_model
 from bayesfric.export.joints import ExportedJoint, joints_of
 from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
+from bayesfric.export.own_numbers import own_numbers
 from bayesfric.export.snippets import load_friction_text
 from bayesfric.robots.fields import fields_of
+from bayesfric.robots.setting import model_text
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Enter, SimulatorField
 
@@ -133,6 +135,23 @@ def test_what_the_file_has_decides_and_not_what_the_recordings_model_had(tmp_pat
         assert compiled.dof_frictionloss[0] == pytest.approx(0.001)
         assert compiled.dof_damping[0] == OWN.damping
         assert "viscous is left as it is (0.05)" in " ".join(filled.remarks)
+
+
+@pytest.mark.parametrize(
+    ("dynamics", "has"),
+    [
+        ('<dynamics damping="0.05" friction="0.2"/>', {"viscous": 0.05, "coulomb": 0.2}),
+        ('<dynamics damping="0.05"/>', {"viscous": 0.05, "coulomb": 0.0}),
+        ("", {"viscous": 0.0, "coulomb": 0.0}),
+        ('<dynamics damping="${d}" friction="nan"/>', {}),
+    ],
+    ids=["both", "one", "none", "macro and nan"],
+)
+def test_a_urdf_has_what_it_says_and_nothing_where_it_says_nothing(tmp_path, dynamics, has):
+    text = OWN.urdf().replace('<dynamics damping="0.05" friction="0.2"/>', dynamics)
+    path = tmp_path / "one.urdf"
+    path.write_text(text)
+    assert own_numbers(path, model_text(text.encode(), path.name), "hinge", None) == has
 
 
 def test_damping_that_was_not_found_is_that_of_the_file_beside_drag(tmp_path):
