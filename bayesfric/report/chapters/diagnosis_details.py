@@ -69,10 +69,18 @@ def _baseline(diagnosis: DiagnosisFile) -> str:
     return f"your simulator {simulator.name}, called {simulator.calls} times, with {numbers}"
 
 
+def _held(diagnosis: DiagnosisFile) -> str:
+    """Return what was not fitted, and at which values it was held."""
+    if not diagnosis.fixed:
+        return ""
+    values = [f"{name} = {value:.4g}" for name, value in diagnosis.fixed_at.items()]
+    return f" Held and not fitted: {', '.join(values or diagnosis.fixed)}."
+
+
 def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
     ranked = sorted(diagnosis.probabilities.items(), key=lambda item: -item[1])
     sensitivity = diagnosis.prior_sensitivity
-    fixed = f" Held at shipped values: {', '.join(diagnosis.fixed)}." if diagnosis.fixed else ""
+    fixed = _held(diagnosis)
     yield Paragraph(
         [
             f"The baseline is {_baseline(diagnosis)}, on the data of: {_rigs(diagnosis.rigs)}."
