@@ -29,11 +29,11 @@ from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
-    PAPERS_LAW,
     coefficient_heads,
     fitted_numbers,
     lacking_force,
     numbers_to_use,
+    papers_law,
     refitted_coefficients,
 )
 from bayesfric.report.content import (
@@ -189,7 +189,7 @@ def expected(
         note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
         + "Friction: at the most frequent condition and its middle tension, ± half of the 90 % "
         "interval. On a new assembly nine runs in ten lie within the last column, scatter included."
-        + (PAPERS_LAW if fit.pulleys and fit.baseline == "paper" else ""),
+        + (papers_law() if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
 
