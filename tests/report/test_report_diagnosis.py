@@ -27,10 +27,10 @@ from report.told import told
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.chapters.to_use import biased, numbers_to_use, papers_law
+from bayesfric.report.chapters.verdict import verdict_line
 from bayesfric.report.content import (
     Column,
     Heading,

@@ -20,9 +20,8 @@ from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.blind import scorecard_line
 from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
-from bayesfric.report.chapters.claims import fallen
+from bayesfric.report.chapters.claims import fallen, untestable
 from bayesfric.report.chapters.comparison import comparison_line
-from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_figures, gain_lines
@@ -36,6 +35,7 @@ from bayesfric.report.chapters.to_use import (
     papers_law,
     refitted_coefficients,
 )
+from bayesfric.report.chapters.verdict import verdict_line
 from bayesfric.report.content import (
     Block,
     Code,
@@ -86,7 +86,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     yield from faults(stored)
     if fitted is not None or pooled is not None or diagnosed is not None:
         yield from worries(stored)
-    if stored.claims is not None:
+    alone = fitted is None and diagnosed is None
+    if stored.claims is not None and (alone or not untestable(stored.claims.record)):
         lacking = "" if diagnosed is None else lacking_force(diagnosed.record)
         yield fallen(stored.claims.record, lacking)
     if stored.margins is not None:
@@ -297,10 +298,9 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     elif lines:
         yield Notice("attention", *lines)
     elif fit is not None and fit.converged:
-        yield Paragraph(
-            [
-                Strong("Nothing to worry about in the fit."),
-                " Every R-hat and every effective sample size is within its bound, and no check "
-                "asks for attention.",
-            ]
+        yield Notice(
+            "good",
+            "Every R-hat and every effective sample size is within its bound, and no check asks "
+            "for attention.",
+            title="Nothing to worry about in the fit",
         )
