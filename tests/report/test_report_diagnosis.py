@@ -216,7 +216,7 @@ def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
         return words(verdict_line(undecided.model_copy(update={"gap": gap})).text)
 
     about = said(0.5 * share * friction, 2 * share * friction)
-    assert "Measure next: more assemblies at the same conditions." in about
+    assert "Measure next: more assemblies at the same conditions," in about
     assert "Measure next" not in said(2 * share * friction, 3 * share * friction)
 
 
