@@ -64,9 +64,12 @@ def test_page_one_says_what_friction_to_expect(stored):
             & (abs(trials["tension_n"] - float(tension)) < 0.06)
         )
         low, middle, high = trials["law_n"][np.flatnonzero(here)[0]].to_numpy()
-        shown, half = (float(part.split()[0]) for part in row[1].text.split(" ± "))
+        shown, half = (float(part.split()[0]) for part in row[1].split(" ± "))
         assert shown == pytest.approx(middle, rel=0.01)
         assert half == pytest.approx((high - low) / 2, rel=0.3)
+        assert " to " in row[2].text  # bold: what one run does is what a run has to reckon with
+    assert table.head[1].title == "mean friction"
+    assert table.head[2].title == "friction of one run"
     assert table.rows[0][0].startswith("9 small pulleys, 85°, at ")
 
 

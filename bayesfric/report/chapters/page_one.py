@@ -170,12 +170,12 @@ def expected(
     if not sizes:
         return
     of_size: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
-    of_run: list[Column | str] = ["condition", "friction", "on a new assembly"]
+    of_run: list[Column | str] = ["condition", "mean friction", "friction of one run"]
     no_numbers, no_run = [""] * (len(of_size) - 1), [""] * len(of_run)
-    title = "The friction to expect in one run, at the recording's own conditions."
+    title = "Friction to expect at the recording's own conditions."
     if numbers:
         use = "Coefficients of the law, which lacks the unknown force" if unknown_force else USE
-        title = f"{use}; the friction to expect in one run."
+        title = f"{use}; the friction to expect."
     yield Table(
         title,
         [*of_size, *of_run],
@@ -188,9 +188,9 @@ def expected(
         ],
         label="expected",
         note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
-        + "Friction: at the most frequent condition and its middle tension, ± half of the 90 % "
-        "interval. On a new assembly nine runs in ten lie within the last column, scatter included."
-        + (papers_law() if fit.pulleys and fit.baseline == "paper" else ""),
+        + "Mean friction: at the most frequent condition and its middle tension, ± half of the "
+        "90 % interval. Friction of one run: nine runs in ten on new assemblies lie in this range, "
+        "scatter included." + (papers_law() if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
 
@@ -211,8 +211,8 @@ def _conditions(rig: RigTable, unit: str) -> Iterator[tuple[str, list[Text]]]:
             size,
             [
                 _condition(int(n), size, angle, float(middle), unit),
-                Strong(f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}"),
-                f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}",
+                f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}",
+                Strong(f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}"),
             ],
         )
 
