@@ -43,8 +43,8 @@ def promises_and_reliability(card: ScorecardFile) -> Figure:
     Returns
     -------
     Figure
-        Left a row a promise of enough cases: the rate, its 95 % interval, and the range that is promised;
-        right how often verdicts were correct over the probability that they reported.
+        Left a row a promise of enough cases: the rate, its 95 % interval, and the range that is
+        promised; right how often verdicts were correct over the probability that they reported.
     """
     tried = drawn_promises(card)
     least = SQUARE_MM if len(tried) > FEWEST else LOW_MM

@@ -149,6 +149,17 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
     assert box.kind == "attention"
 
 
+def test_no_orange_stands_where_nothing_has_to_be_done(stored):
+    line = (
+        "These data say little of tau: its prior decides it; no coefficient of the law is affected"
+    )
+    (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
+    assert box.kind == "info"
+    both = (line, "1 of 48 trials left out")
+    found = list(page_one.worries(StoredResults(changed(stored, attention=both))))
+    assert [box.kind for box in found] == ["attention", "info"]
+
+
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
     line = "These data say little of wander_length, tau: their priors decide them"
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))

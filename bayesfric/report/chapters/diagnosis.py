@@ -253,7 +253,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             + (
                 ""
                 if gap.trajectory is not None or own_law(record.rigs)
-                else f" No figure in millimetres: {gap.trajectory_why}."
+                else f" No number in millimetres: {gap.trajectory_why}."
             ),
         ],
         "Left, horizontal bars: "
@@ -273,7 +273,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
 def _tuning(gap: Gap) -> list[str]:
     """Return what recalibration alone does; never mixed with what the effect does."""
     if gap.as_shipped is None:
-        return [f"No figure for values as shipped: {gap.as_shipped_why}. "]
+        return [f"No number for values as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
     return [f"Recalibration alone changes the gap from {shipped} to {before}. "]
 

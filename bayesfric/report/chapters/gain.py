@@ -261,7 +261,7 @@ def _simulated(margins: MarginsFile) -> str:
 def _below_simulated(margins: MarginsFile) -> str:
     """Return by how much the largest safe γ lies below the simulated one; empty without any."""
     simulated = any(
-        metric.note is not None and metric.note.startswith("simulated")
+        metric.note.startswith("simulated")
         for loop in margins.loops
         if loop.largest_safe_compensation_gain is not None
         for metric in loop.metrics

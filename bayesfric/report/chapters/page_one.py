@@ -1,13 +1,14 @@
 """Page one: the verdict on the gap, which numbers to use, and what to worry about."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 
-from bayesfric.attention.together import attention_of_all
+from bayesfric.attention.together import attention_of_all, by_weight
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import (
@@ -293,14 +294,21 @@ def worries(stored: StoredResults) -> Iterator[Block]:
             "A force of unknown cause acts. Coefficients and claims are of laws that lack it: it "
             "may have moved them by as much as the gap."
         )
-    if len(lines) > 1:
-        yield Notice("attention", f"{len(lines)} remarks on these numbers:", points=lines)
-    elif lines:
-        yield Notice("attention", *lines)
-    elif fit is not None and fit.converged:
+    heeded, harmless = by_weight(lines)
+    yield from _boxed("attention", heeded)
+    yield from _boxed("info", harmless)
+    if not lines and fit is not None and fit.converged:
         yield Notice(
             "good",
             "Every R-hat and every effective sample size is within its bound, and no check asks "
             "for attention.",
             title="Nothing to worry about in the fit",
         )
+
+
+def _boxed(kind: Literal["attention", "info"], lines: Sequence[str]) -> Iterator[Notice]:
+    """Yield a box of remarks; none where there are none."""
+    if len(lines) > 1:
+        yield Notice(kind, f"{len(lines)} remarks on these numbers:", points=lines)
+    elif lines:
+        yield Notice(kind, *lines)
