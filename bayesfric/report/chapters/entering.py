@@ -28,7 +28,11 @@ from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 
 ISAAC = "ActuatorBaseCfg."  # stands in the head of a column, which has no room for it in cells
-ISAAC_HEAD = f"{CALLED['isaaclab']}, {ISAAC.rstrip('.')}"
+URDF = "joint/dynamics/"  # likewise
+HEADS = {
+    CALLED["isaaclab"]: f"{CALLED['isaaclab']}, {ISAAC.rstrip('.')}",
+    CALLED["urdf"]: f"{CALLED['urdf']}, {URDF.rstrip('/')}",
+}
 
 
 def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
@@ -47,7 +51,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         rows = entered_rows(joint.enter)
         yield Table(
             f"Enter these numbers in your simulator{of}.{said}{_wrong(joint)}{after}",
-            [ISAAC_HEAD if title == CALLED["isaaclab"] else title for title in COLUMNS],
+            [HEADS.get(title, title) for title in COLUMNS],
             [list(map(_cell, COLUMNS, row)) for row in rows],
             label="enter" if not diagnosis.joints else f"enter-{place}",
         )
@@ -62,7 +66,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         )
     )
     if lacking:
-        yield BulletList(lacking)
+        yield BulletList(list(map(_shown, lacking)))
 
 
 def _cell(column: str, cell: str) -> Text:
@@ -72,7 +76,9 @@ def _cell(column: str, cell: str) -> Text:
 
 def _shown(cell: str) -> str:
     """Return a cell as it is printed: a true minus, and no prefix that the head has."""
-    return re.sub(r"-(?=\d)", "−", cell.removeprefix(ISAAC).replace(" and .", ", "))
+    return re.sub(
+        r"-(?=\d)", "−", cell.removeprefix(ISAAC).removeprefix(URDF).replace(" and .", ", ")
+    )
 
 
 def _wrong(joint: DiagnosisFile) -> str:

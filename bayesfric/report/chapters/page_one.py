@@ -1,9 +1,8 @@
 """Page one: the verdict on the gap, which numbers to use, and what to worry about."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
-from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -295,8 +294,12 @@ def worries(stored: StoredResults) -> Iterator[Block]:
             "may have moved them by as much as the gap."
         )
     heeded, harmless = by_weight(lines)
-    yield from _boxed("attention", heeded)
-    yield from _boxed("info", harmless)
+    if len(heeded) > 1:
+        yield Notice("attention", f"{len(heeded)} remarks on these numbers:", points=heeded)
+    elif heeded:
+        yield Notice("attention", *heeded)
+    if harmless:
+        yield Notice("info", " ".join(harmless))
     if not lines and fit is not None and fit.converged:
         yield Notice(
             "good",
@@ -304,11 +307,3 @@ def worries(stored: StoredResults) -> Iterator[Block]:
             "for attention.",
             title="Nothing to worry about in the fit",
         )
-
-
-def _boxed(kind: Literal["attention", "info"], lines: Sequence[str]) -> Iterator[Notice]:
-    """Yield a box of remarks; none where there are none."""
-    if len(lines) > 1:
-        yield Notice(kind, f"{len(lines)} remarks on these numbers:", points=lines)
-    elif lines:
-        yield Notice(kind, *lines)

@@ -137,9 +137,8 @@ def _with_causes(
         ["", *_heads(law), *damping],
         rows,
         label="use",
-        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}. "
-        f"fit.json, draws.nc and the chapters on the fit have these biased numbers.{slope}"
-        f"{formula}",
+        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}; "
+        f"the chapters on the fit are of it.{slope}{formula}",
     ).filled()
 
 
@@ -148,8 +147,7 @@ def _slope_of(causes: Sequence[Cause]) -> str:
     slope = next(cause for cause in causes if cause.effect == "viscous").parameters["slope"]
     return (
         f"Damping: the friction of a pulley at {REFERENCE_TENSION_N:g} N and 85° times "
-        f"viscous.slope, {_with_error(slope)} {format_unit(slope.unit)}; its error takes those of "
-        "its parts as independent."
+        f"viscous.slope, {_with_error(slope)} {format_unit(slope.unit)} (errors as if independent)."
     )
 
 

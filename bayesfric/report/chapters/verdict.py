@@ -24,14 +24,18 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     open_still = record.verdict == "undecided" and record.possible
     off = _off_today(record)
     verdict = Strong(f"{VERDICTS[record.verdict]}.")
-    begun: list[Inline] = [Strong(off), " "] if off else []
-    if not off or not _nothing_left(record):
-        begun += [verdict, " "]
+    begun: list[Inline] = [verdict, " "]
+    said = _with_meanings(record)
+    if off and _nothing_left(record):
+        begun = [Strong(off), " Once they are entered: "]
+        said = said[:1].lower() + said[1:]
+    elif off:
+        begun = [Strong(off), " ", *begun]
     return Notice(
         "attention" if off else box(record),
         [
             *begun,
-            f"{_with_meanings(record)} ",
+            f"{said} ",
             f"What may act: {listed(record.possible)}. " if open_still else "",
             *_measure_next(record),
             "See ",
