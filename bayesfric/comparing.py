@@ -21,7 +21,7 @@ MODELS: dict[str, type[Provenance]] = {
     "diagnosis.json": DiagnosisFile,
     "margins.json": MarginsFile,
 }
-WENT_IN = ("recording", "seed", "rigs", "baseline", "fixed", "analysis", "versions")
+WENT_IN = ("recording", "seed", "rigs", "baseline", "fixed", "fixed_at", "analysis", "versions")
 SHIFTS_SHOWN = 12  # shifts in the text
 FAR = 10  # standard deviations, beyond which a shift is told as that
 BEYOND = 6  # decimal logarithm of odds, likewise

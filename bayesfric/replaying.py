@@ -192,8 +192,8 @@ def _robot(recording: Recording) -> Robot:
 
 
 def _proposed(joint: ExportedJoint, own: SimulatedJoint) -> SimulatedJoint:
-    def value(name: str, otherwise: float) -> float:
-        return max(joint.numbers[name].value.mean, 0.0) if name in joint.numbers else otherwise
+    def value(name: str, otherwise: float, least: float = 0.0) -> float:
+        return max(joint.numbers[name].value.mean, least) if name in joint.numbers else otherwise
 
     powers = ("viscous", "air-drag.coefficient", "cubic-drag.coefficient")
     damping = tuple(value(name, old) for name, old in zip(powers, own.damping, strict=True))
@@ -202,6 +202,7 @@ def _proposed(joint: ExportedJoint, own: SimulatedJoint) -> SimulatedJoint:
         armature=value(joint.inertia or "", own.armature),
         damping=(damping[0], damping[1], damping[2]),
         stiffness=value("spring.stiffness", own.stiffness),
+        spring_rest=value("spring.rest", own.spring_rest, -np.inf),
     )
 
 
@@ -215,8 +216,10 @@ def _pieces(recording: Recording, robot: Robot) -> list[_Piece]:
     assert recording.axis is not None
     samples, pieces, block = recording.axis.samples, [], 0
     for _, run in samples.groupby("run", sort=False):
-        by_joint = dict(iter(run.groupby("joint", sort=False))) if "joint" in run else {}
-        logs = [by_joint.get(name, run) for name in robot.joints]
+        by_joint = dict(iter(run.groupby("joint", sort=False))) if "joint" in run else None
+        if by_joint is not None and not set(robot.joints) <= set(by_joint):
+            continue  # where the others are, nobody knows
+        logs = [run if by_joint is None else by_joint[name] for name in robot.joints]
         time = logs[0]["time_s"].to_numpy()
         if time.size < 2 * FEWEST:
             continue

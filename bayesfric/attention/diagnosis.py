@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
+from bayesfric.observation.coefficients import PAPER_SIZES
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
@@ -10,6 +11,7 @@ FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is n
 FAR_FROM_FRICTION = 0.5  # of friction, the same
 CALLED = {"inertia": "mass"}
 """Names of numbers that are not told, by those that a reader knows."""
+OF_BIASED_LAW = "fit.json and claims.json are of this biased law"
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 
@@ -122,12 +124,20 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     worst = max(biased, key=lambda name: _relative_bias(biased[name]))
     number = biased[worst]
     unit = "" if number.unit == "1" else f" {number.unit}"
-    others = [name for name in biased if name != worst]
+    others = sorted((name for name in biased if name != worst), key=_place)
     more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
         f"Without {causes} the fit gives {worst} as {number.before.mean:.3g}{unit} instead of "
-        f"{_refitted(number).mean:.3g}{unit}.{more} fit.json and claims.json are of this biased law"
+        f"{_refitted(number).mean:.3g}{unit}.{more} {OF_BIASED_LAW}: use the numbers that were "
+        f"refitted with {causes}"
     )
+
+
+def _place(name: str) -> tuple[str, int, str]:
+    """Return what sorts the numbers of a law: by coefficient, then by pulley size as usual."""
+    coefficient, _, size = name.removesuffix("]").partition("[")
+    usual = PAPER_SIZES.index(size) if size in PAPER_SIZES else len(PAPER_SIZES)
+    return coefficient, usual, size
 
 
 def _relative_bias(number: LawNumber) -> float:

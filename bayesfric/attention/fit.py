@@ -23,6 +23,10 @@ NO_DELAY = ("latency",)  # parameters that are none if the recorder does what it
 LATE = 1.0  # sd of its prior, below which a delay is what clocks and sampling make
 NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 FEW_BOARDS = 5
+UNAFFECTED = "no coefficient of the law is affected"  # in a remark that asks for nothing
+WITHIN = "in no trial does this reach"  # the same, of sensors that disagree
+NARROW = "narrow: reckon with more scatter than they say"
+CAUTIOUS = "wide: they err on the safe side"  # the same, of intervals
 
 
 @dataclass(frozen=True)
@@ -131,7 +135,7 @@ def _entered(quality: DataQuality) -> Iterator[str]:
         yield (
             "No condition (size, number of pulleys, wrap angle) was assembled twice, so that the "
             "prior decides the scatter between assemblies (omega), and with it what these data "
-            "say of the number of pulleys and of the wrap angle"
+            "say of the number of pulleys and of the wrap angle: assemble some conditions twice"
         )
     if quality.excluded:
         of_rule = Counter(entry.reason for entry in quality.excluded)
@@ -149,10 +153,11 @@ def _sensors(agreement: Agreement | None) -> Iterator[str]:
         counts = (
             f"in {len(where)} of {agreement.trials} trials ({', '.join(where)}) it is also more"
         )
+        check = "; check their clocks and places in these trials"
         yield (
             f"The two sensors of a trial disagree on its acceleration by up to "
             f"{agreement.largest_z:.1f} standard errors, more than noise makes; "
-            + (f"{counts} than {share}" if where else f"in no trial does this reach {share}")
+            + (f"{counts} than {share}{check}" if where else f"{WITHIN} {share}")
         )
 
 
@@ -175,7 +180,8 @@ def unsettled(
     if open_names:
         decide = "its prior decides it" if len(open_names) == 1 else "their priors decide them"
         beside = all(entries[name].prior_sensitivity is None for name in open_names)
-        none = "; no coefficient of the law is affected" if beside else ""
+        advice = "; state priors of your own, or measure what they rest on"
+        none = f"; {UNAFFECTED}" if beside else advice
         yield f"These data say little of {', '.join(open_names)}: {decide}{none}"
 
 
@@ -235,7 +241,7 @@ def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
                 f"{coverage.share:.1%} of the {all_rigs()[coverage.rig].words.rig}'s trials lie "
                 f"inside their 90 % predictive interval, where {coverage.low:.1%} to "
                 f"{coverage.high:.1%} are expected: the intervals may be too "
-                f"{'narrow' if coverage.share < coverage.low else 'wide'} (by chance one sound "
+                f"{NARROW if coverage.share < coverage.low else CAUTIOUS} (by chance one sound "
                 "recording in ten is outside of this range)"
             )
 
@@ -249,7 +255,7 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
                 f"Friction of assembly {assembly.setup} of the {rig} is {abs(assembly.z):.1f} "
                 f"standard deviations {'above' if assembly.z > 0 else 'below'} its prediction "
                 "from all other assemblies; chance alone does that in one of "
-                f"{max(round(1 / assembly.chance), 1):,} recordings"
+                f"{max(round(1 / assembly.chance), 1):,} recordings. Look at how it was assembled"
             )
         if check.p_value < NOT_UNIFORM:
             yield (

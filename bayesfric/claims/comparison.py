@@ -307,8 +307,8 @@ def decide(
         )
     if for_it:
         return "undecided", (
-            f"The data favour the claim {odds(log10)}, but could hide an effect of "
-            f"{share(upper_bound)} of friction."
+            f"The odds for the claim are {odds(log10)}, yet an effect of up to "
+            f"{share(upper_bound)} of friction could go unnoticed."
         )
     return "undecided", (
         f"The odds for the claim are {odds(log10)}; support needs "

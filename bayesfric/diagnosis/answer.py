@@ -22,7 +22,7 @@ from bayesfric.diagnosis.law import law_of_diagnosis, scatter_of_runs
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
-from bayesfric.diagnosis.shipped import shipped_numbers
+from bayesfric.diagnosis.shipped import held_values, shipped_numbers
 from bayesfric.diagnosis.showing import windows_told
 from bayesfric.diagnosis.simulated import simulator_used
 from bayesfric.diagnosis.strays import far_rows
@@ -209,7 +209,8 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         rigs=tuple(rig.rig.name for rig in data.rigs),
         baseline=question.law.name,
         simulator=simulator_used(question.own_law, model, judged.settled),
-        fixed=tuple(sorted(question.held)),
+        fixed=question.fixed,
+        fixed_at=held_values(question.held, data, question.law_shipped),
         shipped=question.shipped and shipped_numbers(question.law_shipped, data),
         stray_trials=compared.stray,
         attention=_attention(answer, law),

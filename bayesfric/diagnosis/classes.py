@@ -17,7 +17,7 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.schemas.causes import Absorbed
 
 INNER = 1.0  # shapes so near the middle of their prior must have a double
-BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
+BY_THE_RIG = "it only shifts what is the rig's own, as a difference of its clocks"
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
 

@@ -133,7 +133,7 @@ def examined_effects(
         if name in elsewhere:
             why = elsewhere[name]
         elif name in absorbed:
-            why = "it only moves a parameter of the baseline"
+            why = "it only shifts a parameter of the baseline"
         elif name in stands:
             own = first.weighed[Hypothesis((stands[name],))]
             value = (own.log_evidence - first.none.log_evidence) / LN10

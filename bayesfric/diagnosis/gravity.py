@@ -34,10 +34,12 @@ def gravity_hides_inertia(model: LinearModel, turns: bool) -> float | None:
     Returns
     -------
     float or None
-        None where the two are told apart, or where gravity is known.
+        None where the two are told apart, or where gravity is known or does not act.
     """
     rows: Any = model.rigs[0].rows
     if not turns or not model.data.rigs[0].along_path:
+        return None
+    if not rows.state.gravity_m_s2:
         return None
     readings = rows.readings
     knows = readings.known_held.any() or readings.known_moved.any() or readings.beside.shape[1]

@@ -299,7 +299,7 @@ def gap_row(
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
         if np.median(ratio) > RULES.most_shrink:
-            why = "with the causes the law is off by less than scatter alone would make"
+            why = "with the causes in the law, what is left is less than scatter alone makes"
         else:
             shrink = Interval.of_draws(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None

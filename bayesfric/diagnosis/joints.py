@@ -64,11 +64,12 @@ def diagnosed_together(
         f"{joint}: {IN_WORDS[result.summary.verdict]}" for joint, result in by_joint.items()
     )
     first = by_joint[decides]
+    said = first.own_sentence[:1].lower() + first.own_sentence[1:]
     summary = first.summary.model_copy(
         update={
             "joints": tuple(result.summary for result in by_joint.values()),
             "joints_why": None,
-            "sentence": f"{words}. In {decides}: {first.own_sentence}{model_error_words(errors)}",
+            "sentence": f"{words}. In {decides}: {said}{model_error_words(errors)}",
             "attention": (
                 *left_out,
                 *(

@@ -69,6 +69,8 @@ class Question:
         Conditions at which friction is asked for.
     remarks : tuple of str
         Which of the user's priors do nothing here, or leave nothing to the data.
+    fixed : tuple of str
+        What is held, in the user's words.
     """
 
     recording: Recording
@@ -84,6 +86,7 @@ class Question:
     own_effects: tuple[str, ...]
     target: pd.DataFrame | None
     remarks: tuple[str, ...] = ()
+    fixed: tuple[str, ...] = ()
 
     @property
     def practical(self) -> float:
@@ -139,4 +142,5 @@ def question_of(
         tuple(effect.name for effect in effects),
         target,
         remarks,
+        tuple(sorted(set(fixed))),
     )

@@ -146,15 +146,16 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     if density is not None:
         better = f" The log density of these data is higher by {_rise(density)} with {them}."
     if causes and gap.shrink is not None:
-        past = "; above 100% is chance" if gap.shrink.q95 > 1 else ""
+        past = "; values above 100% come from scatter" if gap.shrink.q95 > 1 else ""
         return (
             f"On data that the fit has not seen, adding {them} removes {_share(gap.shrink)} of the "
             f"gap (mean square{past}).{better}"
         )
     if causes:
+        removes = "it removes" if len(causes) == 1 else "they remove"
         return (
-            f"How much of the gap goes away with {them} on data that the fit has not seen stays "
-            f"open: {gap.shrink_why}.{better}"
+            f"How much of the gap {removes} on data that the fit has not seen cannot be told: "
+            f"{gap.shrink_why}.{better}"
         )
     off = f"On data that the fit has not seen the law is off by {row.before.q50:.3g} {gap.unit} rms"
     if row.before.q50 <= row.floor.q50:
@@ -191,7 +192,7 @@ def _no_gap(statement: Statement) -> str:
     if statement.present and not statement.causes:
         absorbed = f" {statement.beside}, {_below(statement, 'with less than that', 'make')}."
     off = f"less than {statement.share:.1%} of friction {statement.chance}; "
-    off += f"the median is {statement.size}."
+    off += f"its median is {statement.size}."
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
         off += f"since {statement.gap.no_share}."
@@ -232,18 +233,25 @@ def _undecided(statement: Statement) -> str:
         else_ = "; what else causes it stays open" if len(statement.present) == 1 else ""
         below = _below(statement, f"less than {share:.1%}", "make")
         return f"{there}; {statement.beside}, {below}{else_}.{statement.place}"
-    left = "no cause is sure enough to be named."
+    left = "no cause is sure enough to be named"
     if statement.causes:
-        left = (
-            f"{statement.acting}; whether that still makes more than {share:.1%} of friction "
-            "once the law is recalibrated stays open."
-        )
+        left = f"{statement.acting}; whether the gap is above the {share:.1%} that counts is open"
     elif statement.present:
-        left = f"{statement.beside}; whether the force is large enough to count stays open."
-    up_to = f"{gap.systematic.q95 / gap.friction_rms:.1%} of friction" if gap.friction_rms else ""
+        left = f"{statement.beside}; whether the force is large enough to count is open"
+    return f"{_how_large(gap, share)}; {left}."
+
+
+def _how_large(gap: Gap, share: float) -> str:
+    """Return a gap as a force and as a share, with the interval of the share."""
+    low, middle, high = gap.systematic.q05, gap.systematic.q50, gap.systematic.q95
     if gap.no_share is not None:
-        up_to = f"{gap.systematic.q95:.3g} {gap.unit} rms ({gap.no_share})"
-    return f"The gap may be as large as {up_to}; {left}"
+        return f"The gap may be as large as {high:.3g} {gap.unit} rms ({gap.no_share})"
+    shares = [end / gap.friction_rms for end in (low, middle, high)]
+    # Ends that are printed as the share which counts do not say on which side of it they lie.
+    digits = 2 if f"{share:.1%}" not in (f"{shares[0]:.1%}", f"{shares[2]:.1%}") else 3
+    ends = " to ".join(f"{100 * end:.{digits}g}" for end in (shares[0], shares[2]))
+    about = f"{shares[1]:.1%} of friction ({ends}%)"
+    return f"The gap is {middle:.3g} {gap.unit} rms, {about}"
 
 
 def _unknown(statement: Statement) -> str:
@@ -254,9 +262,10 @@ def _unknown(statement: Statement) -> str:
     if not statement.considered and not matters:
         return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
     if not statement.considered:
+        likely = stated(statement.probability)
         return (
-            f"{there}, and none of the effects examined explains it {statement.chance}."
-            f"{statement.place}"
+            f"With probability {likely} there is a gap that none of the effects examined "
+            f"explains: {statement.size}.{statement.place}"
         )
     names = " and ".join(effect.effect for effect in statement.considered)
     fit, miss = ("fits", "misses") if len(statement.considered) == 1 else ("fit", "miss")

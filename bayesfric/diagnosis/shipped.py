@@ -106,3 +106,26 @@ def held_of(
     if faults:
         raise InputError(faults)
     return frozenset(stands[name] for name in fixed)
+
+
+def held_values(
+    held: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
+) -> dict[str, float]:
+    """Return the values at which numbers are held, by the names that the rigs have for them.
+
+    Parameters
+    ----------
+    held : collection of str
+        As of :func:`held_of`.
+    data, shipped
+        As of there.
+    """
+    return {
+        name: float(np.asarray(value))
+        for size in data.sizes
+        if size in shipped
+        for (name, _), field, value in zip(
+            data.law_numbers(size), Coefficients._fields, shipped[size], strict=False
+        )
+        if {field, coefficient_name(field, size)} & set(held)
+    }

@@ -41,7 +41,7 @@ EFFECT = Effect(
     ),
     laws={"lever": _lever},
     along_path=True,
-    needs=frozenset({"angle", "position"}),
+    needs=frozenset({"acting-gravity", "angle", "position"}),
     axes=frozenset({"direction", "displacement", "rotation_angle"}),
     is_exact=True,
     odds=10.0,  # argued: of joints pulled to a place ten have a weight where one has a spring

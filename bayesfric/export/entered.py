@@ -1,6 +1,6 @@
 """Numbers to enter in a simulator, in words: digits by the error, fields, and what is lost."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from bayesfric.attention.diagnosis import is_by_instrument, why_untrusted
 from bayesfric.export.digits import by_error
@@ -21,10 +21,10 @@ CALLED = {
 SHOWN = ("mujoco", "isaaclab", "urdf")
 """Simulators with a column of their own; diagnosis.json has all."""
 COLUMNS = (
-    "number",
+    "parameter",
     "unit",
     "now",
-    "enter",
+    "proposed",
     "90 % interval",
     *(CALLED[simulator] for simulator in SHOWN),
 )
@@ -38,7 +38,7 @@ NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
 
 
 def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
-    """Return a row a number, a cell for each of :data:`COLUMNS`.
+    """Return a row a number, a cell for each of :data:`COLUMNS`; none for what has no field.
 
     Parameters
     ----------
@@ -55,7 +55,14 @@ def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
             *(_field(number, simulator) for simulator in SHOWN),
         )
         for number in enter
+        if not _has_no_field(number)
     ]
+
+
+def _has_no_field(number: Enter) -> bool:
+    """Tell whether no simulator has a field for a number, once it is in newtons."""
+    fields = number.fields.values()
+    return bool(fields) and all(field is None for field in fields) and not is_relative(number.unit)
 
 
 def off_now(diagnosis: DiagnosisFile) -> str:
@@ -84,7 +91,19 @@ def off_now(diagnosis: DiagnosisFile) -> str:
 
 
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
-    """Yield what must be known before the numbers are entered, a sentence each."""
+    """Yield what must be known before the numbers are entered, a sentence each.
+
+    Parameters
+    ----------
+    enter : sequence of Enter
+        Of one joint.
+    """
+    yield from remarks_of_numbers(enter)
+    yield from remarks_of_fields({"": enter})
+
+
+def remarks_of_numbers(enter: Sequence[Enter]) -> Iterator[str]:
+    """Yield what must be done with the numbers of a joint, whatever the simulator."""
     if ratios := [number for number in enter if is_relative(number.unit)]:
         yield _multiply(ratios)
     below = [
@@ -97,22 +116,58 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
             f"Below zero, which no simulator takes: {', '.join(below)}. The law misses what makes "
             "it so: see the verdict."
         )
-    for number in enter:
-        lacking = [CALLED[name] for name, field in number.fields.items() if field is None]
-        if number.lost_without is None or not lacking:
-            continue
-        force = f"{number.lost_without:.2g} {_force_unit(enter)} rms"
-        nobody = len(lacking) == len(number.fields)
-        has = "have" if len(lacking) > 1 else "has"
-        who = "No simulator has a" if nobody else f"{' and '.join(lacking)} {has} no"
-        instead = ""
-        if number.snippet is not None:
-            file = f"{number.snippet}.py"
-            instead = f" `bayesfric export --to mjcf` writes a callback for it, {file}."
-        yield (
-            f"{who} field for {MEANT.get(number.parameter, number.parameter)}: without it the "
-            f"simulation stays off by {force}.{instead}"
+
+
+def remarks_of_fields(joints: Mapping[str, Sequence[Enter]]) -> Iterator[str]:
+    """Yield what simulators lack a field for, a sentence for all joints that lack the same.
+
+    Parameters
+    ----------
+    joints : mapping of str to sequence of Enter
+        Numbers by the joint's name, which is empty for one that needs none.
+
+    Yields
+    ------
+    str
+        What has no field in any simulator is told with its value.
+    """
+    alike: dict[tuple[str, str, str], list[tuple[str, Enter]]] = {}
+    for joint, enter in joints.items():
+        at = f" at {joint}" if joint else ""
+        for number in enter:
+            lacking = [CALLED[name] for name, field in number.fields.items() if field is None]
+            if not lacking or (number.lost_without is None and not _has_no_field(number)):
+                continue
+            has = "have" if len(lacking) > 1 else "has"
+            nobody = _has_no_field(number)
+            who = "No simulator has a" if nobody else f"{' and '.join(lacking)} {has} no"
+            key = (who, number.parameter, number.snippet or "")
+            alike.setdefault(key, []).append((at, number))
+    for (who, parameter, snippet), numbers in alike.items():
+        value = ""
+        if _has_no_field(numbers[0][1]):
+            value = f", which is {_listed(f'{_value(number)}{at}' for at, number in numbers)}"
+        lost = _listed(
+            f"{number.lost_without:.2g} {_force_unit(joints[at.removeprefix(' at ')])} rms{at}"
+            for at, number in numbers
+            if number.lost_without is not None
         )
+        left = f": without it the simulation stays off by {lost}" if lost else ""
+        instead = ""
+        if snippet:
+            instead = f" `bayesfric export --to mjcf` writes a callback for it, {snippet}.py."
+        yield f"{who} field for {MEANT.get(parameter, parameter)}{value}{left}.{instead}"
+
+
+def _value(number: Enter) -> str:
+    """Return a number with half of its 90 % interval and its unit."""
+    sd, unit = number.value.sd, "" if number.unit == "1" else f" {number.unit}"
+    half = by_error((number.value.q95 - number.value.q05) / 2, sd)
+    return f"{by_error(number.value.mean, sd)} ± {half}{unit}"
+
+
+def _listed(words: Iterable[str]) -> str:
+    return " and ".join(words)
 
 
 def _multiply(ratios: Sequence[Enter]) -> str:
@@ -142,8 +197,8 @@ def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[
     """
     if not diagnosis.enter:
         return
-    of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
-    yield f"To enter in a simulator{of} (diagnosis.json has the fields of all simulators):"
+    of = "T" if diagnosis.joint is None else f"For the joint {diagnosis.joint}, t"
+    yield f"{of}o enter in a simulator (diagnosis.json has the fields of all simulators):"
     for remark in (why_untrusted(diagnosis), off_now(diagnosis)):
         if remark:
             yield f"  {remark}"
@@ -155,6 +210,9 @@ def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[
         yield f"  {'  '.join(cells).rstrip()}"
     if fields:
         yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
+    else:
+        apart = [number for number in diagnosis.enter if _has_no_field(number)]
+        yield from (f"  {remark}" for remark in remarks_of_fields({"": apart}))
 
 
 def _interval(number: Enter) -> str:

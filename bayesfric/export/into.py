@@ -9,6 +9,7 @@ from typing import NamedTuple
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.export.digits import by_error
 from bayesfric.export.joints import INERTIAS, ExportedJoint
+from bayesfric.export.own_numbers import POWERS, damping_terms, own_numbers
 from bayesfric.files import file_bytes
 from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
@@ -78,17 +79,19 @@ def filled_model(
     links: dict[str, float] = {}
     for exported in joints:
         place = places[exported.name]
-        joint = _identified(exported, place, remarks)
+        takes_inertia = model.kind == "mjcf" and exported.inertia is not None
+        of_links = _links(path, place, exported, remarks) if takes_inertia else None
+        own = own_numbers(path, model, place, of_links)
+        joint = _identified(exported, own, place, remarks)
         wanted = named.get(joint.name) or joint.in_model or joint.name
         if wanted not in ("", place):
             remarks.append(f"{place}: taken for {wanted}, as the only joint of {model.name}")
         armature = None
-        if model.kind == "mjcf" and joint.inertia is not None:
-            own = _links(path, place, joint, remarks)
-            if own is not None:
-                links[joint.name] = own
-                armature = _armature(joint, own, place, remarks)
-        values[place] = _values(joint, model, place, armature, remarks)
+        if of_links is not None:
+            links[joint.name] = of_links
+            if joint.inertia is not None:
+                armature = _armature(joint, of_links, place, remarks)
+        values[place] = _values(joint, model, place, armature, own, remarks)
         remarks += _left(joint, model, place)
     return FilledModel(model.with_values(values).content, tuple(remarks), links, tuple(values))
 
@@ -122,19 +125,20 @@ def _places(
     return places
 
 
-def _identified(joint: ExportedJoint, place: str, remarks: list[str]) -> ExportedJoint:
-    """Return a joint without numbers that its data do not tell and that the model may have right.
+def _identified(
+    joint: ExportedJoint, owns: Mapping[str, float], place: str, remarks: list[str]
+) -> ExportedJoint:
+    """Return a joint without numbers that its data do not tell and that the file may have right.
 
-    Such a number is smaller than its error, and its interval holds what the model has.
+    Such a number is smaller than its error, and its interval holds what the file has.
     """
     identified = {}
     for name, number in joint.numbers.items():
-        value, own = number.value, number.in_your_simulator
+        value, own = number.value, owns.get(name)
         if own is not None and abs(value.mean) < value.sd and value.q05 <= own <= value.q95:
             low, high = (by_error(end, value.sd) for end in (value.q05, value.q95))
             remarks.append(
-                f"{place}: {name} is left as it is ({own:.4g} in the recording's model): the data "
-                f"do not tell it "
+                f"{place}: {name} is left as it is ({own:.4g}): the data do not tell it "
                 f"({low} to {high} {number.unit})"
             )
         else:
@@ -180,6 +184,7 @@ def _values(
     model: ModelText,
     place: str,
     armature: str | None,
+    own: Mapping[str, float],
     remarks: list[str],
 ) -> JointValues:
     def text(*names: str) -> str | None:
@@ -194,9 +199,9 @@ def _values(
 
     damping = text("viscous")
     if model.kind == "mjcf":
-        further = [text("air-drag.coefficient"), text("cubic-drag.coefficient")]
-        if any(further):
-            damping = " ".join(term or "0" for term in (damping, *further))
+        terms = {name: text(name) for name in POWERS[1:]} | {POWERS[0]: damping}
+        texts = {name: value for name, value in terms.items() if value is not None}
+        damping = damping_terms(texts, own, place, remarks)
     delay = joint.numbers.get("delay.time")
     late = delay is not None and delay.value.mean > 0
     values = JointValues(
@@ -220,7 +225,7 @@ def _samples(delay: Enter, model: ModelText) -> str:
 
 
 def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
-    """Return what the file has no field for, and what a joint without an actuator loses."""
+    """Return what the file has no field for, and whether a delay has no actuator."""
     remarks = []
     simulator = {"mjcf": "mujoco", "urdf": "urdf", "sdf": "sdf"}[model.kind]
     for name, number in joint.numbers.items():
@@ -235,11 +240,13 @@ def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
         field = number.fields.get(simulator)
         if field is not None and name not in WRITTEN[model.kind]:
             printed = by_error(number.value.mean, number.value.sd)
-            remarks.append(f"{place}: not set: {name} {printed} {number.unit} ({field.field})")
-    driven = {"delay.time", "torque-saturation.limit"} & set(joint.numbers)
-    if driven and model.kind == "mjcf" and not model.actuators(place):
+            times = "" if field.factor == 1 else f" × {field.factor:.6g}"
+            remarks.append(
+                f"{place}: not set: {name} {printed} {number.unit}{times} ({field.field})"
+            )
+    late = "delay.time" in joint.numbers
+    if late and model.kind == "mjcf" and not model.actuators(place):
         remarks.append(
-            f"{place}: {' and '.join(sorted(driven))} belong to an actuator of the joint, "
-            "and this file has none"
+            f"{place}: delay.time belongs to an actuator of the joint, and this file has none"
         )
     return remarks

@@ -85,15 +85,19 @@ def stamps_of(
     scale = Decimal(repr(SECONDS[unit])) if read is _number else Decimal(1)
     stamps: list[Decimal | None] = []
     wrong: list[int] = []
+    is_whole = True
     for row, text in enumerate(texts):
         value = read(text) if text and len(text) <= LONGEST else None
         if text and value is None:
             wrong.append(row)
+        is_whole = is_whole and (value is None or value == value.to_integral_value())
         stamps.append(None if value is None else value * scale)
     if wrong:
         place, like = wrong[0] + first_row, len(wrong) - 1
         raise InputError([Fault(file, EXPECTED, place, column, texts[wrong[0]], like)])
     if read is _number:
+        if not is_whole:
+            periods = ()  # a counter has whole numbers
         _check_unit(stamps, unit, file, column)
     return Stamps(tuple(stamps), periods)
 
@@ -107,7 +111,8 @@ def seconds_since(stamps: Stamps, origin: Decimal) -> Array:
 def _counter_periods(unit: str) -> tuple[float, ...]:
     """Return after how many seconds counters of 16, 24 and 32 bits begin again.
 
-    A counter of microseconds or milliseconds may have been divided before it was written.
+    A counter of microseconds or nanoseconds may have been divided to whole numbers before it was
+    written. What has decimals is no counter.
     """
     ticks = sorted(tick for tick in SECONDS.values() if tick <= SECONDS[unit])
     return tuple(sorted({2.0**bits * tick for bits in (16, 24, 32) for tick in ticks}))

@@ -11,11 +11,15 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.clock import DECIMALS
 from bayesfric.logs.mapping import Run
-from bayesfric.logs.ordering import Series, gaps_of
+from bayesfric.logs.ordering import GAP, Series, gaps_of
 
 COLUMNS = {"force": "force_n", "known_force": "known_force_n", "temperature": "temperature_c"}
 """What is put at the times of the positions by a straight line, and its column."""
 LEADS = ("force", "command")
+NOT_BRIDGED = ("force", "known_force")
+"""What stands at a time of its own, and not until the next as a command does."""
+NEEDED = (*LEADS, "known_force")
+"""Beside positions, without which there is no sample: what is not logged is not made up."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +47,12 @@ def span_of(name: str, signals: dict[str, Series]) -> tuple[float, float]:
     InputError
         They never are at the same time.
     """
-    needed = [signals["position"], *(signals[key] for key in LEADS if key in signals)]
+    needed = [signals["position"], *(signals[key] for key in NEEDED if key in signals)]
     begin = max(series.time_s[:1].max(initial=-np.inf) for series in needed)
     end = min(series.time_s[-1:].min(initial=np.inf) for series in needed)
     if not all(series.time_s.size for series in needed) or not begin < end:
-        lead = next(key for key in LEADS if key in signals)
-        raise InputError([Fault(name, f"position and {lead} that are logged at the same time")])
+        others = " and ".join(key.replace("_", " ") for key in NEEDED if key in signals)
+        raise InputError([Fault(name, f"position and {others} that are logged at the same time")])
     return begin, end
 
 
@@ -75,12 +79,13 @@ def cut(
     """
     position = signals["position"]
     begin, end = span_of(name, signals)
-    unsaid = _unsaid(position.time_s, signals["force"]) if "force" in signals else None
+    unsaid = {key: _unsaid(position.time_s, signals[key]) for key in NOT_BRIDGED if key in signals}
     frames, faults = [], []
     for window in windows:
         low, high = max(window.begin_s, begin), min(window.end_s, end)
         inside = (position.time_s >= low) & (position.time_s <= high)
-        inside &= True if unsaid is None else ~unsaid
+        for without in unsaid.values():
+            inside &= ~without
         if inside.sum() < 2:
             faults.append(Fault(name, "samples in the run", column=f"runs.{window.run.name}"))
             continue
@@ -112,24 +117,44 @@ def _held(time: Array, command: Series, origin_s: float) -> dict[str, Array]:
     return columns
 
 
-def _notes(signals: dict[str, Series], unsaid: Flags | None) -> list[str]:
+def _notes(signals: dict[str, Series], unsaid: dict[str, Flags]) -> list[str]:
     notes, position = [], signals["position"]
-    if unsaid is not None and unsaid.any():
-        notes.append(f"{_counted(int(unsaid.sum()))} in which no force was logged left out.")
+    for key, without in unsaid.items():
+        if without.any():
+            called = key.replace("_", " ")
+            notes.append(
+                f"{_counted(int(without.sum()))} in which no {called} was logged left out."
+            )
     for key in COLUMNS:
         if key in signals and not np.array_equal(position.time_s, signals[key].time_s):
             called = key.replace("_", " ").capitalize()
             notes.append(
                 f"{called} is a straight line between its samples, at the times of the positions."
             )
+    if "temperature" in signals:
+        notes += _held_ends(position, signals["temperature"])
     command = signals.get("command")
     if command is not None and not np.array_equal(position.time_s, command.time_s):
         notes.append("A command holds until the next one.")
     return notes
 
 
+def _held_ends(position: Series, temperature: Series) -> list[str]:
+    """Return that a temperature is that of its first or last sample where none was logged."""
+    first, last = temperature.time_s[[0, -1]]
+    before_s, after_s = first - position.time_s[0], position.time_s[-1] - last
+    longest = max(before_s, after_s)
+    steps = np.diff(temperature.time_s)
+    if longest <= GAP * (float(np.median(steps)) if steps.size else 0.0):
+        return []
+    return [
+        "Temperature is that of its nearest sample before its first and after its last, for up to "
+        f"{longest:.4g} s."
+    ]
+
+
 def _unsaid(time_s: Array, force: Series) -> Flags:
-    """Return where no force was logged for some intervals, (N,): it is not bridged."""
+    """Return where a force was not logged for some intervals, (N,): it is not bridged."""
     begin, end = gaps_of(force)
     if not begin.size:
         return np.zeros(time_s.size, dtype=np.bool_)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,14 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.logs.agreeing import check_velocity
 from bayesfric.logs.cutting import Window, cut, span_of
 from bayesfric.logs.delay import Delay, delay_between
-from bayesfric.logs.mapping import Mapping, Run, read_mapping
+from bayesfric.logs.long_form import by_joint, mapping_by_joint
+from bayesfric.logs.mapping import Mapping, Run
+from bayesfric.logs.mapping_file import read_mapping
 from bayesfric.logs.readers import read_log
 from bayesfric.logs.robot import robot_of
 from bayesfric.logs.signals import Signals, joints_of, signals_of, wanted_columns
 from bayesfric.logs.table import Log, texts_of
+from bayesfric.recording.package import ForceIs
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
 MOST_RUNS = 10_000
@@ -91,7 +94,7 @@ def import_log(
     paths = [logs] if isinstance(logs, Path) else list(logs)
     what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
     folder = (paths[0] if isinstance(mapping, Mapping) else mapping).parent
-    pieces = _pieces(paths, what)
+    pieces, what = _by_joint(_pieces(paths, what), what)
     joints = joints_of(pieces[0].log, what, joint)
     windows = _runs_of(pieces, what)
     cuts = [
@@ -124,14 +127,30 @@ def import_log(
 
 
 def _constants(what: Mapping, joints: tuple[str | None, ...], folder: Path) -> RigConstants:
+    if what.moving_mass is not None and len(joints) > 1:
+        expected = f"the mass of one joint, and {len(joints)} are imported: leave it out for all"
+        value = f"{what.moving_mass:g}"
+        raise InputError([Fault("the mapping", expected, column="moving_mass", value=value)])
     return RigConstants(
         rotary=what.rotary,
-        force_is=None if what.force is None else what.force.force_is,
-        encoder_resolution=what.encoder_resolution if len(joints) == 1 else None,
-        moving_mass_kg=what.moving_mass if len(joints) == 1 else None,
+        force_is=_force_is(what, joints),
+        encoder_resolution=what.encoder_resolution,
+        moving_mass_kg=what.moving_mass,
         other_joints=what.other_joints,
         robot=None if what.robot is None else robot_of(what.robot, folder, joints),
     )
+
+
+def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
+    """Return what the force of all joints is: a recording says it once."""
+    forces = {joint: what.of_joint(joint).get("force") for joint in joints}
+    of_joint = {joint: force.force_is for joint, force in forces.items() if force is not None}
+    kinds = [kind for kind in dict.fromkeys(of_joint.values()) if kind is not None]
+    if len(kinds) > 1:
+        expected = "one force_is for all joints of a recording: import those of another apart"
+        value = ", ".join(f"{joint}: {kind}" for joint, kind in of_joint.items())
+        raise InputError([Fault("the mapping", expected, column="force.force_is", value=value)])
+    return kinds[0] if kinds else None
 
 
 def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
@@ -154,6 +173,12 @@ def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
     if double is not None:
         raise InputError([Fault("LOG", "files of different names", value=double)])
     return pieces
+
+
+def _by_joint(pieces: list[_Piece], what: Mapping) -> tuple[list[_Piece], Mapping]:
+    """Return pieces in which each joint has columns of its own, and the mapping of these."""
+    apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
+    return apart, mapping_by_joint(what, pieces[0].log)
 
 
 def _id(text: str) -> str:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from textwrap import shorten
 
 import numpy as np
@@ -12,6 +13,15 @@ from bayesfric.errors import Fault
 from bayesfric.logs.clock import CLOCK, ISO
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.readers.csv import lines_of, split
+from bayesfric.logs.spelling import (
+    QUANTITIES,
+    SPELLINGS,
+    is_unit,
+    kind_of_unit,
+    unit_in_name,
+    unit_of_text,
+    words_of,
+)
 from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 from bayesfric.logs.units import SECONDS
 
@@ -22,31 +32,29 @@ SEPARATORS = (",", ";", "\t", "|", "space")
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 SINCE_1970 = (1e9, 4.2e9)  # seconds, from 2001 to 2103
 USUAL_S = (2e-4, 0.2)  # between samples of a joint: 5 Hz to 5 kHz
+MOST_JOINTS, LEAST_ROWS = 60, 3  # of a log with a row for each joint, and rows of each
+JOINT_WORDS = r"joint|jnt|motor|servo|actuator|axis|id|name|names|index"
+WHOLE_SHARE = 1.01  # of a PWM, rounded
 WHOLE_TURNS_RAD = 40.0  # beyond which a position is hardly in rad
 
 WORDS = {
     "time": r"time|timestamp|stamp|t|clock|sec|secs|seconds|micros|millis|us|ms|ns|epoch",
     "command": r"cmd|command|commanded|target|desired|des|ref|reference|setpoint|goal|action|sp",
-    "position": r"position|pos|q|angle|theta|qpos|encoder|enc|state|x|travel|ticks|deg|rad",
+    "position": r"position|pos|q|angle|theta|qpos|encoder|enc|state|travel|ticks|deg|rad",
     "velocity": r"velocity|vel|qd|dq|qdot|speed|omega|qvel|rpm",
-    "force": r"torque|tau|effort|force|current|trq|f|m|i|iq|amps|amp|volt|voltage|pwm|duty|load|nm",
+    "force": r"torque|tau|effort|force|trq|iq|amps|amp|volt|voltage|pwm|duty|nm",
     "temperature": r"temperature|temp",
 }
 """Words in names, by what a column that has them may be."""
-UNIT_WORDS = {
-    "position": {"deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "rad": "rad",
-                 "mm": "mm", "m": "m", "ticks": "tick", "tick": "tick", "counts": "tick",
-                 "enc": "tick", "turn": "turn", "turns": "turn", "rev": "turn"},
-    "velocity": {"rpm": "rpm", "deg/s": "deg/s", "rad/s": "rad/s", "m/s": "m/s", "mm/s": "mm/s"},
-    "force": {"nm": "N·m", "n·m": "N·m", "n*m": "N·m", "mnm": "mN·m", "nmm": "N·mm", "n·mm": "N·mm",
-              "a": "A", "amp": "A", "amps": "A", "ma": "mA", "current": "A", "iq": "A", "v": "V",
-              "volt": "V", "voltage": "V", "pwm": "share", "duty": "share", "n": "N"},
-    "time": {"us": "us", "micros": "us", "ms": "ms", "millis": "ms", "ns": "ns", "s": "s",
-             "sec": "s", "secs": "s", "seconds": "s", "µs": "us"},
-}  # fmt: skip
-"""Words for units, by what a column is."""
-
-OF_UNITS = tuple(word for words in UNIT_WORDS.values() for word in words)
+OF_MOTOR = r"current|load"
+"""Words for a force where none says otherwise: the current velocity is no current."""
+LETTERS = {"position": "x", "force": "f|m|i"}
+"""What counts where no word says anything."""
+OTHERS = r"acc|accel|acceleration|qdd|ddq|qddot|jerk|gyro|imu|id"
+"""Words of what no mapping has; id is the current that turns nothing."""
+RANK = {r"error|err|deviation|limit|lim|min|max": 2, WORDS["command"]: 1}
+"""Words by which a column of a kind stands behind others of that kind."""
+OF_UNITS = tuple(word for words in (*SPELLINGS.values(), *QUANTITIES.values()) for word in words)
 OF_ANY = r"joint|joints|motor|sensor|actual|act|measured|meas|feedback|fb|log|data|observation"
 """Words that are of no joint."""
 
@@ -60,7 +68,8 @@ class Belief:
     column : str
         Its name.
     kind : str or None
-        A key of :data:`WORDS`; None where nothing speaks for any.
+        A key of :data:`WORDS`, or ``joint`` of a column that names the joint of each row; None
+        where nothing speaks for any.
     unit : str or None
         None where nothing says it.
     why : str
@@ -154,6 +163,9 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
             column, "time", "s", "its cells are stamps, which say their unit", shown, rows
         )
     numbers = _numbers(log, column, few)
+    if (why := _names_joints(column, few)) is not None:
+        shown = shorten(", ".join(dict.fromkeys(texts)), LONGEST, placeholder=" …")
+        return Belief(column, "joint", None, why, shown, rows)
     if numbers is None:
         return Belief(column, None, None, "its cells are no numbers", texts[0][:40], rows)
     shown = f"{numbers.min():.6g} to {numbers.max():.6g}"
@@ -161,17 +173,34 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
         shown += f" in the first {len(few):,}"
     if np.ptp(numbers) == 0:
         shown = f"{numbers[0]:.6g} throughout"
-    words = _words(column)
-    said = (log.units or {}).get(column, "").strip(" []()").lower()
-    clock = _clock_unit(numbers, words, said)
-    kind = _kind(words, clock is not None)
+    said = (log.units or {}).get(column, "").strip(" []()")
+    clock = _clock_unit(numbers, column, said)
+    kind = _kind(column, clock is not None)
+    if kind is not None and _counts_rows(column, numbers):
+        return Belief(column, None, None, "it counts the rows", shown, rows)
     if kind == "time":
         tick, why = clock or ("s", "")
         return Belief(column, "time", tick, f"its name, and it increases; {why}", shown, rows)
     if kind is None:
         return Belief(column, None, None, "its name says nothing", shown, rows)
-    unit, why = _unit(kind, words, said, numbers)
+    unit, why = _unit(kind, column, said, numbers)
     return Belief(column, kind, unit, f"its name; {why}", shown, rows)
+
+
+def _names_joints(column: str, cells: Cells) -> str | None:
+    """Return why a column says of which joint a row is; None where it does not."""
+    texts = [text.strip() for text in texts_of(cells) if text and text.strip()]
+    names = set(texts)
+    of_joint = [re.fullmatch(JOINT_WORDS, word) is not None for word in words_of(column)]
+    is_text = not any(NUMBER.fullmatch(name) for name in names)
+    if not 2 <= len(names) <= MOST_JOINTS or len(texts) < LEAST_ROWS * len(names):
+        return None
+    alternate = np.mean([a != b for a, b in pairwise(texts)]) > 0.5
+    if is_text and (alternate or any(of_joint)):
+        return f"it has {len(names)} texts, each in many rows: names of joints"
+    if alternate and of_joint and all(of_joint) and all(name.isdigit() for name in names):
+        return f"its name, and {len(names)} numbers that alternate: a row for each joint"
+    return None
 
 
 def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
@@ -182,61 +211,91 @@ def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
     return None if faults or not numbers.size else numbers
 
 
-def _words(column: str) -> list[str]:
-    """Return the words of a name, also of ``jointPos2`` and ``tau1``."""
-    apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", column)
-    return [word.lower() for word in re.findall(r"[^\W\d_]+|°|µs", apart)]
-
-
 def name_of_joint(column: str) -> str:
     """Return what may be the joint in a name: in brackets, a number, or words of no other use."""
     bracket = re.search(r"\[([^\]]+)\]", column)
-    if bracket and not set(_words(bracket.group(1))) <= {*OF_UNITS}:
+    if bracket and words_of(bracket.group(1)) and not is_unit(bracket.group(1)):
         return bracket.group(1)
     number = re.search(r"(\d+)(?!.*\d)", column)
     if number:
         return number.group(1)
-    used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
-    words = list(re.finditer(r"[^\W_]+", column))
+    used = "|".join(
+        (*WORDS.values(), OF_MOTOR, *LETTERS.values(), *map(re.escape, OF_UNITS), OF_ANY)
+    )
+    unit = bracket is not None and is_unit(bracket.group(1))
+    words = list(re.finditer(r"[^\W_]+", column[: bracket.start()] if bracket and unit else column))
     left = [at for at, word in enumerate(words) if not re.fullmatch(used, word.group().lower())]
     if not left or left[-1] - left[0] >= len(left):  # none, or other words between them
         return ""
     return column[words[left[0]].start() : words[left[-1]].end()]
 
 
-def _kind(words: list[str], is_clock: bool) -> str | None:
-    """Return what the words of a name say: a command first, then what is behind in the name."""
+def rank_of(belief: Belief) -> int:
+    """Return how far behind others of its kind a column stands: a limit is no position."""
+    words = words_of(belief.column)
+    return sum(
+        rank
+        for pattern, rank in RANK.items()
+        if _has(words, pattern) and not (pattern == WORDS["command"] and belief.kind == "command")
+    )
+
+
+def _has(words: list[str], pattern: str) -> bool:
+    return any(re.fullmatch(pattern, word) for word in words)
+
+
+def _kind(column: str, is_clock: bool) -> str | None:
+    """Return what the words of a name say, those that can mean one thing alone before others."""
+    words = words_of(column)
     if is_clock:
         return "time"
-    matches = {
-        kind: place
-        for kind, pattern in WORDS.items()
-        for place, word in enumerate(words)
-        if re.fullmatch(pattern, word) and kind != "time"
-    }
-    if "force" in matches and "position" not in matches:
-        return "force"
-    if "velocity" in matches:
+    if _has(words, OTHERS):
+        return None
+    said = {kind for kind, pattern in WORDS.items() if _has(words, pattern)}
+    by_unit = kind_of_unit(column)
+    if "temperature" in said:
+        return "temperature"
+    if "velocity" in said or by_unit == "velocity":
         return "velocity"
-    order = ("command", "temperature", "position", "force")
-    return next((kind for kind in order if kind in matches), None)
+    if "position" in said:
+        return "command" if "command" in said else "position"
+    if "force" in said:
+        return "force"
+    is_of_motor = _has(words, OF_MOTOR) or by_unit == "force"
+    if "command" in said and (not is_of_motor or by_unit == "position"):
+        return "command"
+    if by_unit is not None:
+        return by_unit
+    if is_of_motor:
+        return "force"
+    return next((kind for kind, letters in LETTERS.items() if _has(words, letters)), None)
 
 
-def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] | None:
+def _counts_rows(column: str, numbers: Array) -> bool:
+    """Return whether a column whose name is a letter goes on by one from row to row."""
+    return (
+        len("".join(words_of(column))) == 1
+        and numbers.size > 1
+        and bool(np.all(np.diff(numbers) == 1))
+    )
+
+
+def _clock_unit(numbers: Array, column: str, said: str) -> tuple[str, str] | None:
     """Return the unit of a clock, and why; None where a column is none."""
-    is_named = any(re.fullmatch(WORDS["time"], word) for word in words)
+    is_named = any(re.fullmatch(WORDS["time"], word) for word in words_of(column))
     steps = np.diff(numbers)
-    if not steps.size or not is_named or (steps > 0).mean() < 0.9:
+    if not steps.size or not is_named or (steps >= 0).mean() < 0.9:
+        return None
+    if (steps > 0).mean() < 1 / (2 * MOST_JOINTS):  # of which each may have a row at each time
         return None
     interval = float(np.median(steps[steps > 0]))
     for unit, second in SECONDS.items():
         if SINCE_1970[0] < numbers[0] * second < SINCE_1970[1]:
             return unit, f"{numbers[0]:.0f} is {unit} since 1970"
-    written = said if said in SECONDS else None
-    named = [UNIT_WORDS["time"][word] for word in words if word in UNIT_WORDS["time"]]
-    says = [written] if written is not None else named
-    if says:
-        return says[0], f"it says {says[0]}, which is {1 / (interval * SECONDS[says[0]]):.4g} Hz"
+    written = unit_of_text("time", said) or unit_in_name("time", column)
+    if written is not None and written.unit is not None:
+        rate = 1 / (interval * SECONDS[written.unit])
+        return written.unit, f"it says {written.unit}, which is {rate:.4g} Hz"
     usual = [
         unit for unit, second in SECONDS.items() if USUAL_S[0] <= interval * second <= USUAL_S[1]
     ]
@@ -246,14 +305,18 @@ def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] 
     return None
 
 
-def _unit(kind: str, words: list[str], said: str, numbers: Array) -> tuple[str | None, str]:
-    """Return a unit and why: what the file says, a word of the name, or the size of a position."""
-    units = UNIT_WORDS.get("position" if kind == "command" else kind, {})
-    if said in units:
-        return units[said], f"the file says {said}"
-    unit = next((units[word] for word in reversed(words) if word in units), None)
-    if unit is not None:
-        return unit, f"its name says {unit}"
+def _unit(kind: str, column: str, said: str, numbers: Array) -> tuple[str | None, str]:
+    """Return a unit and why: what the file says, what the name says, or a position's size."""
+    of_kind = "position" if kind == "command" else kind
+    by_file = unit_of_text(of_kind, said) if of_kind in SPELLINGS else None
+    spelled = by_file or unit_in_name(of_kind, column)
+    if spelled is not None:
+        who = "its name" if by_file is None else "the file"
+        if spelled.unit is None:
+            return None, f"{who} says {spelled.text}, whose prefix no unit of a mapping has"
+        if spelled.unit == "share" and np.abs(numbers).max() > WHOLE_SHARE:
+            return None, f"{spelled.text} beyond 1 is no share of the whole: %, or counts (raw)"
+        return spelled.unit, f"{who} says {spelled.text}"
     if kind not in ("position", "command"):
         return None, "nothing says its unit"
     largest = float(np.abs(numbers).max())

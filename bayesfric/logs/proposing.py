@@ -4,11 +4,12 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from bayesfric.logs.looking import Belief, believed, csv_form, name_of_joint
+from bayesfric.logs.looking import Belief, believed, csv_form, name_of_joint, rank_of
 from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, CsvForm
 from bayesfric.logs.readers import kind_of, read_log
 from bayesfric.logs.readers.csv import decoded
 from bayesfric.logs.relating import related
+from bayesfric.logs.table import texts_of
 from bayesfric.logs.units import needs_factor
 
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
@@ -51,11 +52,12 @@ def _of_robot(joints: tuple[str, ...]) -> list[str]:
     ]
 
 
-def _of_joints(joints: tuple[str, ...]) -> list[str]:
+def _of_joints(joints: tuple[str, ...], *, in_rows: bool) -> list[str]:
     if not joints:
         return []
     names = ", ".join(map(_plain, joints))
-    return ["", f"# {JOINT} stands for one of the joints {names}; --joint all takes them all."]
+    who = "joint_column names" if in_rows else f"{JOINT} stands for one of"
+    return ["", f"# {who} the joints {names}; --joint all takes them all."]
 
 
 def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
@@ -84,11 +86,16 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     lines += [f"# {note}" for note in log.notes]
     lines += _belief_lines(beliefs)
     chosen, joints = _chosen(beliefs, joint)
+    if "joint" in chosen:
+        belief = chosen["joint"][0]
+        joints = tuple(_names_in(texts_of(log.columns[belief.column])))
+        column = _name(belief.column, form is None or form.header)
+        lines += ["", f"joint_column = {column}  # {_plain(belief.why)}"]
     if any(belief.column == LEROBOT_RUN for belief in beliefs):
         lines += ["", f'run = "{LEROBOT_RUN}"  # a run for each episode']
     if form is not None and form != CsvForm():
         lines += _of_csv(form, why)
-    lines += _of_joints(joints)
+    lines += _of_joints(joints, in_rows="joint" in chosen)
     lines += _sections(chosen, log_has_header=form is None or form.header)
     lines += _of_robot(tuple(name for name in joints if BARE.fullmatch(name)))
     toml = "\n".join(lines) + "\n"
@@ -99,6 +106,10 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     count = body.count(f'"{SAY}"')
     asked = [f"{count} place{'s' * (count > 1)} with {SAY}"] if count else []
     return Proposal(toml, (*(f"which column is {what}" for what in missing), *asked), joints)
+
+
+def _names_in(cells: list[str | None]) -> dict[str, None]:
+    return dict.fromkeys(cell.strip() for cell in cells if cell is not None and cell.strip())
 
 
 def _plain(text: str) -> str:
@@ -136,11 +147,11 @@ def _chosen(
     Joints are named where there are several, and so a pattern.
     """
     of_kind: dict[str, list[Belief]] = {}
-    for belief in beliefs:
+    for belief in sorted(beliefs, key=rank_of):
         if belief.kind is not None:
             of_kind.setdefault(belief.kind, []).append(belief)
     chosen: dict[str, tuple[Belief, str]] = {}
-    keys = _joint_keys(of_kind)
+    keys = [] if "joint" in of_kind else _joint_keys(of_kind)
     key = joint if joint in keys else next(iter(keys), None)
     table = of_kind.get("position", of_kind.get("force", [None]))[0]
     for kind, candidates in of_kind.items():

@@ -11,12 +11,15 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError, near
 from bayesfric.logs.clock import DECIMALS, Stamps, seconds_since, stamps_of
+from bayesfric.logs.long_form import is_of_several_joints
 from bayesfric.logs.mapping import JOINT, Mapping, Signal, scale_of
 from bayesfric.logs.ordering import Ordered, Series, in_order, unwrapped
 from bayesfric.logs.table import Log, numbers_of, texts_of
 
 ALL = "all"
 LISTED = 12
+OPTIONAL = ("measured_force", "velocity", "known_force", "temperature")
+"""Signals that a mapping may leave out, so that a blank column is none."""
 
 
 @dataclass(frozen=True)
@@ -53,21 +56,33 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
         There is no such joint, or it is not said which.
     """
     if not mapping.is_of_any_joint:
-        return (joint,) if joint != ALL else _joints_with_columns(mapping)
+        if joint == ALL:
+            return _joints_with_columns(mapping)
+        if joint is not None and mapping.joints and joint not in mapping.joints:
+            raise InputError([_no_joint("the mapping", joint, list(mapping.joints))])
+        return (joint,)
     names = _joints(log, mapping)
-    listed = ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
     if joint == ALL:
         if not names:
             column = str(mapping.position.column)
             raise InputError([Fault(log.name, f"columns like {column}", column="position.column")])
         return tuple(names)
     if joint is None:
-        expected = f"all, or one of the joints {listed or '(there is none)'}"
+        expected = f"all, or one of the joints {_listed(names) or '(there is none)'}"
         raise InputError([Fault("--joint", expected)])
-    if joint not in names and JOINT in str(mapping.position.column):
-        expected = f"all, or one of its joints ({listed or 'there is none'}){near(joint, names)}"
-        raise InputError([Fault(log.name, expected, column="--joint", value=joint)])
+    if joint not in names and _patterns(mapping):
+        raise InputError([_no_joint(log.name, joint, names)])
     return (joint,)
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
+
+
+def _no_joint(where: str, joint: str, names: list[str]) -> Fault:
+    listed = _listed(names) or "there is none"
+    expected = f"all, or one of its joints ({listed}){near(joint, names)}"
+    return Fault(where, expected, column="--joint", value=joint)
 
 
 def _joints_with_columns(mapping: Mapping) -> tuple[str, ...]:
@@ -85,18 +100,22 @@ def _joints_with_columns(mapping: Mapping) -> tuple[str, ...]:
 
 def _joints(log: Log, mapping: Mapping) -> list[str]:
     """Return the names for which the columns of position and force are there."""
-    patterns = [
-        str(signal.column)
-        for key in ("position", "force", "command")
-        if (signal := mapping.signals.get(key)) and JOINT in str(signal.column)
-    ]
     names: list[str] | None = None
-    for pattern in patterns:
+    for pattern in _patterns(mapping):
         before, after = (re.escape(part) for part in pattern.split(JOINT, 1))
         form = re.compile(f"{before}(.+){after.replace(re.escape(JOINT), '.+')}")
         matches = [match.group(1) for column in log.columns if (match := form.fullmatch(column))]
         names = [name for name in names if name in matches] if names is not None else matches
     return names or []
+
+
+def _patterns(mapping: Mapping) -> list[str]:
+    """Return the columns of position and force that have a place for the name of a joint."""
+    return [
+        str(signal.column)
+        for key in ("position", "force", "command")
+        if (signal := mapping.signals.get(key)) and JOINT in str(signal.column)
+    ]
 
 
 def wanted_columns(mapping: Mapping) -> set[str | int] | None:
@@ -106,7 +125,8 @@ def wanted_columns(mapping: Mapping) -> set[str | int] | None:
     signals = mapping.signals.values()
     columns = {signal.column for signal in signals}
     clocks = {mapping.clock_of(signal) for signal in signals}
-    return {column for column in columns | clocks | {mapping.run} if column is not None}
+    keys = {mapping.run, mapping.joint_column}
+    return {column for column in columns | clocks | keys if column is not None}
 
 
 def signals_of(
@@ -127,6 +147,7 @@ def signals_of(
         for joint, signals in wanted.items()
         for name, signal in signals.items()
     }
+    faults = faults or _of_one_rate(log, mapping, wanted)
     if faults:
         raise InputError(list(dict.fromkeys(faults)))
     times, said = _times(log, mapping, stamps)
@@ -138,8 +159,27 @@ def signals_of(
             clock = mapping.clock_of(signal)
             time = _of_rate(mapping, value.size) if clock is None else times[_name(log, clock)]
             ordered[name] = in_order(time, value, log.name, _called(log, clock), log.first_row)
+            if name == "position" and is_of_several_joints(time, value):
+                faults.append(_several_joints(log, signal))
+            if name in OPTIONAL and not ordered[name].series.time_s.size:
+                faults.append(_blank(log, name, signal))
         of_joints[joint] = _signals(ordered, said)
+    if faults:
+        raise InputError(faults)
     return of_joints
+
+
+def _several_joints(log: Log, signal: Signal) -> Fault:
+    expected = (
+        "rows of one joint, and each time has rows of several: say which column names the joint, "
+        'joint_column = "…", at the top of the mapping'
+    )
+    return Fault(log.name, expected, column=_name(log, signal.column))
+
+
+def _blank(log: Log, name: str, signal: Signal) -> Fault:
+    expected = f"some number, where the mapping has [{name}]: leave it out where it is blank"
+    return Fault(log.name, expected, column=_name(log, signal.column), value="no number")
 
 
 def _name(log: Log, column: str | int) -> str:
@@ -191,6 +231,30 @@ def _values(log: Log, mapping: Mapping, name: str, signal: Signal, faults: list[
         rows = f"{len(log.columns[column]):,} rows"
         faults.append(Fault(log.name, expected, column=column, value=rows))
     return numbers_of(log, column, faults) * scale_of(name, signal)
+
+
+def _of_one_rate(
+    log: Log, mapping: Mapping, wanted: Of[str | None, Of[str, Signal]]
+) -> list[Fault]:
+    """Return that columns that come at one rate are of tables of different lengths."""
+    rows = {
+        _name(log, signal.column): len(log.columns[_name(log, signal.column)])
+        for signals in wanted.values()
+        for signal in signals.values()
+        if mapping.clock_of(signal) is None
+    }
+    if not rows:
+        return []
+    first, *others = rows
+    expected = (
+        f"{rows[first]:,} rows, as {first} has, where time.rate_hz stands for their clock: "
+        "which rows belong together is not known; take columns of a clock"
+    )
+    return [
+        Fault(log.name, expected, column=column, value=f"{rows[column]:,} rows")
+        for column in others
+        if rows[column] != rows[first]
+    ]
 
 
 def _of_rate(mapping: Mapping, rows: int) -> Array:

@@ -31,6 +31,8 @@ TORQUES = {
     "Nmm": 1e-3,
     "N·cm": 1e-2,
     "Ncm": 1e-2,
+    "kN·m": 1e3,
+    "kNm": 1e3,
     "kgf·cm": 0.0980665,
     "kgf·m": 9.80665,
 }

@@ -40,7 +40,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
             color = SHADES[place % len(SHADES)]
             gamma, p, error = _hunting_curve(loop)
             low, high = np.clip(p - 2 * error, 0, 1), np.clip(p + 2 * error, 0, 1)
-            axes.fill_between(gamma, low, high, color=color, alpha=0.2, linewidth=0)
+            axes.fill_between(gamma, low, high, color=color, alpha=0.3, linewidth=0)
             axes.plot(gamma, p, color=color, linestyle=LINES[place % len(LINES)],
                       label=plain(loop.name))  # fmt: skip
             axes.plot(
@@ -50,6 +50,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
                 color=color,
                 markersize=5.0,
                 zorder=4,
+                clip_on=False,
             )
             axes.axhline(
                 loop.limit_cycle_probability_max, color=NEUTRAL, linewidth=0.7, linestyle=":"

@@ -15,9 +15,21 @@ ROW_MM = 4.4
 LOW_MM = 44.0  # of the height where few promises have cases, so that little of it is empty
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
 OUTCOMES = {"kept": COLORS["green"], "missed": COLORS["vermilion"]}  # others: too few to tell
+CASES_TO_DRAW = 10  # of a promise
 FEWEST = 4  # rows of promises for which there is room at least
 PALE = 0.6  # share of a row from which on black is not legible on blue
 SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases
+
+
+def drawn_promises(card: ScorecardFile) -> tuple[Target, ...]:
+    """Return the promises that are drawn: of fewer cases an interval covers most of the axis.
+
+    Parameters
+    ----------
+    card : ScorecardFile
+        ``scorecard.json``.
+    """
+    return tuple(target for target in card.targets if target.rate.cases >= CASES_TO_DRAW)
 
 
 def promises_and_reliability(card: ScorecardFile) -> Figure:
@@ -31,10 +43,10 @@ def promises_and_reliability(card: ScorecardFile) -> Figure:
     Returns
     -------
     Figure
-        Left a row a promise: the rate, its 95 % interval, and the range that is promised;
-        right how often verdicts were correct over the probability that they reported.
+        Left a row a promise of enough cases: the rate, its 95 % interval, and the range that is
+        promised; right how often verdicts were correct over the probability that they reported.
     """
-    tried = tuple(target for target in card.targets if target.rate.rate is not None)
+    tried = drawn_promises(card)
     least = SQUARE_MM if len(tried) > FEWEST else LOW_MM
     with figure(height=max(least, 18.0 + ROW_MM * len(tried))) as fig:
         left, right = halves(fig, 8, 5)

@@ -11,6 +11,7 @@ ADVICE = {
     "turns": "more turns to and fro, eight at the least",
     "position": "turns at different places of the stroke",
     "angle": "a stroke of half a turn or more, there and back",
+    "acting-gravity": "",
     "period": "slow runs there and back over the whole stroke",
     "direction": "runs both ways, with four turns at the least",
     "play": "slow turns to and fro, eight at the least",

@@ -126,7 +126,7 @@ ClockOffset = Annotated[float, Field(ge=0), _at_most(1.0, "s", "milliseconds or 
 Step = Annotated[float, Field(gt=0), _at_most(2.0, "m or rad", "millimetres or degrees")]
 Share = Annotated[float, Field(gt=0), _at_most(1.0, "times the force", "percent")]
 Delay = Annotated[float, Field(ge=0), _at_most(2.0, "s", "milliseconds or microseconds")]
-Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
+Gravity = Annotated[float, Field(ge=0), _at_most(100.0, "m/s²", "mm/s²")]
 Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
 NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
 Speed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]

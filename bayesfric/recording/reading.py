@@ -31,6 +31,8 @@ WHAT_IT_IS = (
 )
 
 # A table and the one that it cannot do without.
+WEIGHED = ("gravity_trials.csv", "motor_runs.csv")
+"""Tables of masses that hang on a cable."""
 NEEDS = {
     "gravity_events.csv": "gravity_trials.csv",
     "motor_runs.csv": "motor_idle.csv",
@@ -207,7 +209,25 @@ def _missing_parts(package: Package, listed: dict[str, Resource]) -> list[Fault]
             if key not in package.rig_keys:
                 expected = f"this key, because of {file}{near(key, package.rig_keys)}"
                 faults.append(Fault(PACKAGE_FILE, expected, column=f"rig.{key}"))
-    return faults
+    return faults + _lacking_gravity(package, listed)
+
+
+def _lacking_gravity(package: Package, listed: Collection[str]) -> list[Fault]:
+    """Return what weighs nothing without gravity: masses on a cable, or a payload on an arm."""
+    if package.rig.gravity_m_s2 > 0:
+        return []
+    weighed = [file for file in WEIGHED if file in listed]
+    if package.rig.payload_arm_m is not None:
+        weighed.append("rig.payload_arm_m")
+    return [
+        Fault(
+            PACKAGE_FILE,
+            f"a number above 0, because of {what}",
+            column="rig.gravity_m_s2",
+            value="0",
+        )
+        for what in weighed
+    ]
 
 
 def _in_file_order(faults: list[Fault], listed: dict[str, Resource]) -> list[Fault]:

@@ -1,11 +1,12 @@
 """The file of a robot's model: whether it can be read, and has the joints that are named."""
 
 import posixpath
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from bayesfric.errors import Fault, InputError, near
+from bayesfric.link_shapes import weightless_shapes
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.tables import Robot
 
@@ -64,19 +65,15 @@ def _parsed(content: bytes) -> Element | None:
         return None
 
 
-def _meshes(folder: str, roots: Collection[Element]) -> Iterator[str]:
+def _meshes(folder: str, roots: Sequence[Element]) -> Iterator[str]:
     """Yield the paths of meshes of links that state no mass of their own."""
     below = ""
     for root in roots:
         for compiler in root.iter("compiler"):
             below = compiler.get("meshdir", compiler.get("assetdir", below))
-    used = {
-        geom.get("mesh")
-        for root in roots
-        for body in root.iter("body")
-        if body.find("inertial") is None
-        for geom in body.findall("geom")
-    }
+    weightless = {shape for _, shape in weightless_shapes(roots)}
+    shapes = {shape for root in roots for shape in root.iter("geom")}
+    used = {shape.get("mesh") for shape in shapes - weightless}
     for root in roots:
         for mesh in root.iter("mesh"):
             file = mesh.get("file")

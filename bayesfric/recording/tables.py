@@ -59,7 +59,7 @@ class RigConstants:
     Parameters
     ----------
     gravity_m_s2 : float
-        Local acceleration of gravity [m/s²].
+        Local acceleration of gravity [m/s²]; 0 where none acts along a joint.
     hall_spacing_m : float or None
         Cable travel between two Hall events [m].
     magnets_per_revolution : int or None

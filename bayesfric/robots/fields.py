@@ -68,7 +68,7 @@ _MASS = {
     URDF: "link/inertial/mass/@value",
 }
 _LIMIT = {
-    MUJOCO: "actuator/@forcerange, from minus to plus the value",
+    MUJOCO: "joint/@actuatorfrcrange, from minus to plus the value",
     ISAACLAB: "ActuatorBaseCfg.effort_limit_sim",
     USD: "drive:{axis}:physics:maxForce",
     NEWTON: "drive:{axis}:physics:maxForce",
@@ -96,8 +96,14 @@ _FIELDS: Mapping[str, Mapping[str, str]] = {
     "torque-saturation.limit": _LIMIT,
     "cogging.force": {MUJOCO: "actuator/dcmotor/@cogging, its first number"},
 }
-_IN_DEGREES = {USD: {"viscous"}, NEWTON: {"viscous"}}
-"""What these simulators count by the degree where an axis turns."""
+_BY_DEGREE = {
+    USD: {"viscous": PER_DEGREE},
+    NEWTON: {"viscous": PER_DEGREE},
+    MUJOCO: {"spring.rest": 1 / PER_DEGREE},
+}
+"""Factors to what these simulators count in degrees, or by the degree, where an axis turns."""
+_UNLESS_RADIAN = {MUJOCO: {"spring.rest"}}
+"""What they count in radians where a model says ``<compiler angle="radian"/>``."""
 
 
 class JointField(NamedTuple):
@@ -123,12 +129,14 @@ def fields_of(parameter: str, *, turns: bool) -> dict[str, JointField | None]:
     own, axis = _FIELDS.get(parameter, {}), "angular" if turns else "linear"
 
     def factor(simulator: str) -> float:
-        by_degree = turns and parameter in _IN_DEGREES.get(simulator, ())
-        return PER_DEGREE if by_degree else 1.0
+        return _BY_DEGREE.get(simulator, {}).get(parameter, 1.0) if turns else 1.0
+
+    def name(simulator: str) -> str:
+        radian = turns and parameter in _UNLESS_RADIAN.get(simulator, ())
+        remark = ', in degrees (with compiler/@angle="radian" in rad: factor 1)' if radian else ""
+        return own[simulator].replace("{axis}", axis) + remark
 
     return {
-        simulator: JointField(own[simulator].replace("{axis}", axis), factor(simulator))
-        if simulator in own
-        else None
+        simulator: JointField(name(simulator), factor(simulator)) if simulator in own else None
         for simulator in SIMULATORS
     }

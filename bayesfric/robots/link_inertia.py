@@ -1,11 +1,11 @@
-"""What the links of a model have about one of its joints, its armature taken off."""
+"""What a model has about one of its joints: of its links, and set at the joint itself."""
 
 from pathlib import Path
 
 import numpy as np
 
 from bayesfric.robots.dynamics import RigidBodies
-from bayesfric.robots.model_file import read_robot
+from bayesfric.robots.model_file import JointSettings, read_robot
 
 
 def link_inertia(path: Path, joint: str) -> float:
@@ -29,3 +29,22 @@ def link_inertia(path: Path, joint: str) -> float:
     reference = np.asarray(robot.compiled.qpos0)[robot.compiled.jnt_qposadr[list(robot.places)]]
     momentum, _ = RigidBodies(robot).momentum_and_pull(reference[None], np.ones((1, 1)))
     return float(momentum[0, 0])
+
+
+def settings_of(path: Path, joint: str) -> JointSettings:
+    """Return what a model has set at a joint, whether the joint says it or a class of defaults.
+
+    Parameters
+    ----------
+    path : Path
+        The model, URDF or MJCF.
+    joint : str
+        Its name in the model.
+
+    Raises
+    ------
+    InputError
+        The model cannot be used.
+    """
+    (settings,) = read_robot(path.parent, path.name, {joint: joint}).settings
+    return settings

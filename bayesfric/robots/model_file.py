@@ -15,6 +15,7 @@ import numpy as np
 
 from bayesfric.errors import Fault, InputError, needs_extra, one_of
 from bayesfric.files import file_bytes
+from bayesfric.robots.simplifying import drop_for_others, simplify_mjcf, simplify_urdf
 
 LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
 LARGEST_MESHES = 67_108_864  # bytes of all meshes together
@@ -27,8 +28,14 @@ REFUSED = {
     "flexcomp": "rigid links",
     "flex": "rigid links",
 }
-UNSEEN = {"texture", "material", "skin", "hfield", "visual", "keyframe", "sensor"}
-"""Elements of MJCF that move nothing."""
+SET_ASIDE = (
+    *("dof_damping", "dof_dampingpoly", "dof_frictionloss", "dof_armature"),
+    *("jnt_stiffness", "jnt_stiffnesspoly", "body_gravcomp"),
+)
+"""What a compiled model has beside rigid bodies; polynomials since MuJoCo 3.5.
+
+A gravity compensation is a program's, whose force is in the log with that of the drive.
+"""
 HEAVIEST_KG = 1e4
 """Of one link: more is a mistake of units."""
 
@@ -41,12 +48,18 @@ class JointSettings:
     ----------
     damping, frictionloss, armature, stiffness : float
         As written in the model; SI units of the joint.
+    drag : tuple of float
+        Of its damping the factors of the square and the cube of speed.
+    spring_rest : float
+        Where its spring is at rest [rad or m].
     """
 
     damping: float
     frictionloss: float
     armature: float
     stiffness: float
+    drag: tuple[float, float] = (0.0, 0.0)
+    spring_rest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -56,7 +69,8 @@ class Robot:
     Parameters
     ----------
     compiled : mujoco.MjModel
-        Damping, friction, armature and springs of all joints set to zero.
+        Damping, friction, armature and springs of all joints set to zero, and what compensates
+        gravity.
     joints : tuple of str
         Names in the log, in order.
     places : tuple of int
@@ -88,7 +102,7 @@ def read_robot(
     joints : mapping of str to str
         Joint in the log to its name in the model.
     gravity_m_s2 : float or None
-        Local gravity, along −z, of a URDF, which states none; None is 9.81.
+        Local gravity, along −z, of a URDF that states none (in ``mujoco/option``); None is 9.81.
 
     Raises
     ------
@@ -101,13 +115,16 @@ def read_robot(
         expected = "a URDF model (<robot>) or an MJCF model (<mujoco>)"
         raise InputError([Fault(model, expected, value=f"<{root.tag}>")])
     if urdf:
-        _simplify_urdf(root)
+        simplify_urdf(model, root, joints.values())
         assets: dict[str, bytes] = {}
     else:
         root = _with_includes(folder, model, root)
-        assets = _simplify_mjcf(folder, model, root)
+        simplify_mjcf(model, root, joints.values())
+        assets = dict(_meshes(folder, model, root))
     compiled = _compiled(model, root, assets)
-    if urdf and gravity_m_s2 is not None:
+    if _without_gravity(compiled):
+        compiled.opt.gravity[:] = 0.0
+    elif urdf and gravity_m_s2 is not None and not _states_gravity(root):
         compiled.opt.gravity[:] = 0.0, 0.0, -gravity_m_s2
     return _with_joints(model, compiled, joints)
 
@@ -167,6 +184,7 @@ def _parsed(folder: Path, model: str, name: str) -> ET.Element:
         root = ET.fromstring(data)
     except (ET.ParseError, ValueError, LookupError) as error:  # LookupError: an unknown encoding
         raise InputError([Fault(name, f"XML that parses ({error})")]) from error
+    drop_for_others(root)
     for element in root.iter():
         if element.tag in REFUSED:
             raise InputError([Fault(name, REFUSED[element.tag], value=f"<{element.tag}>")])
@@ -189,45 +207,12 @@ def _with_includes(folder: Path, model: str, root: ET.Element, depth: int = 0) -
     return root
 
 
-def _simplify_urdf(root: ET.Element) -> None:
-    """Drop what moves nothing: shapes, and settings for other programs."""
-    for link in root.iter("link"):
-        for child in [element for element in link if element.tag in ("visual", "collision")]:
-            link.remove(child)
-    for child in [
-        element for element in root if element.tag in ("gazebo", "transmission", "mujoco")
-    ]:
-        root.remove(child)
-
-
-def _simplify_mjcf(folder: Path, model: str, root: ET.Element) -> dict[str, bytes]:
-    """Drop what moves nothing, and return the meshes from which links have their mass."""
-    for parent in list(root.iter()):
-        for child in [element for element in parent if element.tag in UNSEEN]:
-            if not (child.tag == "visual" and parent.tag == "default"):
-                parent.remove(child)
-    for body in root.iter("body"):
-        if body.find("inertial") is not None:
-            for geom in body.findall("geom"):
-                body.remove(geom)
-    for geom in root.iter("geom"):
-        geom.attrib.pop("material", None)
-    for tag in ("actuator", "contact", "tendon", "equality"):
-        for element in root.findall(tag):
-            if tag == "equality" and len(element):
-                raise InputError(
-                    [Fault(model, "joints that move by themselves", value=f"<{element[0].tag}>")]
-                )
-            root.remove(element)
+def _meshes(folder: Path, model: str, root: ET.Element) -> Iterator[tuple[str, bytes]]:
+    """Yield the meshes of the shapes that are left, by name; drop the others."""
     used = {geom.get("mesh") for geom in root.iter("geom")} - {None}
-    return dict(_meshes(folder, model, root, {str(name) for name in used}))
-
-
-def _meshes(
-    folder: Path, model: str, root: ET.Element, used: set[str]
-) -> Iterator[tuple[str, bytes]]:
-    compiler = root.find("compiler")
-    below = "" if compiler is None else compiler.get("meshdir", compiler.get("assetdir", ""))
+    below = ""
+    for compiler in root.iter("compiler"):
+        below = compiler.get("meshdir", compiler.get("assetdir", below))
     left = LARGEST_MESHES
     for asset in root.iter("asset"):
         for mesh in list(asset.findall("mesh")):
@@ -252,10 +237,11 @@ def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
         why = " ".join(str(error).split())
         raise InputError([Fault(model, f"a model that MuJoCo compiles ({why})")]) from error
     faults = []
+    # A frame that is fixed to a link, as of a tool, needs no mass: the link has it.
+    together = np.bincount(compiled.body_weldid, compiled.body_mass, compiled.nbody)
     for body in range(1, compiled.nbody):
         name, mass = compiled.body(body).name or f"body {body}", float(compiled.body_mass[body])
-        moves = compiled.body_weldid[body] != 0
-        if moves and mass <= 0:
+        if compiled.body_weldid[body] == body and together[body] <= 0:
             faults.append(Fault(model, "a link that moves to have a mass", column=name, value="0"))
         if mass > HEAVIEST_KG:
             expected = f"a mass in kg, at most {HEAVIEST_KG:g} (grams?)"
@@ -263,6 +249,17 @@ def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
     if faults:
         raise InputError(faults)
     return compiled
+
+
+def _without_gravity(compiled: Any) -> bool:
+    """Return whether a flag of the model switches gravity off."""
+    import mujoco
+
+    return bool(compiled.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+
+
+def _states_gravity(root: ET.Element) -> bool:
+    return any("gravity" in option.attrib for option in root.iter("option"))
 
 
 def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:
@@ -288,15 +285,22 @@ def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:
     places = tuple(names.index(name) for name in joints.values())
     dofs = [int(compiled.jnt_dofadr[place]) for place in places]
     settings = tuple(
-        JointSettings(
-            float(np.ravel(compiled.dof_damping[dof])[0]),
-            float(compiled.dof_frictionloss[dof]),
-            float(compiled.dof_armature[dof]),
-            float(np.ravel(compiled.jnt_stiffness[place])[0]),
-        )
-        for place, dof in zip(places, dofs, strict=True)
+        _settings(compiled, place, dof) for place, dof in zip(places, dofs, strict=True)
     )
-    for array in ("dof_damping", "dof_frictionloss", "dof_armature", "jnt_stiffness"):
-        getattr(compiled, array)[:] = 0.0
+    for array in SET_ASIDE:
+        if hasattr(compiled, array):
+            getattr(compiled, array)[:] = 0.0
     held = tuple(name for place, name in enumerate(names) if place not in places)
     return Robot(compiled, tuple(joints), places, held, settings)
+
+
+def _settings(compiled: Any, place: int, dof: int) -> JointSettings:
+    drag = compiled.dof_dampingpoly[dof] if hasattr(compiled, "dof_dampingpoly") else (0.0, 0.0)
+    return JointSettings(
+        damping=float(np.ravel(compiled.dof_damping[dof])[0]),
+        frictionloss=float(compiled.dof_frictionloss[dof]),
+        armature=float(compiled.dof_armature[dof]),
+        stiffness=float(np.ravel(compiled.jnt_stiffness[place])[0]),
+        drag=(float(drag[0]), float(drag[1])),
+        spring_rest=float(compiled.qpos_spring[compiled.jnt_qposadr[place]]),
+    )

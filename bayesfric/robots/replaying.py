@@ -28,14 +28,15 @@ class SimulatedJoint:
         Coulomb friction and the rotor's inertia.
     damping : tuple of float
         Factors of speed, its square and its cube.
-    stiffness : float
-        Of a spring.
+    stiffness, spring_rest : float
+        Of a spring, and where it is at rest.
     """
 
     frictionloss: float
     armature: float
     damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stiffness: float = 0.0
+    spring_rest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,13 @@ class Motion:
 def as_in_model(robot: Robot) -> tuple[SimulatedJoint, ...]:
     """Return the values that the user's model has for each logged joint."""
     return tuple(
-        SimulatedJoint(own.frictionloss, own.armature, (own.damping, 0.0, 0.0), own.stiffness)
+        SimulatedJoint(
+            own.frictionloss,
+            own.armature,
+            (own.damping, *own.drag),
+            own.stiffness,
+            own.spring_rest,
+        )
         for own in robot.settings
     )
 
@@ -141,13 +148,17 @@ def _set(robot: Robot, joints: Sequence[SimulatedJoint], motion: Motion) -> tupl
     logged = list(robot.places)
     dofs, places = model.jnt_dofadr[logged], model.jnt_qposadr[logged]
     model.dof_armature[:] = LOCKED
-    for dof, place, joint in zip(dofs, logged, joints, strict=True):
+    for dof, place, at, joint in zip(dofs, logged, places, joints, strict=True):
         model.dof_armature[dof] = joint.armature
         model.dof_frictionloss[dof] = joint.frictionloss
         model.dof_damping[dof] = joint.damping[0]
         if hasattr(model, "dof_dampingpoly"):
             model.dof_dampingpoly[dof] = joint.damping[1:]
         model.jnt_stiffness[place] = joint.stiffness
+        model.qpos_spring[at] = joint.spring_rest
+    # A recorded motion takes place within the stops and touches nothing that the log tells.
+    disabled = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    model.opt.disableflags |= int(disabled)
     model.opt.timestep = motion.interval_s / np.ceil(motion.interval_s / STEP_S)
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     mujoco.mj_setConst(model, mujoco.MjData(model))

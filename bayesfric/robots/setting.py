@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.robots.mjcf_defaults import with_default
 from bayesfric.robots.xml_text import (
     Edit,
     Element,
@@ -42,7 +43,7 @@ class JointValues:
     samples : str or None
         Commands that such a delay keeps.
     limit : str or None
-        Largest drive force or torque.
+        Largest drive force or torque at the joint, behind any gear.
     """
 
     frictionloss: str | None = None
@@ -120,6 +121,43 @@ class ModelText:
             if element.attributes.get("joint") == joint
         ]
 
+    def written(self, joint: str) -> dict[str, str]:
+        """Return damping and Coulomb friction as the file has them at a joint itself.
+
+        Parameters
+        ----------
+        joint : str
+            Its name in the file.
+
+        Returns
+        -------
+        dict of str to str
+            ``damping``, ``friction`` and ``armature``; without those that it does not say.
+        """
+        element = self.joint(joint)
+        if self.kind == "mjcf":
+            own = {
+                name: element.attributes.get(field)
+                for name, field in (
+                    ("damping", "damping"),
+                    ("friction", "frictionloss"),
+                    ("armature", "armature"),
+                )
+            }
+            return _said(**own)
+        above: Element | None = element if self.kind == "urdf" else element.child("axis")
+        dynamics = None if above is None else above.child("dynamics")
+        if dynamics is None:
+            return {}
+        if self.kind == "urdf":
+            own = {name: dynamics.attributes.get(name) for name in ("damping", "friction")}
+        else:
+            texts = {
+                child.tag: self.content[child.opened : child.closed] for child in dynamics.children
+            }
+            own = {name: texts[name].decode() for name in ("damping", "friction") if name in texts}
+        return _said(**own)
+
     def with_values(self, values: Mapping[str, JointValues]) -> "ModelText":
         """Return it with the fields of joints set.
 
@@ -140,7 +178,9 @@ class ModelText:
         return replace(self, content=content, root=elements_of(content, self.name))
 
     def _type(self, joint: Element) -> str:
-        return joint.attributes.get("type", "hinge" if self.kind == "mjcf" else "")
+        if self.kind == "mjcf":
+            return with_default(self.root, joint, "type") or "hinge"
+        return joint.attributes.get("type", "")
 
     def _edits(self, joint: Element, values: JointValues) -> Iterator[Edit]:
         if self.kind == "mjcf":
@@ -154,9 +194,11 @@ class ModelText:
         own = _said(
             frictionloss=values.frictionloss, damping=values.damping, armature=values.armature
         )
+        if values.limit is not None:  # at the joint: an actuator's own lies before its gear
+            own |= {"actuatorfrcrange": f"-{values.limit} {values.limit}"}
+            own |= {"actuatorfrclimited": "true"}
         yield with_attributes(self.content, joint, own)
-        limits = None if values.limit is None else f"-{values.limit} {values.limit}"
-        driving = _said(delay=values.delay, nsample=values.samples, forcerange=limits)
+        driving = _said(delay=values.delay, nsample=values.samples)
         for actuator in self.actuators(joint.attributes["name"]) if driving else ():
             yield with_attributes(self.content, actuator, driving)
 

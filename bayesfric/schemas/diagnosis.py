@@ -194,7 +194,9 @@ class DiagnosisFile(Provenance):
     rigs: Rigs whose data entered.
     baseline: Friction law that was examined.
     simulator: In the place of the law; null where a law of the package is examined.
-    fixed: Parameters held at their shipped values.
+    fixed: Parameters that were held, as they were asked for.
+    fixed_at: Values at which they were held, by name: those that were shipped, else those of the
+        robot's model, or of Table I.
     shipped: Shipped values as they were given, by name; null where nobody gave any.
     stray_trials: Trials left out: each lies far from the others of its own assembly.
     attention: Every check that failed, and settings that a diagnosis does not follow; usually none.
@@ -248,6 +250,7 @@ class DiagnosisFile(Provenance):
     simulator: SimulatorUsed | None = None
     simulator_why: Annotated[Why, Because("a law of the package is examined")] = None
     fixed: tuple[str, ...] = ()
+    fixed_at: dict[str, Number] = Field(default_factory=dict)
     shipped: dict[str, float] | None = None
     shipped_why: Annotated[Why, Because("nobody gave any")] = None
     stray_trials: tuple[str, ...] = ()

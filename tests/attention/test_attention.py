@@ -11,7 +11,7 @@ from bayesfric.analysis import Normal
 from bayesfric.attention.claims import of_claims
 from bayesfric.attention.diagnosis import biased_numbers, of_diagnosis
 from bayesfric.attention.fit import Coverage, of_fit
-from bayesfric.attention.together import attention_of_all
+from bayesfric.attention.together import attention_of_all, by_weight
 from bayesfric.fitting.predictive import covered
 from bayesfric.inference.priors import Parameter
 from bayesfric.resources import reference_folder
@@ -131,6 +131,7 @@ def test_numbers_that_are_biased_alike_are_one_remark():
     (line,) = [line for line in of_diagnosis(biased) if "Without viscous" in line]
     assert "c2[small] as 0.0439 N" in line
     assert "Also biased: c1[large], c3[large]." in line
+    assert line.endswith("of this biased law: use the numbers that were refitted with viscous")
 
 
 def test_what_a_diagnosis_holds_already_comes_first_and_once():
@@ -178,3 +179,22 @@ def test_all_results_make_one_list_with_each_line_once():
     assert attention_of_all(records) == [
         ("diagnosis.json", "a"), ("diagnosis.json", "b"), ("claims.json", "c")
     ]  # fmt: skip
+
+
+def test_other_biased_numbers_stand_in_their_usual_order():
+    number = LawNumber(unit="1", before=interval(2.0, 0.01), after=interval(1.0, 0.01))
+    names = ("c3[small]", "c2[large]", "c1[mine]", "c2[medium]", "c2[small]")
+    worst = number.model_copy(update={"before": interval(9.0, 0.01)})
+    law = dict.fromkeys(names, number) | {"c1[small]": worst}
+    (line,) = [
+        line for line in of_diagnosis(diagnosis(law=law)) if "the fit gives c1[small]" in line
+    ]
+    assert "Also biased: c1[mine], c2[small], c2[medium], c2[large], c3[small]." in line
+
+
+def test_what_asks_for_nothing_stands_apart_and_a_biased_law_comes_first():
+    harmless = "These data say little of tau: its prior decides it; no coefficient of the law is"
+    apart = "The two sensors disagree; in no trial does this reach 1% of friction"
+    biased = "Without viscous the fit gives 1. fit.json and claims.json are of this biased law: so"
+    lines = [f"{harmless} affected", "An assembly is far", apart, biased]
+    assert by_weight(lines) == ([biased, lines[1]], [lines[0], apart])

@@ -257,6 +257,9 @@ def test_a_coefficient_can_be_held(nothing):
     """c3 held at Table I: its axis cannot be refitted, and is not."""
     found = diagnose(nothing, fixed=["c3"]).summary
     assert found.fixed == ("c3",)
+    of_table = {f"c3[{size}]": float(law.c3) for size, law in table1_coefficients().items()}
+    assert found.fixed_at
+    assert found.fixed_at.items() <= of_table.items()
     assert found.verdict == "no-gap"
 
 

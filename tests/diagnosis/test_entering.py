@@ -74,14 +74,31 @@ def test_what_a_simulator_lacks_is_told_in_force(found):
         ("coulomb", "genesis", "RigidEntity.set_dofs_frictionloss", 1.0),
         ("viscous", "urdf", "joint/dynamics/@damping", 1.0),
         ("coulomb", "sdf", "joint/axis/dynamics/friction", 1.0),
-        ("torque-saturation.limit", "mujoco", "actuator/@forcerange", 1.0),
+        ("torque-saturation.limit", "mujoco", "joint/@actuatorfrcrange", 1.0),
         ("delay.time", "mujoco", "actuator/@delay", 1.0),
+        ("spring.rest", "mujoco", "joint/@springref, in degrees (with compiler", 180 / math.pi),
+        ("spring.rest", "sdf", "joint/axis/dynamics/spring_reference", 1.0),
     ],
 )
 def test_fields_of_a_joint_that_turns(parameter, simulator, field, factor):
     entry = fields_of(parameter, turns=True)[simulator]
     assert entry.field.startswith(field)
     assert entry.factor == factor
+
+
+@pytest.mark.parametrize(("angle", "joint"), [("", "hinge"), ("radian", "hinge"), ("", "slide")])
+def test_a_spring_rests_in_mujoco_where_it_was_found(angle, joint):
+    """At 0.2 rad, or 0.2 m, by the factor that is told; the compiler may count in radians."""
+    mujoco = pytest.importorskip("mujoco")
+    entry = fields_of("spring.rest", turns=joint == "hinge")["mujoco"]
+    factor = 1.0 if angle else entry.factor
+    compiled = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><compiler angle="{angle or "degree"}"/><worldbody><body>
+        <joint type="{joint}" stiffness="5" springref="{0.2 * factor!r}"/>
+        <geom size=".1" mass="1"/></body></worldbody></mujoco>"""
+    )
+    assert compiled.qpos_spring[0] == pytest.approx(0.2, rel=1e-12)
+    assert ("radian" in entry.field) == (joint == "hinge")
 
 
 @pytest.mark.parametrize(
@@ -106,20 +123,21 @@ def test_a_slide_has_a_mass_and_nothing_by_the_degree():
 
 
 def test_mujoco_compiles_every_field_that_is_named_of_it():
-    """As they are told: a polynomial of damping, a delay in seconds, limits of an actuator."""
+    """As they are told: a polynomial of damping, a delay in seconds, limits at the joint."""
     mujoco = pytest.importorskip("mujoco")
     compiled = mujoco.MjModel.from_xml_string(
         """<mujoco><worldbody><body><joint name="a" axis="0 0 1" frictionloss="0.3"
-        damping="0.1 0.02 0.003" armature="0.04" stiffness="5" springref="0.2"/>
+        damping="0.1 0.02 0.003" armature="0.04" actuatorfrcrange="-3 3" stiffness="5"
+        springref="0.2"/>
         <geom size=".1" mass="1"/></body></worldbody><actuator>
-        <motor joint="a" delay="0.01" nsample="6" forcerange="-3 3"/></actuator></mujoco>"""
+        <motor joint="a" delay="0.01" nsample="6"/></actuator></mujoco>"""
     )
     data = mujoco.MjData(compiled)
     data.qvel[0] = 2.0
     mujoco.mj_forward(compiled, data)
     assert data.qfrc_damper[0] == pytest.approx(-(0.1 * 2 + 0.02 * 4 + 0.003 * 8))
     assert compiled.actuator_delay[0] == pytest.approx(0.01)
-    assert np.allclose(compiled.actuator_forcerange, [[-3, 3]])
+    assert np.allclose(compiled.jnt_actfrcrange, [[-3, 3]])
 
 
 def test_of_pulleys_nothing_is_entered_and_why_is_said():

@@ -219,7 +219,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed, around
         assert held == numbers["inertia"].after
 
 
-def joint_that_swings(stroke, *frequencies_hz, known=0.0):
+def joint_that_swings(stroke, *frequencies_hz, known=0.0, gravity=9.81):
     """Return a model whose joint runs along a sum of sines, of which nothing but that is asked."""
     rate = 2 * np.pi * np.array(frequencies_hz)
     turned = np.multiply.outer(np.linspace(0.0, 20.0, 400), rate)
@@ -236,7 +236,8 @@ def joint_that_swings(stroke, *frequencies_hz, known=0.0):
         known_moved=np.zeros((400, 1)),
     )
     law = np.stack(columns, axis=1)
-    rows = SimpleNamespace(readings=readings, coefficient_columns=lambda: law)
+    state = SimpleNamespace(gravity_m_s2=gravity)
+    rows = SimpleNamespace(readings=readings, coefficient_columns=lambda: law, state=state)
     return SimpleNamespace(
         rigs=[SimpleNamespace(rows=rows)],
         free=np.ones((1, 3), dtype=bool),
@@ -250,6 +251,7 @@ def test_a_short_stroke_of_one_frequency_hides_inertia_behind_gravity():
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.2, 0.9), turns=True) is None
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, known=1.0), turns=True) is None
     assert gravity_hides_inertia(joint_that_swings(0.1, 0.5), turns=False) is None
+    assert gravity_hides_inertia(joint_that_swings(0.1, 0.5, gravity=0.0), turns=True) is None
     inertia = interval(0.06, 0.001)
     law = {
         name: LawNumber(unit="1", before=inertia, after=inertia) for name in ("inertia", "coulomb")

@@ -53,7 +53,7 @@ def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, 
 def test_a_joint_that_turned_once_is_said_to_have_shown_nothing_of_its_places():
     """There and back past a pull of twice its friction: effects of a place are not examined."""
     turned_once = "the joint turns 1 time"
-    rig = SimpleNamespace(along_path=True, open_still=turned_once)
+    rig = SimpleNamespace(along_path=True, open_still=turned_once, untold={})
     model = SimpleNamespace(data=SimpleNamespace(rigs=[rig]))
     judged = SimpleNamespace(residuals=recorded(60))
     why = _why_not_shown(model, search(0.6), judged, "none", 0.02)

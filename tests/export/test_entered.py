@@ -3,7 +3,7 @@
 from bayesfric.attention.diagnosis import why_untrusted
 from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows
 from bayesfric.report.chapters.entering import numbers_to_enter
-from bayesfric.report.content import BulletList, Notice, Table
+from bayesfric.report.content import BulletList, Notice, Strong, Table
 from bayesfric.robots.fields import fields_of
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -28,7 +28,7 @@ SHARE = number("load-friction.share", 0.12, 0.02, "1", lost_without=0.34, snippe
 def test_digits_go_by_the_error_and_fields_by_the_simulator():
     (row,) = entered_rows([COULOMB])
     entry = dict(zip(COLUMNS, row, strict=True))
-    assert entry["enter"] == "0.612"
+    assert entry["proposed"] == "0.612"
     assert entry["90 % interval"] == "0.577 to 0.647"
     assert entry["now"] == "0.7"
     assert entry["MuJoCo"] == "joint/@frictionloss"
@@ -41,8 +41,8 @@ def test_what_a_simulator_lacks_is_named_with_its_force():
         "0.61 N·m rms."
     ]
     assert list(entered_remarks([COULOMB, SHARE]))[1] == (
-        "No simulator has a field for load-friction.share: without it the simulation stays off by "
-        "0.34 N·m rms. "
+        "No simulator has a field for load-friction.share, which is 0.120 ± 0.033: without it the "
+        "simulation stays off by 0.34 N·m rms. "
         "`bayesfric export --to mjcf` writes a callback for it, load_friction.py."
     )
 
@@ -77,12 +77,12 @@ def joint(**gap):
 def test_terminal_and_page_one_say_the_same():
     entered = joint()
     lines = list(entered_lines(entered))
-    assert lines[0].startswith("To enter in a simulator for the joint elbow")
+    assert lines[0].startswith("For the joint elbow, to enter in a simulator (")
     table, remarks = numbers_to_enter(entered)
     assert isinstance(table, Table)
     assert isinstance(remarks, BulletList)
     assert "0.612" in lines[2]
-    assert "0.612" in table.rows[0]
+    assert Strong("0.612") in table.rows[0]
     nothing = DiagnosisFile.model_construct(joint=None, joints=(), causes=(), enter=())
     assert [*entered_lines(nothing), *numbers_to_enter(nothing)] == []
 
@@ -136,3 +136,36 @@ def test_what_an_instrument_tells_is_not_said_to_miss_what_least_squares_miss():
     assert "With the numbers that were shipped it misses" in lines
     assert "with those of least squares, and not these of an instrument, by 0.3 N·m" in lines
     assert "the law with those of least squares misses data" in lines
+
+
+OFFSET = number("offset", 0.0135, 0.004, lost_without=0.0131)
+
+
+def test_what_no_simulator_takes_stands_apart_from_what_to_enter():
+    arm = joint().model_copy(update={"enter": (COULOMB, OFFSET)})
+    assert [row[0] for row in entered_rows(arm.enter)] == ["coulomb"]
+    said = "No simulator has a field for offset (a constant force, as of a sensor's zero), which is"
+    table, remarks = numbers_to_enter(arm)
+    assert len(table.rows) == 1
+    for fields in (True, False):
+        lines = list(entered_lines(arm, fields=fields))
+        assert not any(line.startswith("  offset") for line in lines)
+        assert f"  {said} 0.0135 ± 0.0066 N·m: without it the simulation stays off by" in lines[-1]
+    assert remarks.items[-1].startswith(said)
+
+
+def test_what_two_joints_lack_alike_is_said_once():
+    joints = [
+        joint().model_copy(update={"joint": name, "enter": (COULOMB, OFFSET)})
+        for name in ("shoulder", "elbow")
+    ]
+    arm = joints[0].model_copy(update={"joints": tuple(joints)})
+    *tables, remarks = numbers_to_enter(arm)
+    assert len(tables) == 2
+    assert list(remarks.items) == [
+        "Drake has no field for coulomb (dry friction): without it the simulation stays off by "
+        "0.61 N·m rms at shoulder and 0.61 N·m rms at elbow.",
+        "No simulator has a field for offset (a constant force, as of a sensor's zero), which is "
+        "0.0135 ± 0.0066 N·m at shoulder and 0.0135 ± 0.0066 N·m at elbow: without it the "
+        "simulation stays off by 0.013 N·m rms at shoulder and 0.013 N·m rms at elbow.",
+    ]

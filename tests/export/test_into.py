@@ -18,8 +18,10 @@ from bayesfric.cli import app
 from bayesfric.export.into import filled_model
 from bayesfric.export.joints import ExportedJoint, joints_of
 from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
+from bayesfric.export.own_numbers import own_numbers
 from bayesfric.export.snippets import load_friction_text
 from bayesfric.robots.fields import fields_of
+from bayesfric.robots.setting import model_text
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Enter, SimulatorField
 
@@ -118,10 +120,65 @@ def test_a_number_that_the_recording_does_not_tell_leaves_what_the_model_has(tmp
     assert model.dof_armature[0] == OWN.armature
     assert model.dof_frictionloss[0] == 0.6
     assert model.dof_damping[0] == 0.001  # as uncertain, and surely not what the model has
-    assert any(
-        "armature is left as it is (0.01 in the recording's model)" in remark
-        for remark in filled.remarks
+    assert "armature is left as it is (0.01)" in " ".join(filled.remarks)
+
+
+def test_what_the_file_has_decides_and_not_what_the_recordings_model_had(tmp_path):
+    """Coulomb friction of 0.001 ± 0.002 is surely not the 0.2 of this file."""
+    (tmp_path / "one.xml").write_text(OWN.model())
+    (tmp_path / "one.urdf").write_text(OWN.urdf())
+    small = number("coulomb", 0.001, 0.002, in_your_simulator=0.0)
+    right = number("viscous", 0.01, 0.04, "N·m s/rad", in_your_simulator=3.0)
+    for to, file in (("mjcf", "one.xml"), ("urdf", "one.urdf")):
+        filled = filled_model(tmp_path / file, to, [joint(small, right, name="hinge")], {})
+        compiled = mujoco.MjModel.from_xml_string(filled.content.decode())
+        assert compiled.dof_frictionloss[0] == pytest.approx(0.001)
+        assert compiled.dof_damping[0] == OWN.damping
+        assert "viscous is left as it is (0.05)" in " ".join(filled.remarks)
+
+
+@pytest.mark.parametrize(
+    ("dynamics", "has"),
+    [
+        ('<dynamics damping="0.05" friction="0.2"/>', {"viscous": 0.05, "coulomb": 0.2}),
+        ('<dynamics damping="0.05"/>', {"viscous": 0.05, "coulomb": 0.0}),
+        ("", {"viscous": 0.0, "coulomb": 0.0}),
+        ('<dynamics damping="${d}" friction="nan"/>', {}),
+    ],
+    ids=["both", "one", "none", "macro and nan"],
+)
+def test_a_urdf_has_what_it_says_and_nothing_where_it_says_nothing(tmp_path, dynamics, has):
+    text = OWN.urdf().replace('<dynamics damping="0.05" friction="0.2"/>', dynamics)
+    path = tmp_path / "one.urdf"
+    path.write_text(text)
+    assert own_numbers(path, model_text(text.encode(), path.name), "hinge", None) == has
+
+
+def test_damping_that_was_not_found_is_that_of_the_file_beside_drag(tmp_path):
+    """A class of defaults has 0.5; what was found is drag alone."""
+    text = (
+        OWN.model()
+        .replace('damping="0.05"', "")
+        .replace("<worldbody>", '<default><joint damping="0.5"/></default><worldbody>')
     )
+    (tmp_path / "one.xml").write_text(text)
+    drag = number("air-drag.coefficient", 0.02, 0.001, "N·m s²/rad²")
+    left = number("viscous", 0.1, 0.3, "N·m s/rad")
+    for numbers in ([COULOMB, drag], [COULOMB, left, drag]):
+        filled = filled_model(tmp_path / "one.xml", "mjcf", [joint(*numbers, name="hinge")], {})
+        compiled = mujoco.MjModel.from_xml_string(filled.content.decode())
+        assert (compiled.dof_damping[0], *compiled.dof_dampingpoly[0]) == (0.5, 0.02, 0.0)
+        assert "viscous was not found: 0.5 is entered" in " ".join(filled.remarks)
+
+
+def test_drag_of_the_file_is_not_lost_without_a_word(tmp_path):
+    (tmp_path / "one.xml").write_text(OWN.model().replace('"0.05"', '"0.05 0.02 0.003"'))
+    filled = filled_model(tmp_path / "one.xml", "mjcf", [joint(VISCOUS, name="hinge")], {})
+    compiled = mujoco.MjModel.from_xml_string(filled.content.decode())
+    assert (compiled.dof_damping[0], *compiled.dof_dampingpoly[0]) == (0.3, 0.0, 0.0)
+    told = " ".join(filled.remarks)
+    assert "air-drag.coefficient of this file, 0.02, is set to 0" in told
+    assert "cubic-drag.coefficient of this file, 0.003, is set to 0" in told
 
 
 def test_mujoco_loads_the_users_model_with_the_numbers(hinge):

@@ -91,11 +91,55 @@ def test_a_force_that_stops_for_a_while_is_not_bridged(tmp_path):
     assert any("100 samples in which no force was logged left out" in note for note in found.notes)
 
 
+KNOWN = 'time = "t"\n[known_force]\ncolumn = "model"\nunit = "N·m"\ntime = "t2"\n'
+
+
+def test_a_known_force_is_neither_bridged_nor_held_beyond_what_was_logged(tmp_path):
+    """Positions and forces every 5 ms; the model speaks from 0.3 s, and not from 0.8 to 1.2 s."""
+    spoken = TIME + 0.3
+    spoken[100:] += 0.4
+    found = imported(tmp_path, TIME, t2=spoken, model=3 * spoken, more=KNOWN)
+    seen = times(found) - TIME[0]
+    expected = TIME[(TIME >= 0.2999) & ((TIME < 0.796) | (TIME > 1.199))]
+    assert seen == pytest.approx(expected, abs=1e-9)
+    model = found.recording.axis.samples["known_force_n"].to_numpy()
+    assert model == pytest.approx(3 * expected, abs=1e-8)
+    assert any(
+        "80 samples in which no known force was logged left out" in note for note in found.notes
+    )
+
+
+def test_a_known_force_of_another_time_is_refused(tmp_path):
+    with pytest.raises(InputError, match="position and force and known force that are logged at"):
+        imported(tmp_path, TIME, t2=TIME + 5, model=TIME, more=KNOWN)
+
+
+def test_a_temperature_is_said_to_be_held_beyond_its_samples(tmp_path):
+    warm = KNOWN.replace("known_force", "temperature").replace("N·m", "degC")
+    found = imported(tmp_path, TIME, t2=TIME / 2 + 0.4, model=20 + TIME, more=warm)
+    held = found.recording.axis.samples["temperature_c"]
+    assert held.iloc[0] == 20
+    assert held.iloc[-1] == pytest.approx(20 + TIME[-1])
+    assert any(
+        "before its first and after its last, for up to 0.5975 s" in note for note in found.notes
+    )
+
+
 def test_a_clock_that_starts_anew_is_refused_with_its_row(tmp_path):
     stamps = TIME + 3.0
     stamps[250:] -= TIME[250] + 3.0
     with pytest.raises(InputError, match="row 252, t: expected a clock that runs on"):
         imported(tmp_path, stamps)
+
+
+@pytest.mark.parametrize("restart_s", [2**32 * 1e-9, 2**16 * 1e-3])
+def test_a_log_in_seconds_that_starts_anew_is_no_counter(tmp_path, restart_s):
+    """It begins again at 0 where a counter of 32 bits of ns, or of 16 of ms, would."""
+    stamps = TIME + 0.0004
+    stamps[:250] += restart_s - stamps[249] - STEP_S / 2
+    stamps[250:] -= TIME[250]
+    with pytest.raises(InputError, match="row 252, t: expected a clock that runs on"):
+        imported(tmp_path, stamps.round(6))
 
 
 EPOCH = datetime(2026, 11, 1, 23, 59, 59, tzinfo=UTC)

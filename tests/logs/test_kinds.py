@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from logs.written import ENDS, JOINTS, MAPPINGS, RATE_HZ, WRITERS, motion, write
+from logs.written import ENDS, JOINTS, MAPPINGS, RATE_HZ, WRITERS, mapping_of, motion, write
 
 from bayesfric.errors import InputError
 from bayesfric.logs import import_log
+from bayesfric.logs.readers import read_log
 from bayesfric.recording import read_recording, write_recording
 
 
@@ -106,6 +107,53 @@ def test_a_joint_may_have_a_sign_and_a_gear_of_its_own(tmp_path):
     assert np.array_equal(shoulder["force_n"], torque[:, 0])
 
 
+def of_all(folder, more="", top=""):
+    """All joints of the JSON log, with keys for the elbow, or at the top."""
+    text = top + MAPPINGS["json"].replace("[[runs]]", f"{more}[[runs]]")
+    return import_log(write(folder, "json"), "all", mapping=mapped(folder, text)).recording
+
+
+def test_what_is_declared_of_an_encoder_is_of_all_joints(tmp_path):
+    assert of_all(tmp_path, top="encoder_resolution = 1e-4\n").rig.encoder_resolution == 1e-4
+
+
+@pytest.mark.parametrize(
+    ("more", "top", "said"),
+    [
+        (
+            "",
+            "moving_mass = 2.5\n",
+            "moving_mass: found '2.5', expected the mass of one joint, and 2",
+        ),
+        (
+            '[joints.elbow.position]\nunit = "mm"\n',
+            "",
+            "joints.elbow.position.unit: found 'mm', expected a unit as that of the other joints",
+        ),
+        (
+            '[joints.elbow.force]\nforce_is = "link"\n',
+            "",
+            "force.force_is: found 'shoulder: motor, elbow: link', expected one force_is for all",
+        ),
+    ],
+)
+def test_what_cannot_be_of_all_joints_is_refused(tmp_path, more, top, said):
+    with pytest.raises(InputError, match=said):
+        of_all(tmp_path, more, top)
+
+
+def test_a_joint_alone_has_its_own_kind_of_force(tmp_path):
+    text = MAPPINGS["json"].replace("[[runs]]", '[joints.elbow]\nforce.force_is = "link"\n[[runs]]')
+    path = mapped(tmp_path, f"moving_mass = 2.5\n{text}")
+    rig = import_log(write(tmp_path, "json"), "elbow", mapping=path).recording.rig
+    assert rig.force_is == "link"
+    assert rig.moving_mass_kg == 2.5
+    assert (
+        import_log(tmp_path / "log.json", "shoulder", mapping=path).recording.rig.force_is
+        == "motor"
+    )
+
+
 def test_several_files_are_runs(tmp_path):
     _, position, _ = motion()
     files = []
@@ -200,6 +248,55 @@ def test_commands_of_a_trajectory_hold_until_the_next(tmp_path):
     assert samples["command_time_s"].to_numpy()[:6] == pytest.approx([-0.5] * 5 + [0.5])
     write_recording(made.recording, tmp_path / "made")
     assert "command_m" in read_recording(tmp_path / "made").axis.samples
+
+
+def states_at(folder, stamps_s, received_s):
+    """A bag of joint states with these stamps, received at other times."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds = {name.rpartition("/")[2]: kind for name, kind in store.types.items()}
+    with Writer(folder / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        state = kinds["JointState"]
+        link = writer.add_connection("/s", state.__msgtype__, typestore=store)
+        for stamp_s, at_s in zip(stamps_s, received_s, strict=True):
+            stamp = kinds["Time"](*divmod(round(1e9 * stamp_s), 10**9))
+            number = np.array([stamp_s])
+            message = state(kinds["Header"](stamp, ""), ["a"], number, number, number)
+            raw = store.serialize_cdr(message, state.__msgtype__)
+            writer.write(link, round(1e9 * at_s), raw)
+    return read_log(folder / "bag", None)
+
+
+def test_a_simulation_that_begins_at_0_keeps_its_clock(tmp_path):
+    time = np.arange(5) / 10
+    log = states_at(tmp_path, time, 1000 + 2 * time)
+    assert np.array_equal(log.columns["/s.stamp"], np.round(1e9 * time))
+    assert log.notes == ()
+
+
+def test_messages_without_stamps_have_the_times_of_reception(tmp_path):
+    log = states_at(tmp_path, np.zeros(5), 1000 + np.arange(5) / 10)
+    assert np.array_equal(log.columns["/s.stamp"], 10**12 + 10**8 * np.arange(5))
+    assert "no stamps; the times of reception are taken" in log.notes[0]
+
+
+def test_a_parquet_column_may_have_its_unit_in_brackets(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    time, position, torque = motion(50)
+    names = ("t", "position [rad]", "torque [N·m]")
+    pq.write_table(
+        pa.table(dict(zip(names, (time, position[:, 0], torque[:, 0]), strict=True))),
+        tmp_path / "log.parquet",
+    )
+    text = mapping_of('"position [rad]"', '"torque [N·m]"', 'column = "t"')
+    samples = import_log(
+        tmp_path / "log.parquet", mapping=mapped(tmp_path, text)
+    ).recording.axis.samples
+    assert np.array_equal(samples["position_m"], position[:, 0].round(9))
 
 
 UNITS = [

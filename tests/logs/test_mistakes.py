@@ -141,6 +141,34 @@ MISTAKES = {
         {"joint": "3"},
         "--joint: found '3', expected all, or one of its joints (1, 2)",
     ),
+    "a joint that the mapping does not name": (
+        {
+            "mapping": GOOD.replace("{joint}", "1") + "[joints.elbow.force]\ncolumn = 'tau2'\n",
+            "joint": "elbwo",
+        },
+        "the mapping, --joint: found 'elbwo', expected all, or one of its joints (elbow); is "
+        "'elbow' meant?",
+    ),
+    "a joint of forces that there is not": (
+        {"mapping": GOOD.replace('"q{joint}"', '"q1"'), "joint": "3"},
+        "log.csv, --joint: found '3', expected all, or one of its joints (1, 2)",
+    ),
+    "ticks by a factor and by counts a turn": (
+        {"mapping": instead('"rad"', '"tick"\nfactor = 0.001\ncounts_per_turn = 4096')},
+        "position.factor: found '0.001', expected counts_per_turn or a factor, not both",
+    ),
+    "one rate and tables of different lengths": (
+        {
+            "name": "log.json",
+            "mapping": GOOD.replace('[csv]\nseparator = ","\n', "")
+            .replace('column = "t"', "rate_hz = 100")
+            .partition("[velocity]")[0]
+            + "[force]"
+            + GOOD.partition("[force]")[2],
+            "text": '{"q1": [0, 1, 2, 3, 4, 5], "tau1": [0, 1, 2]}',
+        },
+        "log.json, tau1: found '3 rows', expected 6 rows, as q1 has, where time.rate_hz stands for",
+    ),
     "no joint": ({"joint": None}, "--joint: expected all, or one of the joints 1, 2"),
     "all joints, and columns of one": (
         {"mapping": GOOD.replace("{joint}", "1"), "joint": "all"},
@@ -200,6 +228,29 @@ MISTAKES = {
         {"name": "log.xlsx"},
         "found '.xlsx', expected a log: a file that ends in .csv",
     ),
+    "a covariate that is a list": (
+        {"mapping": GOOD + '[[runs]]\nname = "a"\npayload = [1, 2]\n'},
+        "runs.a.payload: found '[1, 2]', expected a number or a text",
+    ),
+    "a covariate that is no number": (
+        {"mapping": GOOD + '[[runs]]\nname = "a"\npayload = nan\n'},
+        "runs.a.payload: found 'nan', expected a number or a text",
+    ),
+    **{
+        f"a blank column of {signal}": (
+            {
+                "mapping": f'{GOOD}[{signal}]\ncolumn = "extra"\nunit = "{unit}"\n',
+                "text": HEADER.strip() + ",extra\n" + lines().replace("\n", ",\n"),
+            },
+            f"log.csv, extra: found 'no number', expected some number, where the mapping has "
+            f"[{signal}]",
+        )
+        for signal, unit in (
+            ("known_force", "N·m"),
+            ("temperature", "degC"),
+            ("measured_force", "N·m"),
+        )
+    },
     "another sign of a signal that is not there": (
         {"mapping": GOOD + "[joints.1.torque]\nsign = -1\n"},
         "joints.1.torque: expected one of position, force, velocity",

@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.logs import import_log, propose_mapping
-from bayesfric.logs.looking import csv_form
+from bayesfric.logs.looking import believed, csv_form, name_of_joint
+from bayesfric.logs.table import Log
 from bayesfric.recording import read_recording
 
 SAID = {
@@ -186,3 +187,145 @@ def test_a_recording_needs_its_place(tmp_path):
     done = CliRunner().invoke(app, ["import", "log.csv", "--map", str(tmp_path / "map.toml")])
     assert done.exit_code == 2
     assert "-o: expected the folder of the recording" in done.stderr
+
+
+WRITTEN_UNITS = [
+    ("torque_mNm", "force", "mN·m"),
+    ("torque_mnm_filtered", "force", "mN·m"),
+    ("torque_N_m", "force", "N·m"),
+    ("torque (N·mm)", "force", "N·mm"),
+    ("torque_kNm", "force", "kN·m"),
+    ("torque_Ncm", "force", "N·cm"),
+    ("motorTorqueNm", "force", "N·m"),
+    ("current_mA", "force", "mA"),
+    ("Current [mA]", "force", "mA"),
+    ("mA_current", "force", "mA"),
+    ("current_a_1", "force", "A"),
+    ("current", "force", "A"),
+    ("voltage_mV", "force", "mV"),
+    ("duty_cycle_%", "force", "%"),
+    ("force_kN", "force", "kN"),
+    ("pos_mrad", "position", "mrad"),
+    ("position_cm", "position", "cm"),
+    ("position_um", "position", "um"),
+    ("position [\u00b5m]", "position", "um"),
+    ("position [\u03bcm]", "position", "um"),
+    ("enc_deg", "position", "deg"),
+]
+UNKNOWN_PREFIXES = [
+    ("torque_uNm", "force"),
+    ("torqueMotormNm", "force"),
+    ("current_kA", "force"),
+    ("current_uA_filtered", "force"),
+    ("pos_urad", "position"),
+    ("position_nm", "position"),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "unit"),
+    [*WRITTEN_UNITS, *((*row, "SAY") for row in UNKNOWN_PREFIXES)],
+    ids=lambda given: given,
+)
+def test_a_unit_is_proposed_with_its_prefix(tmp_path, name, key, unit):
+    other = {"force": "q_rad", "position": "tau_nm"}[key]
+    proposal = proposed(tmp_path, f"t,{name},{other}\n" + table(",", TIME, ANGLE, CURRENT))
+    section = tomllib.loads(proposal.toml)[key]
+    assert section["column"] == name
+    assert section["unit"] == unit
+
+
+@pytest.mark.parametrize(("size", "unit"), [(0.8, "share"), (80.0, "SAY")])
+def test_a_duty_beyond_1_is_no_share(tmp_path, size, unit):
+    duty = size * CURRENT / np.abs(CURRENT).max()
+    proposal = proposed(tmp_path, "t,q_rad,pwm\n" + table(",", TIME, ANGLE, duty))
+    assert tomllib.loads(proposal.toml)["force"]["unit"] == unit
+
+
+def test_a_row_of_units_has_its_prefix(tmp_path):
+    head = "t,q,tau\ns,mrad,mNm\n"
+    keys = tomllib.loads(proposed(tmp_path, head + table(",", TIME, ANGLE, CURRENT)).toml)
+    assert keys["position"]["unit"] == "mrad"
+    assert keys["force"]["unit"] == "mN·m"
+
+
+@pytest.mark.parametrize("unit", ["mN·m", "kNm", "mA", "kA", "rad/s", "%"])
+def test_a_unit_with_a_prefix_in_brackets_is_no_joint(unit):
+    assert name_of_joint(f"torque [{unit}]") == ""
+
+
+KINDS = {
+    "command_m": "command", "target_q_0": "command", "current_velocity": "velocity",
+    "load_velocity": "velocity", "velocity_m_s": "velocity", "target_qd_0": "velocity",
+    "current_temperature": "temperature", "motor_temp": "temperature",
+    "current_position": "position", "load_position": "position", "load_mm": "position",
+    "actual_q_0": "position", "force_x": "force", "tau_cmd": "force", "target_current_0": "force",
+    "load_left": "force", "i_q": "force", "iQ": "force", "actual_current_0": "force", "m": "force",
+    "axis (N\u00b7mm)": "force", "axis (rad/s)": "velocity", "acc_x": None, "i_d": None,
+    "left_mA": "force", "battery_mV": None, "battery_percent": None, "sensor_raw": None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "kind"), KINDS.items(), ids=str)
+def test_what_a_column_is_goes_by_the_word_that_can_mean_one_thing(name, kind):
+    (belief,) = believed(Log("log.csv", {name: CURRENT}))
+    assert belief.kind == kind
+
+
+def test_a_current_of_the_torque_axis_is_in_amperes(tmp_path):
+    proposal = proposed(tmp_path, "t,q_rad,i_q\n" + table(",", TIME, ANGLE, CURRENT))
+    assert tomllib.loads(proposal.toml)["force"]["unit"] == "A"
+
+
+@pytest.mark.parametrize("force", ["load", "current", "i", "m", "f"])
+def test_a_word_for_a_force_is_no_part_of_a_joint(tmp_path, force):
+    names = f"t,left_q,right_q,left_{force},right_{force}\n"
+    proposal = proposed(tmp_path, names + table(",", TIME, ANGLE, TIME, CURRENT, TIME))
+    assert proposal.joints == ("left", "right")
+    assert tomllib.loads(proposal.toml)["force"]["column"] == "{joint}_" + force
+
+
+def test_a_column_that_counts_rows_is_no_force(tmp_path):
+    text = "i,time,q,tau\n" + table(",", np.arange(100.0), TIME, ANGLE, CURRENT)
+    assert tomllib.loads(proposed(tmp_path, text).toml)["force"]["column"] == "tau"
+    assert "# 1. i: not used (it counts the rows)" in proposed(tmp_path, text).toml
+
+
+@pytest.mark.parametrize(
+    ("behind", "before"),
+    [
+        ("position_error", "position_rad"),
+        ("q_limit", "q"),
+        ("pos_min", "pos"),
+        ("angle_max_deg", "angle_deg"),
+    ],
+)
+def test_a_limit_or_an_error_stands_behind_the_position(tmp_path, behind, before):
+    text = f"t,{behind},{before},tau\n" + table(",", TIME, ANGLE, 2 * ANGLE, CURRENT)
+    assert tomllib.loads(proposed(tmp_path, text).toml)["position"]["column"] == before
+
+
+def test_of_a_robot_what_acts_is_proposed_and_not_its_target(tmp_path):
+    head = [
+        f"{name}_{joint}"
+        for name in (
+            "target_q",
+            "target_qd",
+            "target_current",
+            "actual_q",
+            "actual_qd",
+            "actual_current",
+        )
+        for joint in range(2)
+    ]
+    columns = [ANGLE, TIME, SPEED, TIME, CURRENT, TIME, ANGLE, TIME, SPEED, TIME, CURRENT, TIME]
+    proposal = proposed(
+        tmp_path, ",".join(["timestamp", *head]) + "\n" + table(",", TIME, *columns)
+    )
+    keys = tomllib.loads(proposal.toml)
+    assert proposal.joints == ("0", "1")
+    for key, column in {
+        "position": "actual_q_{joint}", "velocity": "actual_qd_{joint}",
+        "force": "actual_current_{joint}", "command": "target_q_{joint}",
+    }.items():  # fmt: skip
+        assert keys[key]["column"] == column

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.logs import import_log, propose_mapping
-from bayesfric.logs.mapping import read_mapping
+from bayesfric.logs.mapping_file import read_mapping
 from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.recording.joints import parted_by_joint

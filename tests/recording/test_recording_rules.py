@@ -308,6 +308,22 @@ def test_unspoilt_recording_has_no_fault(tmp_path: Path) -> None:
     assert recording.notes == (UNUSED,)
 
 
+def test_gravity_may_be_none_for_a_joint_and_not_for_masses_on_a_cable(tmp_path: Path) -> None:
+    mini = Mini()
+    mini.package["rig"]["gravity_m_s2"] = 0
+    told = [
+        fault for fault in faults_of(mini.write(tmp_path)) if fault.column == "rig.gravity_m_s2"
+    ]
+    assert [fault.expected for fault in told] == [
+        "a number above 0, because of gravity_trials.csv",
+        "a number above 0, because of motor_runs.csv",
+    ]
+    mini.package["resources"] = [
+        table for table in mini.package["resources"] if table["path"].startswith("axis")
+    ]
+    assert read_recording(mini.write(tmp_path / "joint")).rig.gravity_m_s2 == 0
+
+
 @pytest.mark.parametrize("file", list(Mini().rows))
 def test_all_faults_are_reported_together(tmp_path: Path, file: str) -> None:
     """A fault in every table, in the JSON and across tables: none hides another."""

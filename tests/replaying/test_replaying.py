@@ -11,10 +11,16 @@ from bayesfric.cli import app
 from bayesfric.export.joints import ExportedJoint
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Robot
-from bayesfric.replaying import held_out_parts, replay, with_replay
+from bayesfric.replaying import _pieces, _proposed, held_out_parts, replay, with_replay
 from bayesfric.results import read_json
-from bayesfric.robots import robot_of_bytes
-from bayesfric.robots.replaying import Motion, SimulatedJoint, inverse_torques, replayed
+from bayesfric.robots import RigidBodies, robot_of_bytes
+from bayesfric.robots.replaying import (
+    Motion,
+    SimulatedJoint,
+    as_in_model,
+    inverse_torques,
+    replayed,
+)
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Enter
@@ -90,6 +96,79 @@ def test_torques_are_those_of_the_law():
         -(0.3 * 2 + 0.02 * 4 + 0.6) + weight,
     ]
     assert found[:, 0] == pytest.approx(expected, rel=0.01)
+
+
+def test_stops_and_contacts_of_the_model_do_not_act():
+    """A rod beyond its stop and inside another shape: torques and paths are the law's."""
+    stopped = WRONG.model('range="-0.1 0.1" limited="true"').replace(
+        "</worldbody>", '<body><geom size="0.2" pos="0.3 0 0"/></body></worldbody>'
+    )
+    free, held = (
+        robot_of_bytes("one.xml", text.encode(), {"swing": "hinge"})
+        for text in (WRONG.model(), stopped)
+    )
+    q, v, a = np.full((12, 1), 0.4), np.full((12, 1), 1.0), np.full((12, 1), 2.0)
+    motion = Motion(0.004, q, v, a, np.full((12, 1), 3.0))
+    joint = SimulatedJoint(0.6, 0.05)
+    found, expected = (inverse_torques(robot, [joint], motion) for robot in (held, free))
+    assert found == pytest.approx(expected, rel=1e-9)
+    found, expected = (replayed(robot, [joint], motion, [0], 10) for robot in (held, free))
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_spring_pulls_to_where_it_is_at_rest():
+    """Of the model and of a proposal: 4 N·m/rad, 0.5 rad from its rest at 0.2 rad."""
+    sprung = WRONG.model('stiffness="4" springref="0.2"')
+    robot = robot_of_bytes("one.xml", sprung.encode(), {"swing": "hinge"})
+    (own,) = as_in_model(robot)
+    assert (own.stiffness, own.spring_rest) == (4.0, 0.2)
+    still = np.zeros((1, 1))
+    motion = Motion(0.004, still + 0.7, still, still, still)
+    loose = SimulatedJoint(0.0, 0.05)
+    for rest in (own.spring_rest, -0.3):
+        held = SimulatedJoint(0.0, 0.05, stiffness=4.0, spring_rest=rest)
+        pulls = inverse_torques(robot, [held], motion) - inverse_torques(robot, [loose], motion)
+        assert pulls == pytest.approx(4.0 * (0.7 - rest), rel=1e-6)
+    spring = {
+        name: Enter(
+            parameter=name,
+            unit="1",
+            value=Interval(mean=mean, sd=0.01, q05=mean, q50=mean, q95=mean),
+            fields={},
+        )
+        for name, mean in (("spring.stiffness", 3.0), ("spring.rest", -0.25))
+    }
+    proposed = _proposed(ExportedJoint("", "hinge", True, spring, {}), own)
+    assert (proposed.stiffness, proposed.spring_rest) == (3.0, -0.25)
+
+
+def test_a_run_without_one_of_the_joints_is_not_replayed():
+    """Else the other joint's positions would stand for those of the one that is lacking."""
+    two = WRONG.model().replace(
+        "</body>",
+        """<body name="tip" pos="0.3 0 0">
+    <joint name="tip" axis="0 1 0"/><geom size="0.02" mass="0.1"/></body></body>""",
+    )
+    robot = robot_of_bytes("one.xml", two.encode(), {"swing": "hinge", "nod": "tip"})
+    log = recording(TRUTH, 5, own=WRONG, seconds=12.0)
+    swing = log.axis.samples.assign(joint="swing")
+    nod = swing.assign(joint="nod", position_m=0.0, force_n=0.0)
+    runs = pd.DataFrame({"run": ["a", "b"]})
+    samples = pd.concat([swing, nod, swing.assign(run="b")], ignore_index=True)
+    pieces = _pieces(with_tables(log, runs, samples), robot)
+    assert len(pieces) == 1
+    assert not pieces[0].motion.position[:, 1].any()
+
+
+def test_a_drive_carries_the_weight_that_a_program_compensates():
+    """In a replay as in a diagnosis: the log's force has the compensation in it."""
+    text = WRONG.model().replace('<body name="rod">', '<body name="rod" gravcomp="1">')
+    robot = robot_of_bytes("one.xml", text.encode(), {"swing": "hinge"})
+    still = np.zeros((1, 1))
+    motion = Motion(0.004, still, still, still, still)
+    torque = inverse_torques(robot, [SimulatedJoint(0.0, 0.05)], motion)
+    assert torque == pytest.approx(-1.2 * 9.81 * 0.15, rel=1e-6)
+    assert RigidBodies(robot).momentum_and_pull(still, still)[1] == pytest.approx(-torque)
 
 
 def test_a_window_follows_the_closed_form():

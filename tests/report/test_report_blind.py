@@ -124,6 +124,9 @@ def test_tuning_is_not_passed_off_as_scoring(seed, said):
     assert said in " ".join(text)
     line = scorecard_line(card_of([scored()] * 60, seed=seed))
     assert ("prove nothing" in words(line.text), line.kind == "good") == (seed == 5, seed != 5)
+    if seed == 5:
+        assert words(line.text).startswith("These seeds were used to tune the effects: the rates")
+        assert line.kind == "attention"
 
 
 def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
@@ -143,11 +146,19 @@ def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
     assert "Never named: runout. Too faint in every case to make a gap that counts: slip." in said
 
 
+def test_no_rate_of_a_few_cases_is_drawn():
+    """One case has an interval from 0 to 97.5 %: there is nothing to see."""
+    few = blind_chapter(card_of([scored(probability=0.9)] * 9))
+    assert "scorecard" not in [block.label for block in few if isinstance(block, Figure)]
+    enough = blind_chapter(card_of([scored(probability=0.9)] * 10))
+    assert "scorecard" in [block.label for block in enough if isinstance(block, Figure)]
+
+
 def test_rates_are_drawn_where_they_are(card):
     fig = promises_and_reliability(card)
     left, right = fig.subfigs[0].axes[0], fig.subfigs[1].axes[0]
     names = [text.get_text() for text in left.get_yticklabels()]
-    assert names == [target.name for target in card.targets if target.rate.rate is not None]
+    assert names == [target.name for target in card.targets if target.rate.cases >= 10]
     dots = {round(line.get_ydata()[0]): line for line in left.lines if len(line.get_xdata()) == 1}
     assert dots[0].get_xdata()[0] == pytest.approx(95.0)
     marks = [line for axes in (left, right) for line in axes.lines if line.get_marker() in "oX"]

@@ -27,10 +27,10 @@ from report.told import told
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.symbols import symbol
-from bayesfric.report.chapters.to_use import biased, numbers_to_use
+from bayesfric.report.chapters.to_use import biased, numbers_to_use, papers_law
+from bayesfric.report.chapters.verdict import verdict_line
 from bayesfric.report.content import (
     Column,
     Heading,
@@ -95,7 +95,29 @@ def test_a_named_viscous_board_says_the_damping_of_a_pulley():
     (table,) = numbers_to_use(named)  # and the slope is not told again below it
     assert f"viscous.slope, {slope:.2g}"[:-1] in table.note
     assert table.columns[-1] == Column("damping of a pulley", "N·s/m")
-    assert [words(row[-1]) for row in table.rows] == [f"{0.2181 * slope:.2g}", ""]
+    # Each is known to 5 % (sd): 0.0268 * (1, 0.88, 0.12 in quadrature) * 5 % * 1.645 = 0.0030.
+    assert [words(row[-1]) for row in table.rows] == ["0.0268 ± 0.0030", ""]
+    said = table.note.replace("\u00a0", " ")
+    assert "n ((c₁ + c₃ (θ − 85°)) T + c₂ + d v), with T the cable tension, θ the wrap" in said
+    assert "v the cable speed, d the damping of a pulley" in said
+
+
+@pytest.mark.parametrize(
+    ("law", "formula"),
+    [
+        ("tension", "T + c₂ + d v T/(15 N)), with"),
+        ("wrap", "T + c₂ + d v θ/85°), with"),
+        ("friction", "T + c₂) (1 + s v), with"),
+    ],
+)
+def test_the_printed_law_has_the_term_of_viscous_friction_by_its_law(law, formula):
+    assert formula in papers_law((cause("viscous", law=law),)).replace("\u00a0", " ")
+
+
+def test_the_printed_law_says_which_causes_it_lacks():
+    said = papers_law((cause("stribeck"), cause("viscous"), cause("clock-scale")))
+    assert said.endswith("The friction of stribeck comes on top of it.")
+    assert "on top" not in papers_law()
 
 
 def test_a_named_board_says_which_numbers_to_use():
@@ -194,7 +216,7 @@ def test_a_gap_about_as_large_as_what_counts_asks_for_more_assemblies():
         return words(verdict_line(undecided.model_copy(update={"gap": gap})).text)
 
     about = said(0.5 * share * friction, 2 * share * friction)
-    assert "Measure next: more assemblies at the same conditions." in about
+    assert "Measure next: more assemblies at the same conditions," in about
     assert "Measure next" not in said(2 * share * friction, 3 * share * friction)
 
 

@@ -136,7 +136,7 @@ def test_reasons_that_differ_in_a_number_are_one_reason_with_its_range():
     )
     changed = gap.model_copy(update={"held_out": held})
     note = words(tables(stored_diagnosis(gap=changed))["gap"].note)
-    assert note.count("No figure for shrink") == 1
+    assert note.count("No number for shrink") == 1
     assert "shrink: above with 0.65 to 0.9 only (cross-validation over assemblies, " in note
 
 
@@ -156,7 +156,7 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
     assert "does not ask for a further, smooth force" in paragraphs(stored)
     caption = words(figures(stored)["how-far"].caption)
     for reason in (
-        "No figure for values as shipped: the user's simulator has no published values",
+        "No number for values as shipped: the user's simulator has no published values",
         "No effect is added.",
         "No figure in millimetres: no trial of the gravity board was held out",
     ):
@@ -204,7 +204,7 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
         "torque-constant": ["—"],
     }
     note = words(tables(stored)["effects"].note)
-    assert "No figure for torque-constant: absent from these data." in note
+    assert "No Bayes factor for torque-constant: absent from these data." in note
     assert rows(stored, "next") == {
         "size medium, number of pulleys 9, mass drive 1.85\u202fkg": ["viscous and air-drag", "3.2"]
     }

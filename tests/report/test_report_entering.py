@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 import xarray as xr
-from report.diagnosis_sample import PROVENANCE, diagnosis
+from report.diagnosis_sample import PROVENANCE, diagnosis, interval, words
 
 from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.export.entered import entered_lines
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
+from bayesfric.report.chapters.verdict import verdict_line
 from bayesfric.report.content import Figure, Notice, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
@@ -76,8 +77,7 @@ def test_page_one_says_what_came_of_the_replay():
     from export.test_entered import COULOMB
 
     block = stored().record.model_copy(update={"enter": (COULOMB,)})
-    paragraph = list(numbers_to_enter(block))[-1]
-    assert isinstance(paragraph, Paragraph)
+    (paragraph,) = (one for one in numbers_to_enter(block) if isinstance(one, Paragraph))
     assert "Promoted: so." in "".join(
         one for one in inlines(paragraph.text) if isinstance(one, str)
     )
@@ -94,12 +94,17 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
     assert captions["no-gap"].startswith(
         "Enter these numbers in your simulator for the joint elbow."
     )
-    assert captions["no-gap"].endswith("Its own coulomb lies outside of the 90 % interval.")
+    assert captions["no-gap"].endswith(
+        "Of its own numbers, coulomb lies outside its 90 % interval."
+    )
     assert "biased" not in captions["no-gap"]
     own = COULOMB.model_copy(update={"in_your_simulator": COULOMB.value.q50})
     block = stored().record.model_copy(update={"enter": (own,), "verdict": "no-gap"})
     (table, *_) = numbers_to_enter(block)
-    assert "Its own" not in table.caption
+    assert "Of its own" not in table.caption
+    both = (COULOMB, COULOMB.model_copy(update={"parameter": "viscous"}))
+    (table, *_) = numbers_to_enter(block.model_copy(update={"enter": both}))
+    assert table.caption.endswith("coulomb and viscous lie outside their 90 % intervals.")
 
 
 @pytest.mark.parametrize(
@@ -127,3 +132,25 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
         assert said[0].startswith(advice)
         assert f"by {left:.3g}" in said[0]
         assert said[0] in lines[1]
+
+
+def test_a_simulator_that_is_off_today_is_said_first_and_not_in_green():
+    """1.6 of 2.25 N·m are 71 %; enter the numbers, and no gap is left."""
+    from export.test_entered import COULOMB
+
+    gap = stored().record.gap.model_copy(
+        update={"as_shipped": interval(1.6), "friction_rms": 2.25, "no_share": None}
+    )
+    block = diagnosis(verdict="no-gap", causes=(), gap=gap, joint="elbow", enter=(COULOMB,))
+    notice = verdict_line(block)
+    assert notice.kind == "attention"
+    assert words(notice.text).startswith(
+        "Your simulator is off by 1.6\u202fN·m rms (71\u202f% of friction) at elbow: "
+        "enter the numbers below, and no gap is left. "
+    )
+    untrusted = gap.model_copy(update={"held_out_excess": 1.0})
+    said = words(verdict_line(block.model_copy(update={"gap": untrusted})).text)
+    assert "at elbow. No gap. " in said
+    right = gap.model_copy(update={"as_shipped": interval(0.001)})
+    good = verdict_line(block.model_copy(update={"gap": right}))
+    assert words(good.text).startswith("No gap. ")

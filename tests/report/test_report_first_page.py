@@ -64,9 +64,12 @@ def test_page_one_says_what_friction_to_expect(stored):
             & (abs(trials["tension_n"] - float(tension)) < 0.06)
         )
         low, middle, high = trials["law_n"][np.flatnonzero(here)[0]].to_numpy()
-        shown, half = (float(part.split()[0]) for part in row[1].text.split(" ± "))
+        shown, half = (float(part.split()[0]) for part in row[1].split(" ± "))
         assert shown == pytest.approx(middle, rel=0.01)
         assert half == pytest.approx((high - low) / 2, rel=0.3)
+        assert " to " in row[2].text  # bold: what one run does is what a run has to reckon with
+    assert table.head[1].title == "mean friction"
+    assert table.head[2].title == "friction of one run"
     assert table.rows[0][0].startswith("9 small pulleys, 85°, at ")
 
 
@@ -144,6 +147,17 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
     )
     (box,) = page_one.worries(quiet)  # and nothing says that there is nothing to worry about
     assert box.kind == "attention"
+
+
+def test_no_orange_stands_where_nothing_has_to_be_done(stored):
+    line = (
+        "These data say little of tau: its prior decides it; no coefficient of the law is affected"
+    )
+    (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
+    assert box.kind == "info"
+    both = (line, "1 of 48 trials left out")
+    found = list(page_one.worries(StoredResults(changed(stored, attention=both))))
+    assert [box.kind for box in found] == ["attention", "info"]
 
 
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from margins.loops import loop, write_draws
+from report.told import plain as words
 from report.told import told
 
 from bayesfric.errors import InputError
@@ -97,6 +98,56 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert "]\u202fmm (at most 0.01\u202fmm is asked for" in line.text
 
 
+def test_page_one_has_what_is_allowed_beside_how_probably_it_is_missed(computed):
+    """Without it nobody can check what is bold."""
+    bench = computed.summary.loops[0]
+    metrics = [
+        metric.model_copy(update={"note": "simulated in 20 draws"})
+        if metric.name == "gamma_hunting"
+        else metric
+        for metric in bench.metrics
+    ]
+    bench = bench.model_copy(
+        update={
+            "limit_cycle_probability_max": 0.02,
+            "violation_probability_max": 0.1,
+            "metrics": tuple(metrics),
+        }
+    )
+    lines = gain_lines(computed.summary.model_copy(update={"loops": (bench,)}), alone=True)
+    (specs,) = [line for line in lines if isinstance(line, Table)]
+    assert [column.title for column in specs.head[:3]] == [
+        "figure", "misses with probability", "allowed",
+    ]  # fmt: skip
+    allowed = {words(row[0]): words(row[2]) for row in specs.rows}
+    assert allowed.pop("γ from which it hunts") == "0.02"
+    assert set(allowed.values()) == {"0.1"}
+    assert "“γ from which it hunts” does not depend" in specs.note
+    assert "A simulated γ may be off by 0.01 or by 5\u202f%, whichever is more" in specs.note
+
+
+def test_a_band_is_promised_only_where_it_can_be_seen(computed):
+    loop = computed.summary.loops[0]
+
+    def caption(error):
+        curve = tuple(
+            point.model_copy(update={"mcse": error}) for point in loop.limit_cycle_probability
+        )
+        only = loop.model_copy(update={"limit_cycle_probability": curve})
+        figure = next(gain_figures(computed.summary.model_copy(update={"loops": (only,)})))
+        return words(figure.caption)
+
+    assert "Shaded: twice its Monte Carlo error." in caption(0.03)
+    assert "at most 0.007, is too thin to see. Dot:" in caption(0.0035)
+
+
+def test_the_law_of_the_margins_is_told_without_file_names(computed):
+    law = computed.summary.law.model_copy(update={"used": "refitted", "causes": ("viscous",)})
+    lines = list(gain_lines(computed.summary.model_copy(update={"law": law}), alone=True))
+    said = [line.text for line in lines if isinstance(line, Paragraph)]
+    assert "Margins of the law refitted with viscous." in said
+
+
 def grid_of(curve):
     """Return P(limit cycle) of each stored γ."""
     return {point.gamma: point.p for point in curve}
@@ -107,6 +158,7 @@ def test_margins_at_a_prompt_are_drawn(computed):
     (axes,) = found.plot_hunting().axes
     curve = computed.summary.loops[0].limit_cycle_probability
     drawn = axes.lines[0].get_xydata().tolist()
+    assert not axes.lines[1].get_clip_on()  # the γ of the file, which may lie on the edge
     assert grid_of(curve).keys() <= dict(drawn).keys()
     assert len(found.plot_errors().axes) == 2
     bare = [one.model_copy(update={"limit_cycle_probability": ()}) for one in found.summary.loops]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rigs.joints import Joint, recording_of
 
+from bayesfric.effects.gravity_torque import EFFECT as GRAVITY_TORQUE
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.trials import opened
@@ -49,3 +50,9 @@ def test_a_swing_or_two_tell_inertia_beside_gravity():
 def test_gravity_is_no_part_of_the_law_where_it_is_examined_or_is_none(joint, constants):
     trials = trials_of(joint, **constants)
     assert not {"gravity_sine", "gravity_cosine"} & set(trials.shared_numbers)
+
+
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_no_weight_is_looked_for_where_no_gravity_acts(gravity):
+    trials = trials_of(Joint(seconds=6.0, sampled_hz=100.0), gravity_m_s2=gravity)
+    assert GRAVITY_TORQUE.needs - trials.offers == (set() if gravity else {"acting-gravity"})

@@ -101,9 +101,21 @@ def sticking():
     return pd.DataFrame({"run": "a", "time_s": time_s, "position_m": stairs, "force_n": force})
 
 
+def commanded(apart):
+    """The positions as commands of a servo, in the place of a force."""
+    samples = Joint().samples()
+    return samples.assign(command_m=samples["position_m"] + apart).drop(columns="force_n")
+
+
 NOTHING = {
     "sticks and slips": (sticking(), "rests and goes on the same way.*: move faster"),
     "no force": (Joint().samples().assign(force_n=0.0), "force_n is 0 in every row"),
+    "a force that is known": (
+        Joint().samples().assign(known_force_n=lambda log: log["force_n"]),
+        "known_force_n is force_n in every row",
+    ),
+    "a command that is the position": (commanded(0.0), "command_m is position_m, 0 apart"),
+    "a command beside the position": (commanded(0.1), r"command_m is position_m, 0\.1 apart"),
     "ten samples": (Joint().samples().head(10), "a run takes 16 samples, and the longest has 10"),
     "held in place": (still(), "position_m never changes"),
     "20 Hz": (

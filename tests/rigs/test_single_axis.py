@@ -12,7 +12,7 @@ import bayesfric as bf
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import lawbook
 from bayesfric.diagnosis.model import Acting, LinearModel
-from bayesfric.diagnosis.shipped import held_of, shipped_of
+from bayesfric.diagnosis.shipped import held_of, held_values, shipped_of
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.physics.friction import Coefficients
@@ -254,6 +254,8 @@ def test_a_stored_fit_gives_numbers_by_the_names_of_the_rig(trials):
     shipped = shipped_of({"mass": 1.9, "coulomb": 1.4, "tau": 0.02}, data)
     assert shipped == {"axis": Coefficients(1.9, 1.4, 0.0)}
     assert held_of(["mass"], data, shipped) == {"c1[axis]"}
+    for held in (["mass"], ["c1"]):
+        assert held_values(held_of(held, data, shipped), data, shipped) == {"mass": 1.9}
     with pytest.raises(bf.InputError, match=r"coulomb, mass") as unknown:
         held_of(["weight"], data, shipped)
     assert "weight" in str(unknown.value)

@@ -73,3 +73,32 @@ def test_a_joint_that_was_not_logged_stays_where_the_model_has_it(tree, tmp_path
     found = RigidBodies(some).momentum_and_pull(position, velocity)
     for values, reference in zip(found, expected, strict=True):
         assert values == pytest.approx(reference[:, order], abs=1e-12)
+
+
+def test_gravity_that_a_flag_switches_off_pulls_at_nothing(tmp_path):
+    """Of joints at rest the pull is that of gravity alone: as MuJoCo's bias force, none."""
+    text = TREE.replace(
+        '<option gravity="0.3 -0.2 -9.81"/>',
+        '<option gravity="0.3 -0.2 -9.81"><flag gravity="disable"/></option>',
+    )
+    robot = read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"w": "wrist"})
+    _, pull = RigidBodies(robot).momentum_and_pull(np.array([[0.4]]), np.zeros((1, 1)))
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert not data.qfrc_bias.any()
+    assert pull == pytest.approx(0.0, abs=1e-12)
+
+
+def test_shapes_overrule_stated_masses_where_the_compiler_says_so(tmp_path):
+    """As MuJoCo compiles the user's file: a ball of 2 kg in place of the 7 kg that are stated."""
+    text = """<mujoco><compiler inertiafromgeom="true"/><worldbody><body name="rod">
+    <joint name="turn" axis="0 1 0"/><inertial pos="0 0 0" mass="7" diaginertia="1 1 1"/>
+    <geom type="sphere" size="0.1" pos="0.5 0 0" mass="2"/>
+    </body></worldbody></mujoco>"""
+    robot = read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"a": "turn"})
+    momentum, _ = RigidBodies(robot).momentum_and_pull(np.zeros((1, 1)), np.ones((1, 1)))
+    model = mujoco.MjModel.from_xml_string(text)
+    inertia = mass_matrix(model, mujoco.MjData(model), np.zeros(1))[0, 0]
+    assert inertia == pytest.approx(2 * (0.5**2 + 0.4 * 0.1**2), rel=1e-9)
+    assert momentum == pytest.approx(inertia, rel=1e-9)

@@ -53,16 +53,49 @@ def test_mjcf_has_the_numbers_and_all_else_byte_for_byte():
     assert not model.turns("elbow")
 
 
+CLASSES = """<mujoco><default><joint damping="1"/><default class="rail"><joint type="slide"/>
+<default class="far"><joint damping="2"/></default><default class="pin"><joint type="hinge"/>
+</default></default></default><worldbody><body name="b" childclass="{childclass}">
+<joint name="j" axis="0 0 1"{own}/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("childclass", ["main", "rail", "far", "pin"])
+@pytest.mark.parametrize("own", ["", ' class="rail"', ' class="pin"', ' type="hinge"'])
+def test_a_joint_has_its_type_from_its_class_as_mujoco_has_it(childclass, own):
+    mujoco = pytest.importorskip("mujoco")
+    text = CLASSES.format(childclass=childclass, own=own)
+    compiled = mujoco.MjModel.from_xml_string(text)
+    turns = compiled.jnt_type[0] == mujoco.mjtJoint.mjJNT_HINGE
+    assert model_text(text.encode(), "robot.xml").turns("j") == turns
+
+
 def test_a_tag_may_hold_a_sign_that_ends_one():
     done = model_text(MJCF, "robot.xml").with_values({"elbow": JointValues(armature="2.5")})
     assert b'user="a > b" armature="2.5"></joint>' in done.content
 
 
-def test_delay_and_limit_go_to_the_actuators_of_the_joint():
-    values = JointValues(delay="0.008", samples="6", limit="4.2")
+def test_a_delay_goes_to_the_actuators_of_the_joint():
+    values = JointValues(delay="0.008", samples="6")
     done = model_text(MJCF, "robot.xml").with_values({"shoulder": values}).content
-    motor = b'<motor name="m" joint="shoulder" delay="0.008" nsample="6" forcerange="-4.2 4.2"/>'
+    motor = b'<motor name="m" joint="shoulder" delay="0.008" nsample="6"/>'
     assert motor in done
+
+
+@pytest.mark.parametrize("autolimits", ["true", "false"])
+def test_a_limit_is_one_of_the_joint_whatever_the_gear(autolimits):
+    """A motor with a gear of 50, asked for 500 N·m, gives the 4.2 N·m that were found."""
+    mujoco = pytest.importorskip("mujoco")
+    geared = MJCF.replace(b'joint="shoulder"/>', b'joint="shoulder" gear="50"/>')
+    geared = geared.replace(b' user="a > b"', b"").replace(
+        b"<default>", f'<compiler autolimits="{autolimits}"/><default>'.encode()
+    )
+    geared = geared.replace(b' range="-90 90"', b"").replace(b'range="-90 90"', b"")
+    done = model_text(geared, "robot.xml").with_values({"shoulder": JointValues(limit="4.2")})
+    compiled = mujoco.MjModel.from_xml_string(done.content.decode())
+    data = mujoco.MjData(compiled)
+    data.ctrl[0] = 10.0
+    mujoco.mj_forward(compiled, data)
+    assert data.qfrc_actuator[0] == pytest.approx(4.2)
 
 
 def test_urdf_has_dynamics_that_were_there_and_that_were_not():

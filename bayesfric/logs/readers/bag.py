@@ -11,11 +11,15 @@ from bayesfric.logs.table import LARGEST_FILE, MOST_CELLS, Cells, Log, check_cel
 
 NANO = 10**9
 FIELDS = ("position", "velocity", "effort")
-Row = tuple[int, dict[str, float]]
+Row = tuple[int, int, dict[str, float]]
+"""A stamp, how long after it the numbers hold [ns], and the numbers."""
 
 
 def read_bag(path: Path) -> Log:
     """Return the columns of a bag that rosbags reads: a folder, or a file of MCAP.
+
+    Reception stands for stamps where all of a topic are 0: one of 0 alone is when a simulation
+    begins. Of a trajectory a stamp of 0 says that it begins as it is received.
 
     A topic ``/joint_states`` has ``/joint_states.stamp`` (ns) and, of each joint,
     ``/joint_states.position[elbow]``, ``.velocity[…]`` and ``.effort[…]``.
@@ -29,7 +33,7 @@ def read_bag(path: Path) -> Log:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     tables: dict[str, list[Row]] = {}
-    unstamped: set[str] = set()
+    receptions: dict[str, list[int]] = {}
     rows = 0
     with damaged_is_told(path, "a bag"):
         store = get_typestore(Stores.ROS2_HUMBLE)
@@ -41,12 +45,9 @@ def read_bag(path: Path) -> Log:
                     raise InputError([Fault(path.name, "messages of a few kilobytes")])
                 message = reader.deserialize(raw, link.msgtype)
                 for row in MESSAGES[link.msgtype](message):
-                    stamp, values = row
-                    if stamp <= 0:
-                        unstamped.add(link.topic)
-                        stamp = received
-                    tables.setdefault(link.topic, []).append((stamp, values))
-                    rows += len(values) + 1
+                    tables.setdefault(link.topic, []).append(row)
+                    receptions.setdefault(link.topic, []).append(received)
+                    rows += len(row[-1]) + 1
                     if rows > MOST_CELLS // 8:
                         check_cells(path.name, MOST_CELLS + 1)
     if not tables:
@@ -54,24 +55,34 @@ def read_bag(path: Path) -> Log:
         raise InputError(
             [Fault(path.name, f"messages of {kinds} (it has: {', '.join(types) or 'none'})")]
         )
+    begin_now = {link.topic for link in chosen if link.msgtype == TRAJECTORY}
+    unstamped = {
+        topic
+        for topic, table in tables.items()
+        if (any if topic in begin_now else all)(stamp <= 0 for stamp, _, _ in table)
+    }
     notes = tuple(
         f"{topic}: its messages have no stamps; the times of reception are taken."
         for topic in sorted(unstamped)
     )
     columns: dict[str, Cells] = {}
     for topic, table in tables.items():
-        columns |= _columns(topic, table)
+        received_ns = receptions[topic] if topic in unstamped else None
+        columns |= _columns(topic, table, received_ns)
     return Log(path.name, columns, 1, notes)
 
 
-def _columns(topic: str, table: list[Row]) -> dict[str, Cells]:
-    names = list(dict.fromkeys(name for _, values in table for name in values))
-    columns: dict[str, Cells] = {
-        f"{topic}.stamp": np.array([stamp for stamp, _ in table], dtype=np.int64)
-    }
+def _columns(topic: str, table: list[Row], received_ns: list[int] | None) -> dict[str, Cells]:
+    names = list(dict.fromkeys(name for _, _, values in table for name in values))
+    stamps = [stamp for stamp, _, _ in table]
+    if received_ns is not None:
+        both = zip(stamps, received_ns, strict=True)
+        stamps = [stamp if stamp > 0 else received for stamp, received in both]
+    times = [stamp + row[1] for stamp, row in zip(stamps, table, strict=True)]
+    columns: dict[str, Cells] = {f"{topic}.stamp": np.array(times, dtype=np.int64)}
     nothing = float("nan")
     for name in names:
-        cells = np.array([values.get(name, nothing) for _, values in table], dtype=np.float64)
+        cells = np.array([values.get(name, nothing) for _, _, values in table], dtype=np.float64)
         columns[f"{topic}.{name}"] = cells
     return columns
 
@@ -83,6 +94,7 @@ def _stamp(message: Any) -> int:
 def _joint_state(message: Any) -> Iterator[Row]:
     yield (
         _stamp(message),
+        0,
         {
             f"{field}[{joint}]": float(value)
             for field in FIELDS
@@ -105,16 +117,17 @@ def _trajectory(message: Any) -> Iterator[Row]:
             )
             for joint, value in zip(message.joint_names, numbers, strict=False)
         }
-        yield (began + after if began > 0 else 0), values
+        yield began, after, values
 
 
 def _array(message: Any) -> Iterator[Row]:
-    yield 0, {f"data[{place}]": float(value) for place, value in enumerate(message.data)}
+    yield 0, 0, {f"data[{place}]": float(value) for place, value in enumerate(message.data)}
 
 
+TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 MESSAGES: dict[str, Callable[[Any], Iterator[Row]]] = {
     "sensor_msgs/msg/JointState": _joint_state,
-    "trajectory_msgs/msg/JointTrajectory": _trajectory,
+    TRAJECTORY: _trajectory,
     "std_msgs/msg/Float64MultiArray": _array,
 }
 """Messages that are read, and how."""

@@ -51,7 +51,7 @@ def read(path: Path, wanted: Collection[str | int] | None = None) -> Log:
 
 def _wanted(name: str, wanted: Collection[str | int]) -> bool:
     numbered = any(isinstance(column, int) for column in wanted)
-    return numbered or any(str(column).partition("[")[0] == name for column in wanted)
+    return numbered or any(name in (column, str(column).partition("[")[0]) for column in wanted)
 
 
 def _is_list(pa: Any, kind: Any) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.plots.scorecard import (
     confusion_matrix,
+    drawn_promises,
     named_by_strength,
     promises_and_reliability,
 )
@@ -55,10 +56,10 @@ def scorecard_line(card: ScorecardFile) -> Notice:
         said += " (so far: with too few cases to be sure)"
     which = f". Missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
-    proof = " These seeds were used to tune the effects: the rates prove nothing." if tuning else ""
+    proof = "These seeds were used to tune the effects: the rates prove nothing. "
     return Notice(
-        "attention" if missed else "info" if tuning else "good",
-        [f"{said}{which}.{proof} See ", Reference("blind"), "."],
+        "attention" if missed or tuning else "good",
+        [*([Strong(proof)] if tuning else []), f"{said}{which}. See ", Reference("blind"), "."],
         title="Blind test",
     )
 
@@ -86,7 +87,8 @@ def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
         ]
     )
     yield _promises(card)
-    yield _figure(card)
+    if drawn_promises(card):
+        yield _figure(card)
     yield from _tables(card)
 
 
@@ -131,8 +133,8 @@ def _figure(card: ScorecardFile) -> Figure:
     return Figure(
         svg_of(promises_and_reliability, card),
         [
-            "Left: rates with 95 % intervals. Shaded: what is promised. A cross: missed; grey: too "
-            "few cases to be sure. "
+            "Left: rates of at least ten cases, with 95 % intervals. Shaded: what is promised. "
+            "A cross: missed; grey: too few cases to be sure. "
             "Right: how often verdicts come true over the probability that they report, a dot "
             "for each range of it; grey bars hold 95 % of what true probabilities would give. "
             "From ",

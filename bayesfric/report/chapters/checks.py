@@ -97,7 +97,7 @@ def _outliers(rig: RigTable) -> Iterator[Block]:
     limit = format_number(float(rig.table["z_limit"]), 3)
     chosen = rig.table["outlier"].to_numpy().astype(bool)
     if not chosen.any():
-        yield Paragraph(f"No {rig.trial} of the {rig.title} lies beyond |z| = {limit}.")
+        yield Paragraph(f"No {rig.trial} of the {rig.title} is above the limit of |z| = {limit}.")
         return
     far = rig.table.isel({rig.id: chosen})
     columns = [(name, head, write) for name, head, write in CONDITION if name in far]

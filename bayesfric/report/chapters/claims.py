@@ -57,7 +57,7 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
     by_verdict = {
         verdict: [claim for claim in judged.claims if claim.verdict == verdict] for verdict in SIGNS
     }
-    if _untestable(judged):
+    if untestable(judged):
         return Notice("info", _none_testable(judged), title="The paper's claims")
     counts = ", ".join(
         f"{len(ones)} {_worded(verdict)}" for verdict, ones in by_verdict.items() if ones
@@ -93,7 +93,7 @@ def _inside(statement: str) -> str:
     return statement if statement.startswith("Table") else statement[:1].lower() + statement[1:]
 
 
-def _untestable(judged: ClaimsFile) -> bool:
+def untestable(judged: ClaimsFile) -> bool:
     """Tell whether these data can test none of the claims, and all for one reason."""
     verdicts = {claim.verdict for claim in judged.claims}
     return verdicts == {"not-testable"} and len({claim.reason for claim in judged.claims}) == 1
@@ -135,7 +135,7 @@ def _verdicts(judged: ClaimsFile) -> Table:
 def claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim with what its verdict rests on."""
     judged = stored.record
-    if _untestable(judged):  # page one has said all that there is to say
+    if untestable(judged):  # there is nothing more to say of them
         return
     by_name = {claim.id: claim for claim in judged.claims}
     yield Heading(1, "The paper's claims", label="claims")

@@ -32,7 +32,6 @@ from bayesfric.report.content import (
     Inline,
     Notice,
     Paragraph,
-    Reference,
     Strong,
     Table,
     Text,
@@ -53,82 +52,7 @@ from bayesfric.schemas.gap import Axis, Gap
 
 ALL_BUT = 0.999  # a share is never printed as all of it
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
-ALONG_THE_WAY = ("displacement", "travel")
 CHANCE = 0.05  # adjusted p above which an axis may explain by chance
-
-
-def verdict_line(record: DiagnosisFile) -> Notice:
-    """Return the verdict for the report's first page."""
-    open_still = record.verdict == "undecided" and record.possible
-    return Notice(
-        box(record),
-        [
-            Strong(f"{VERDICTS[record.verdict]}{_once_entered(record)}."),
-            f" {_with_meanings(record)} ",
-            f"What may act: {listed(record.possible)}. " if open_still else "",
-            *_measure_next(record),
-            "See ",
-            Reference("diagnosis"),
-            ".",
-        ],
-        title="Sim-to-real gap",
-    )
-
-
-def _measure_next(record: DiagnosisFile) -> Iterator[str]:
-    """Yield what to measure where the cause, or the gap itself, stays open."""
-    gap, share = record.gap, record.practical_share
-    if record.verdict in ("no-gap", "named"):
-        return
-    if record.next_experiment:
-        proposed = record.next_experiment[0]
-        rivals = " and ".join(proposed.separates)
-        yield f"Measure next: {condition_words(proposed.condition)}, which separates {rivals}. "
-        return
-    if record.verdict == "unknown":
-        yield from _look_for_it(record)
-        return
-    low, high = (end / gap.friction_rms for end in (gap.systematic.q05, gap.systematic.q95))
-    if record.verdict == "undecided" and gap.no_share is None and low < share < high:
-        yield (
-            "Measure next: more assemblies at the same conditions. The gap is known only to lie "
-            f"between {format_share(low, 3)} and {format_share(high, 3)} of friction, and "
-            f"{format_share(share)} is where it begins to count. "
-        )
-
-
-def _look_for_it(record: DiagnosisFile) -> Iterator[str]:
-    """Yield what to do about a force without a cause: where it holds, and what to measure."""
-    yield "Until its cause is known, use the numbers below only at the conditions measured. "
-    leading = next((axis.axis for axis in record.where if axis.answers), None)
-    if leading in ALONG_THE_WAY:
-        yield (
-            "Look along the travel for what the force belongs to: a splice or kink of the cable, a "
-            "worn pulley, a magnet. Measure next: the same condition with the cable moved on by a "
-            "known length; what belongs to the cable moves with it. "
-        )
-    elif leading is not None:
-        yield (
-            f"Measure next: one condition again, with {axis_words(leading)} alone changed over its "
-            "whole range. "
-        )
-    else:
-        yield "Measure next: further conditions, each of which changes one thing alone. "
-
-
-def _once_entered(record: DiagnosisFile) -> str:
-    """Return that a simulator of a joint has no gap with new numbers, which are not its own."""
-    enter = [number for joint in record.joints or (record,) for number in joint.enter]
-    own = [number for number in enter if number.in_your_simulator is not None]
-    return " once the numbers below are entered" if own and not has_gap(record) else ""
-
-
-def _with_meanings(record: DiagnosisFile) -> str:
-    """Return the verdict's sentence, in which each cause is followed by what it is."""
-    said = record.sentence
-    for cause in record.causes:
-        said = said.replace(cause.effect, f"{cause.effect} ({cause.sentence})", 1)
-    return said[:1].upper() + said[1:]
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
@@ -329,7 +253,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             + (
                 ""
                 if gap.trajectory is not None or own_law(record.rigs)
-                else f" No figure in millimetres: {gap.trajectory_why}."
+                else f" No number in millimetres: {gap.trajectory_why}."
             ),
         ],
         "Left, horizontal bars: "
@@ -349,7 +273,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
 def _tuning(gap: Gap) -> list[str]:
     """Return what recalibration alone does; never mixed with what the effect does."""
     if gap.as_shipped is None:
-        return [f"No figure for values as shipped: {gap.as_shipped_why}. "]
+        return [f"No number for values as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
     return [f"Recalibration alone changes the gap from {shipped} to {before}. "]
 

@@ -69,10 +69,18 @@ def _baseline(diagnosis: DiagnosisFile) -> str:
     return f"your simulator {simulator.name}, called {simulator.calls} times, with {numbers}"
 
 
+def _held(diagnosis: DiagnosisFile) -> str:
+    """Return what was not fitted, and at which values it was held."""
+    if not diagnosis.fixed:
+        return ""
+    values = [f"{name} = {value:.4g}" for name, value in diagnosis.fixed_at.items()]
+    return f" Held and not fitted: {', '.join(values or diagnosis.fixed)}."
+
+
 def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
     ranked = sorted(diagnosis.probabilities.items(), key=lambda item: -item[1])
     sensitivity = diagnosis.prior_sensitivity
-    fixed = f" Held at shipped values: {', '.join(diagnosis.fixed)}." if diagnosis.fixed else ""
+    fixed = _held(diagnosis)
     yield Paragraph(
         [
             f"The baseline is {_baseline(diagnosis)}, on the data of: {_rigs(diagnosis.rigs)}."
@@ -327,7 +335,7 @@ def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]], *, boards:
     for name, _, row in rows:
         for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
             if why is not None:
-                reason = f"No figure for {what}: {why}"
+                reason = f"No number for {what}: {why}"
                 said.setdefault(NUMBER.sub("#", reason, count=1), []).append((name, reason))
     lines = []
     for pattern, reasons_of_rows in said.items():
@@ -361,9 +369,15 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
         note="Compared with the law that was fitted alone. Hypotheses of the table of "
         "probabilities are compared again with the law that was refitted with the most probable "
         "of them."
-        + "".join(f" No figure for {', '.join(them)}: {why}." for why, them in without.items())
+        + "".join(map(_no_factor, without.values(), without))
         + (f" {len(absent)} further effects need data that no rig here records." if absent else ""),
     ).filled()
+
+
+def _no_factor(effects: Sequence[str], why: str) -> str:
+    """Return that effects have no Bayes factor, and why."""
+    each = why.replace("it ", "each ", 1) if len(effects) > 1 and why.startswith("it ") else why
+    return f" No Bayes factor for {', '.join(effects)}: {each}."
 
 
 def codes(names: Sequence[str]) -> list[Code | str]:

@@ -70,10 +70,10 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         ],
         label="diagnostics",
         note="Priors are half-normal(scale), normal(mean, sd), log-normal(median, sd of the "
-        "logarithm), uniform(low, high), or of another family with its numbers. R-hat is "
-        "rank-normalised and split, with the walkers of an ensemble pooled into its chain; "
-        "walkers: the same with each walker as a chain, by an estimate that few draws bias "
-        "little. ESS is the number of effective draws; for "
+        "logarithm), uniform(low, high), or of another family with its numbers. R-hat "
+        "compares the chains with each other (rank-normalised, split in halves); each ensemble is "
+        "one chain. The column of walkers does the same with each walker as a chain of its own. "
+        "ESS is the number of effective draws; for "
         "the bulk, the smaller of ArviZ's and that of batch means. Contraction is 1 − posterior "
         "sd / prior sd: 0 where the data say nothing, 1 where they say all, a dash where the "
         "prior has no sd. Informed: the data say more than the prior.",
@@ -157,8 +157,8 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
             for name, of_prior, of_likelihood in sensitivities
         ],
         label="sensitivity",
-        note="Power-scaling: how far the cumulative distribution of the coefficient moves when the "
-        "power of all priors, or of the likelihood, doubles. Below 0.05 it hardly matters.",
+        note="Power-scaling: how far the cumulative distribution of the coefficient moves when "
+        "all priors, or the likelihood, are raised to the power 2. Below 0.05 it hardly matters.",
     )
 
 

@@ -4,15 +4,35 @@ import re
 from collections.abc import Iterator
 
 from bayesfric.attention.diagnosis import why_untrusted
-from bayesfric.export.entered import CALLED, COLUMNS, entered_remarks, entered_rows, off_now
+from bayesfric.export.entered import (
+    CALLED,
+    COLUMNS,
+    entered_rows,
+    off_now,
+    remarks_of_fields,
+    remarks_of_numbers,
+)
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
-from bayesfric.report.content import Block, BulletList, Figure, Notice, Paragraph, Table
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Figure,
+    Notice,
+    Paragraph,
+    Strong,
+    Table,
+    Text,
+)
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 
 ISAAC = "ActuatorBaseCfg."  # stands in the head of a column, which has no room for it in cells
-ISAAC_HEAD = f"{CALLED['isaaclab']}, {ISAAC.rstrip('.')}"
+URDF = "joint/dynamics/"  # likewise
+HEADS = {
+    CALLED["isaaclab"]: f"{CALLED['isaaclab']}, {ISAAC.rstrip('.')}",
+    CALLED["urdf"]: f"{CALLED['urdf']}, {URDF.rstrip('/')}",
+}
 
 
 def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
@@ -28,22 +48,37 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         elif joint.verdict in ("unknown", "unseparated"):
             after += " They may be biased, since the law misses a force that has no cause yet."
         said = f" {off}" if (off := off_now(joint)) else ""
+        rows = entered_rows(joint.enter)
         yield Table(
             f"Enter these numbers in your simulator{of}.{said}{_wrong(joint)}{after}",
-            [ISAAC_HEAD if title == CALLED["isaaclab"] else title for title in COLUMNS],
-            [list(map(_shown, row)) for row in entered_rows(joint.enter)],
+            [HEADS.get(title, title) for title in COLUMNS],
+            [list(map(_cell, COLUMNS, row)) for row in rows],
             label="enter" if not diagnosis.joints else f"enter-{place}",
         )
-        remarks = list(entered_remarks(joint.enter))
+        remarks = list(remarks_of_numbers(joint.enter))
         if remarks:
             yield BulletList(remarks)
         if joint.replay is not None:
             yield Paragraph(joint.replay.sentence)
+    lacking = list(
+        remarks_of_fields(
+            {joint.joint or "": joint.enter for joint in diagnosis.joints or (diagnosis,)}
+        )
+    )
+    if lacking:
+        yield BulletList(list(map(_shown, lacking)))
+
+
+def _cell(column: str, cell: str) -> Text:
+    """Return a cell; the number to enter is bold."""
+    return Strong(_shown(cell)) if column == "proposed" else _shown(cell)
 
 
 def _shown(cell: str) -> str:
     """Return a cell as it is printed: a true minus, and no prefix that the head has."""
-    return re.sub(r"-(?=\d)", "−", cell.removeprefix(ISAAC).replace(" and .", ", "))
+    return re.sub(
+        r"-(?=\d)", "−", cell.removeprefix(ISAAC).removeprefix(URDF).replace(" and .", ", ")
+    )
 
 
 def _wrong(joint: DiagnosisFile) -> str:
@@ -56,8 +91,9 @@ def _wrong(joint: DiagnosisFile) -> str:
     ]
     if not wrong:
         return ""
-    lie = "lies" if len(wrong) == 1 else "lie"
-    return f" Its own {', '.join(wrong)} {lie} outside of the 90 % interval."
+    lies = "lies outside its" if len(wrong) == 1 else "lie outside their"
+    names = " and ".join(filter(None, (", ".join(wrong[:-1]), wrong[-1])))
+    return f" Of its own numbers, {names} {lies} 90 % interval{'s' * (len(wrong) > 1)}."
 
 
 def _listed(joint: DiagnosisFile) -> str:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
+from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.terms import chance_of_missing, is_missed, safe_up_to, safety_words
 from bayesfric.plots.margins import (
     error_and_headroom,
@@ -50,6 +51,7 @@ HUNTING = (
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 ASSUMED = "Assumed: "  # begins a remark of a loop's file on what nobody measured
 LITTLE = 0.01  # of a variance
+THIN_BAND = 0.02  # of a probability, below which a band hides behind its line
 LAW = "c1, c2, c3"  # the group of a variance that the friction law is
 WORDS = {
     "friction_nominal": "friction, eq. (15)",
@@ -99,7 +101,9 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         if decided:
             several = len(margins.loops) > 1
             yield Paragraph([Code(loop.name), f": {decided}"] if several else decided)
-    if margins.law is not None:
+    if margins.law is not None and margins.law.used == "refitted" and margins.law.causes:
+        yield Paragraph(f"Margins of the law refitted with {' and '.join(margins.law.causes)}.")
+    elif margins.law is not None:
         yield Paragraph(margins.law.sentence)
     yield from _assumed(margins.loops)
     beyond = " What was not examined: "
@@ -230,12 +234,15 @@ def _specs(margins: MarginsFile) -> Iterator[Table]:
             [
                 *([] if len(loops) == 1 else ["loop"]),
                 "figure",
-                *right_columns("misses with probability", "asked for", "5 % to 95 % of the draws"),
+                *right_columns(
+                    "misses with probability", "allowed", "asked for", "5 % to 95 % of the draws"
+                ),
             ],
             rows,
             label="specs",
-            note="Bold: misses its spec more often than the file allows. γ from which it hunts "
-            f"does not depend on the γ that is set.{_simulated(margins)}",
+            note="Bold: misses its spec more often than the file allows. “γ from which it hunts” "
+            "does not depend on the γ that is set."
+            f"{_simulated(margins)}{_below_simulated(margins)}",
         )
 
 
@@ -248,6 +255,24 @@ def _simulated(margins: MarginsFile) -> str:
     return (
         f" Hunting is simulated in {' or '.join(map(str, sorted(counts)))} draws; all else is over "
         f"{format_count(margins.draws)} draws."
+    )
+
+
+def _below_simulated(margins: MarginsFile) -> str:
+    """Return by how much the largest safe γ lies below the simulated one; empty without any."""
+    simulated = any(
+        metric.note.startswith("simulated")
+        for loop in margins.loops
+        if loop.largest_safe_compensation_gain is not None
+        for metric in loop.metrics
+        if metric.name == "gamma_hunting"
+    )
+    if not simulated:
+        return ""
+    rules = MARGIN_RULES
+    return (
+        f" A simulated γ may be off by {rules.threshold_tolerance:g} or by "
+        f"{100 * rules.threshold_share:g}\u202f%, whichever is more: the safe γ lies lower by that."
     )
 
 
@@ -264,10 +289,18 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
         row = [
             _called(metric),
             chance_of_missing(metric) or MISSING,
+            _allowed(loop, metric),
             f"{metric.sense} {scale * metric.spec:g}\u202f{unit}".rstrip(),
             f"{low} to {high}\u202f{unit}".rstrip(),
         ]
         yield [Strong(cell) if metric in missing else cell for cell in row]
+
+
+def _allowed(loop: LoopMargins, metric: Metric) -> str:
+    """Return with which probability the loop's file allows that a metric misses its spec."""
+    hunting = metric.name == "gamma_hunting"
+    allowed = loop.limit_cycle_probability_max if hunting else loop.violation_probability_max
+    return MISSING if allowed is None else f"{allowed:g}"
 
 
 def gain_figures(margins: MarginsFile) -> Iterator[Block]:
@@ -309,11 +342,21 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
         svg_of(limit_cycle_against_gain, curves),
         from_file(
             "margins.json",
-            "Probability that the loop hunts, over the compensation gain, with twice its Monte "
-            "Carlo error. Dot: the γ of the loop's file. Dotted: the probability that the file "
+            "Probability that the loop hunts, over the compensation gain. "
+            f"{_band(curves)} Dot: the γ of the loop's file. Dotted: the probability that the file "
             "allows. Upright line: the largest safe γ.",
         ),
         "A line for each loop over the compensation gain, which rises where the loop begins to "
         "hunt.",
         label="limit-cycle",
     )
+
+
+def _band(loops: Sequence[LoopMargins]) -> str:
+    """Return what is shaded: the Monte Carlo error, where a reader can see it."""
+    error = 2 * max(point.mcse for loop in loops for point in loop.limit_cycle_probability)
+    if error < THIN_BAND:
+        return (
+            f"Twice its Monte Carlo error, at most {format_number(error, 1)}, is too thin to see."
+        )
+    return "Shaded: twice its Monte Carlo error."

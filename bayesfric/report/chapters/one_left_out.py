@@ -46,9 +46,10 @@ def left_out(stored: StoredFit) -> Iterator[Block]:
 def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> Iterator[Block]:
     yield Paragraph(
         [
-            "Each trial is now left out in turn. The fit to all others, those of its own "
-            f"{group_words(stored.fit.rigs)[0]} included, gives the probability of less "
-            "friction than was measured. If the model is right, these probabilities are uniform. ",
+            "Each trial is now left out in turn, and the fit is made to all others; those of the "
+            f"same {group_words(stored.fit.rigs)[0]} stay in it. From this fit follows the "
+            "probability of less friction than the trial had. If the model is right, these "
+            "probabilities are uniform. ",
             " ".join(map(_uniform, uniformities)),
         ]
     )
@@ -80,8 +81,9 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
 def _uniform(test: Uniformity) -> str:
     words = rig_words(test.rig)
     return (
-        f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, chance alone "
-        f"departs as far from uniform with probability {format_probability(test.p_value)}. The "
+        f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, chance makes "
+        "these probabilities at least this uneven with probability "
+        f"{format_probability(test.p_value)}. The "
         f"{words.trials} lie "
         f"{format_fixed(test.spread, 2)} times as far from their prediction as the model says; "
         f"{format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} is expected "
@@ -125,13 +127,14 @@ def _assembly(check: AssemblyCheck) -> str:
     words = rig_words(check.rig)
     far = "; ".join(
         f"{outlier.setup} {format_fixed(abs(outlier.z), 1)} sd "
-        f"{'above' if outlier.z > 0 else 'below'} (one recording in "
-        f"{format_count(max(round(1 / outlier.chance), 1))} has one as far out by chance)"
+        f"{'above' if outlier.z > 0 else 'below'} (by chance, 1 recording in "
+        f"{format_count(max(round(1 / outlier.chance), 1))} has one this far out)"
         for outlier in check.outlying
     )
     return (
-        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, chance alone "
-        f"departs as far from uniform with probability {format_probability(check.p_value)}. The "
+        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, chance makes "
+        "their probabilities at least this uneven with probability "
+        f"{format_probability(check.p_value)}. The "
         f"{words.groups} lie {format_fixed(check.spread, 2)} times as far from their prediction "
         f"as the model says; {format_fixed(check.spread_q05, 2)} to "
         f"{format_fixed(check.spread_q95, 2)} is expected (90 %). "

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from bayesfric.attention.together import attention_of_all
+from bayesfric.attention.together import attention_of_all, by_weight
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import (
@@ -20,22 +20,22 @@ from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.blind import scorecard_line
 from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
-from bayesfric.report.chapters.claims import fallen
+from bayesfric.report.chapters.claims import fallen, untestable
 from bayesfric.report.chapters.comparison import comparison_line
-from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.chapters.to_use import (
-    PAPERS_LAW,
     coefficient_heads,
     fitted_numbers,
     lacking_force,
     numbers_to_use,
+    papers_law,
     refitted_coefficients,
 )
+from bayesfric.report.chapters.verdict import verdict_line
 from bayesfric.report.content import (
     Block,
     Code,
@@ -86,7 +86,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     yield from faults(stored)
     if fitted is not None or pooled is not None or diagnosed is not None:
         yield from worries(stored)
-    if stored.claims is not None:
+    alone = fitted is None and diagnosed is None
+    if stored.claims is not None and (alone or not untestable(stored.claims.record)):
         lacking = "" if diagnosed is None else lacking_force(diagnosed.record)
         yield fallen(stored.claims.record, lacking)
     if stored.margins is not None:
@@ -169,12 +170,12 @@ def expected(
     if not sizes:
         return
     of_size: list[Column | str] = ["pulley", *coefficient_heads(fit)] if numbers else []
-    of_run: list[Column | str] = ["condition", "friction", "on a new assembly"]
+    of_run: list[Column | str] = ["condition", "mean friction", "friction of one run"]
     no_numbers, no_run = [""] * (len(of_size) - 1), [""] * len(of_run)
-    title = "The friction to expect in one run, at the recording's own conditions."
+    title = "Friction to expect at the recording's own conditions."
     if numbers:
         use = "Coefficients of the law, which lacks the unknown force" if unknown_force else USE
-        title = f"{use}; the friction to expect in one run."
+        title = f"{use}; the friction to expect."
     yield Table(
         title,
         [*of_size, *of_run],
@@ -187,9 +188,9 @@ def expected(
         ],
         label="expected",
         note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
-        + "Friction: at the most frequent condition and its middle tension, ± half of the 90 % "
-        "interval. On a new assembly nine runs in ten lie within the last column, scatter included."
-        + (PAPERS_LAW if fit.pulleys and fit.baseline == "paper" else ""),
+        + "Mean friction: at the most frequent condition and its middle tension, ± half of the "
+        "90 % interval. Friction of one run: nine runs in ten on new assemblies lie in this range, "
+        "scatter included." + (papers_law() if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
 
@@ -210,8 +211,8 @@ def _conditions(rig: RigTable, unit: str) -> Iterator[tuple[str, list[Text]]]:
             size,
             [
                 _condition(int(n), size, angle, float(middle), unit),
-                Strong(f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}"),
-                f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}",
+                f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}",
+                Strong(f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}"),
             ],
         )
 
@@ -292,15 +293,17 @@ def worries(stored: StoredResults) -> Iterator[Block]:
             "A force of unknown cause acts. Coefficients and claims are of laws that lack it: it "
             "may have moved them by as much as the gap."
         )
-    if len(lines) > 1:
-        yield Notice("attention", f"{len(lines)} remarks on these numbers:", points=lines)
-    elif lines:
-        yield Notice("attention", *lines)
-    elif fit is not None and fit.converged:
-        yield Paragraph(
-            [
-                Strong("Nothing to worry about in the fit."),
-                " Every R-hat and every effective sample size is within its bound, and no check "
-                "asks for attention.",
-            ]
+    heeded, harmless = by_weight(lines)
+    if len(heeded) > 1:
+        yield Notice("attention", f"{len(heeded)} remarks on these numbers:", points=heeded)
+    elif heeded:
+        yield Notice("attention", *heeded)
+    if harmless:
+        yield Notice("info", " ".join(harmless))
+    if not lines and fit is not None and fit.converged:
+        yield Notice(
+            "good",
+            "Every R-hat and every effective sample size is within its bound, and no check asks "
+            "for attention.",
+            title="Nothing to worry about in the fit",
         )

@@ -188,8 +188,8 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
         _caption(
             "Slopes of these lines over the wrap angle, above against the number of pulleys and "
             f"below against tension, like the paper's Figs 15 and 16. {AGAIN}",
-            "the slope is proportional to n, eqs. (10) and (11), and to T, eq. (9). It is zero "
-            "without tension: c2 does not depend on the wrap angle.",
+            "the slope is proportional to n, eqs. (10) and (11), and to T. At zero tension "
+            "this term vanishes (9), so c2 does not depend on the wrap angle.",
         ),
         "Two panels for each pulley size. The slope in the wrap angle rises from the origin in "
         "proportion to the number of pulleys above, and to tension below.",

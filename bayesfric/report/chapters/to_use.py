@@ -1,5 +1,6 @@
 """The numbers to use where a cause is named: the law refitted with it, and the cause itself."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from bayesfric.effects import all_effects
@@ -25,9 +26,8 @@ from bayesfric.schemas.causes import Cause, LawNumber
 from bayesfric.schemas.parameter import ParameterSummary
 
 NO_BREAK = "\u00a0"
-PAPERS_LAW = " The law of n pulleys at wrap angle θ: " + "n ((c₁ + c₃ (θ − 85°)) T + c₂).".replace(
-    " ", NO_BREAK
-)
+OF_SPEED = {"constant": "d v", "tension": "d v T/(15 N)", "wrap": "d v θ/85°"}
+"""Viscous friction of a pulley by its law, with its damping d at 15 N and 85°."""
 HALF = "Median ± half of the 90 % interval."
 
 
@@ -37,6 +37,42 @@ def _acting_causes(diagnosis: DiagnosisFile) -> Sequence[Cause]:
         return ()
     named = diagnosis.verdict == "named"
     return tuple(cause for cause in diagnosis.causes if cause.makes_a_gap or not named)
+
+
+def papers_law(causes: Sequence[Cause] = ()) -> str:
+    """Return the law as a formula, with the terms of the causes, and what its symbols are.
+
+    Parameters
+    ----------
+    causes : sequence of Cause
+        With which it was refitted; viscous friction has a term of its own, and of all others
+        it is said that their force comes on top.
+
+    Returns
+    -------
+    str
+        Sentences, after a space.
+    """
+    viscous = next((cause for cause in causes if cause.effect == "viscous"), None)
+    by = "" if viscous is None else viscous.law
+    term = f" + {OF_SPEED[by]}" if by in OF_SPEED else ""
+    factor = " (1 + s v)" if by == "friction" else ""
+    formula = f"n ((c₁ + c₃ (θ − 85°)) T + c₂{term}){factor}".replace(" ", NO_BREAK)
+    symbols = ["T the cable tension", "θ the wrap angle"]
+    if term:
+        symbols += ["v the cable speed", "d the damping of a pulley"]
+    elif factor:
+        symbols += ["v the cable speed", "s viscous.slope"]
+    examined = all_effects(None)
+    others = [
+        cause.effect
+        for cause in causes
+        if not (cause is viscous and (term or factor))
+        and cause.effect in examined
+        and examined[cause.effect].acts_on == "friction"
+    ]
+    beside = f" The friction of {' and '.join(others)} comes on top of it." if others else ""
+    return f" Friction of n pulleys: {formula}, with {', '.join(symbols)}.{beside}"
 
 
 def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator[Block]:
@@ -60,7 +96,7 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
     if diagnosis.enter:
         return
     if causes:
-        formula = PAPERS_LAW if diagnosis.baseline == "paper" else ""
+        formula = papers_law(causes) if diagnosis.baseline == "paper" else ""
         title = {"named": "Use these numbers", "no-gap": "Use these numbers"}.get(
             diagnosis.verdict, "The best numbers while the verdict is open"
         )
@@ -101,9 +137,8 @@ def _with_causes(
         ["", *_heads(law), *damping],
         rows,
         label="use",
-        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}. "
-        f"fit.json, draws.nc and the chapters on the fit have these biased numbers.{slope}"
-        f"{formula}",
+        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}; "
+        f"the chapters on the fit are of it.{slope}{formula}",
     ).filled()
 
 
@@ -112,7 +147,7 @@ def _slope_of(causes: Sequence[Cause]) -> str:
     slope = next(cause for cause in causes if cause.effect == "viscous").parameters["slope"]
     return (
         f"Damping: the friction of a pulley at {REFERENCE_TENSION_N:g} N and 85° times "
-        f"viscous.slope, {_with_error(slope)} {format_unit(slope.unit)}."
+        f"viscous.slope, {_with_error(slope)} {format_unit(slope.unit)} (errors as if independent)."
     )
 
 
@@ -235,21 +270,31 @@ def _dampings(law: Mapping[str, LawNumber], causes: Sequence[Cause]) -> dict[str
     """Return viscous friction in the unit that a simulator takes, for each pulley size."""
     for cause in causes:
         slope = cause.parameters.get("slope")
-        if cause.effect == "viscous" and cause.law == "constant" and slope is not None:
+        if cause.effect == "viscous" and cause.law in OF_SPEED and slope is not None:
             return {
-                size: [f"{_of_a_pulley(law, size) * slope.q50:.2g}"]
+                size: [_damping(law[f"c1[{size}]"].after, law[f"c2[{size}]"].after, slope)]
                 for size in sizes_of(law)
                 if {f"c1[{size}]", f"c2[{size}]"} <= {*law}
             }
     return {}
 
 
-def _of_a_pulley(law: Mapping[str, LawNumber], size: str) -> float:
-    """Return the refitted friction of one pulley at 15 N and 85° [N]."""
-    return REFERENCE_TENSION_N * law[f"c1[{size}]"].after.q50 + law[f"c2[{size}]"].after.q50
+def _damping(c1: Interval, c2: Interval, slope: Interval) -> str:
+    """Return the slope times the friction of a pulley at 15 N and 85°, with its error [N·s/m]."""
+    friction = REFERENCE_TENSION_N * c1.q50 + c2.q50
+    parts = (
+        slope.q50 * REFERENCE_TENSION_N * _half(c1),
+        slope.q50 * _half(c2),
+        friction * _half(slope),
+    )
+    return " ± ".join(error_cells(friction * slope.q50, math.hypot(*parts)))
+
+
+def _half(number: Interval) -> float:
+    """Return half of the 90 % interval."""
+    return (number.q95 - number.q05) / 2
 
 
 def _with_error(number: Interval, exponent: int = 0) -> str:
     scale = 10.0**-exponent
-    half = (number.q95 - number.q05) / 2
-    return " ± ".join(error_cells(scale * number.q50, scale * half))
+    return " ± ".join(error_cells(scale * number.q50, scale * _half(number)))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 
 from bayesfric.recording.tables import Axis
 from bayesfric.rigs.base import Unsupported
@@ -13,6 +14,7 @@ from bayesfric.rigs.single_axis.windows import pass_s, position_sd, sticking_sha
 
 # Samples in a pass: with fewer, few windows run one way all through.
 AT_EASE = 4 * AXIS_RULES.narrowest_at_turns
+SAME = 1e-6  # of the stroke, by which a copy of the positions differs from them at most
 STICKS = 0.5  # of rests after which the axis goes on the same way, that show that it sticks
 
 
@@ -44,6 +46,32 @@ def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
         "force_n is 0 in every row: without a drive force only ratios of mass, friction and "
         "gravity show, none of them in newtons"
     )
+
+
+def without_a_difference(samples: pd.DataFrame) -> Unsupported | None:
+    """Return that a column is a copy of another, so that nothing is left to explain; else None.
+
+    Parameters
+    ----------
+    samples : DataFrame
+        Of one joint, as a recording has them.
+    """
+    if "known_force_n" in samples and "force_n" in samples:
+        force, modelled = samples["force_n"].to_numpy(), samples["known_force_n"].to_numpy()
+        if np.array_equal(force, modelled) and force.any():
+            return Unsupported(
+                "known_force_n is force_n in every row, so that nothing is left for friction: "
+                "known_force_n is what a rigid-body model says of the motion"
+            )
+    if "command_m" in samples and "force_n" not in samples:
+        position = samples["position_m"].to_numpy()
+        apart = samples["command_m"].to_numpy() - position
+        if np.ptp(apart) <= SAME * np.ptp(position) and np.ptp(position):
+            return Unsupported(
+                f"command_m is position_m, {apart[0]:.3g} apart in every row, so that no friction "
+                "holds the axis back: command_m is what was sent to the servo"
+            )
+    return None
 
 
 def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsupported | None:

@@ -19,6 +19,7 @@ from bayesfric.rigs.single_axis.enough import (
     refused_for_few_windows,
     too_little_motion,
     too_short,
+    without_a_difference,
     without_force,
 )
 from bayesfric.rigs.single_axis.even_log import EvenLog, clipped, spikes
@@ -215,7 +216,8 @@ def _even_logs(axis: Axis, constants: RigConstants, machine: Machine | None) -> 
             moved.rows.append({**moved.runs[-1], "trial": str(name)})
     if not logs:
         return too_short(axis)
-    return without_force(logs) or too_little_motion(logs, constants.encoder_resolution) or moved
+    without = without_a_difference(axis.samples) or without_force(logs)
+    return without or too_little_motion(logs, constants.encoder_resolution) or moved
 
 
 def _within_limit(

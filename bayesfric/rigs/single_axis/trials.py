@@ -171,6 +171,8 @@ class AxisRuns(RigTrials):
     def offers(self) -> frozenset[str]:
         """What effects may need."""
         offered = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
+        if self.constants.gravity_m_s2 > 0:
+            offered.add("acting-gravity")
         for turns, shown in TURNS.items():
             offered -= shown if self.turns < turns else set()
         offered -= self.measures.untold

@@ -1,0 +1,118 @@
+"""Logs with a row for each joint at each time: a column says of which joint a row is."""
+
+from typing import Any
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.errors import Fault, InputError
+from bayesfric.logs.mapping import JOINT, Mapping, Signal
+from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
+
+MOST_JOINTS = 200
+ALIKE = 0.9  # of times that have the same number of rows
+FARTHER = 2.0  # times, from a row to the next of the same time than to that of the next time
+FEWEST = 20  # rows
+
+
+def by_joint(log: Log, mapping: Mapping) -> Log:
+    """Return a log in which each joint has columns of its own, ``position[elbow]``.
+
+    Parameters
+    ----------
+    log : Log
+        With a row for each joint at each time.
+    mapping : Mapping
+        Whose ``joint_column`` says which joint; without one the log is as it was.
+
+    Raises
+    ------
+    InputError
+        There is no such column, or it has no names of joints, or a signal has no number in a row.
+    """
+    if mapping.joint_column is None:
+        return log
+    named = log.name_of(mapping.joint_column)
+    if named is None:
+        raise InputError([log.no_column(mapping.joint_column)])
+    _check_numbers(log, mapping)
+    rows: dict[str, list[int]] = {}
+    cells = texts_of(log.columns[named])
+    for row, cell in enumerate(cells):
+        if cell is not None and cell.strip():
+            rows.setdefault(cell.strip(), []).append(row)
+    if not 1 <= len(rows) <= MOST_JOINTS:
+        expected = f"the names of 1 to {MOST_JOINTS} joints"
+        raise InputError([Fault(log.name, expected, column=named, value=f"{len(rows):,}")])
+    columns: dict[str, Cells] = {}
+    units: dict[str, str] = {}
+    for joint, places in rows.items():
+        own = log.taken(np.array(places), len(cells))
+        columns |= {_of(name, joint): own.columns[name] for name in own.columns}
+        units |= {_of(name, joint): unit for name, unit in (log.units or {}).items()}
+    notes = (*log.notes, f"Rows are of the joints that {named} names: {', '.join(rows)}.")
+    return Log(log.name, columns, log.first_row, notes, units or None)
+
+
+def _check_numbers(log: Log, mapping: Mapping) -> None:
+    """Refuse what is no number while rows still have the places that they have in the file."""
+    names = [log.name_of(signal.column) for signal in mapping.signals.values()]
+    faults: list[Fault] = []
+    for name in dict.fromkeys(names):
+        if name is not None:
+            numbers_of(log, name, faults)
+    if faults:
+        raise InputError(faults)
+
+
+def mapping_by_joint(mapping: Mapping, log: Log) -> Mapping:
+    """Return a mapping for what :func:`by_joint` makes of a log; without the key it is as it was.
+
+    Parameters
+    ----------
+    mapping : Mapping
+        Of the rows.
+    log : Log
+        As it was read: it has the names of columns that the mapping has by number.
+    """
+    if mapping.joint_column is None:
+        return mapping
+    signals: dict[str, Signal] = {}
+    for key, signal in mapping.signals.items():
+        changed: dict[str, Any] = {"column": _place(log, signal.column)}
+        if signal.time is not None:
+            changed["time"] = _place(log, signal.time)
+        elif mapping.time.column is not None:
+            changed["time"] = _place(log, mapping.time.column)
+        signals[key] = Signal.model_validate(signal.model_dump(exclude_unset=True) | changed)
+    return mapping.model_copy(update=signals)
+
+
+def _place(log: Log, column: str | int) -> str:
+    name = log.name_of(column)
+    if name is None:
+        raise InputError([log.no_column(column)])
+    return _of(name, JOINT)
+
+
+def _of(column: str, joint: str) -> str:
+    return f"{column}[{joint}]"
+
+
+def is_of_several_joints(time_s: Array, position: Array) -> bool:
+    """Return whether rows of one time are of several joints: each time has as many of them.
+
+    Parameters
+    ----------
+    time_s, position : ndarray, shape (N,)
+        In the order of the log; NaN where there is none.
+    """
+    there = np.isfinite(time_s) & np.isfinite(position)
+    time_s, position = time_s[there], position[there]
+    counts = np.unique(time_s, return_counts=True)[1]
+    at_once = int(np.median(counts)) if counts.size else 1
+    if at_once < 2 or time_s.size < FEWEST or (counts == at_once).mean() < ALIKE:
+        return False
+    within = np.abs(np.diff(position))[np.diff(time_s) == 0]
+    later = np.abs(position[at_once:] - position[:-at_once])
+    return bool(within.size and np.median(within) > FARTHER * np.median(later))

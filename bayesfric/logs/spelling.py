@@ -1,0 +1,175 @@
+"""Units as names of columns and rows of units spell them, with the prefix that makes a thousand."""
+
+import re
+import unicodedata
+from dataclasses import dataclass
+
+from bayesfric.logs.units import SLIDING, SPEEDS, STRAIGHT, TORQUES
+
+SPELLINGS = {
+    "position": {
+        "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "rad": "rad",
+        "radian": "rad", "radians": "rad", "mrad": "mrad", "m": "m", "cm": "cm", "mm": "mm",
+        "um": "um", "turn": "turn", "turns": "turn", "rev": "turn", "revs": "turn",
+        "tick": "tick", "ticks": "tick", "counts": "tick",
+    },
+    "velocity": {
+        "rpm": "rpm", "deg/s": "deg/s", "°/s": "deg/s", "rad/s": "rad/s", "turn/s": "turn/s",
+        "rev/s": "turn/s", "m/s": "m/s", "mm/s": "mm/s",
+    },
+    "force": {
+        "n·m": "N·m", "nm": "N·m", "mn·m": "mN·m", "mnm": "mN·m", "n·mm": "N·mm", "nmm": "N·mm",
+        "n·cm": "N·cm", "ncm": "N·cm", "kn·m": "kN·m", "knm": "kN·m", "kgf·cm": "kgf·cm",
+        "kgf·m": "kgf·m", "n": "N", "mn": "mN", "kn": "kN", "kgf": "kgf", "a": "A", "amp": "A",
+        "amps": "A", "ma": "mA", "milliamps": "mA", "v": "V", "volt": "V", "volts": "V",
+        "mv": "mV", "%": "%", "percent": "%", "pct": "%", "raw": "raw",
+    },
+    "temperature": {"degc": "degC", "°c": "degC", "celsius": "degC"},
+    "time": {
+        "s": "s", "sec": "s", "secs": "s", "seconds": "s", "ms": "ms", "msec": "ms",
+        "millis": "ms", "us": "us", "usec": "us", "micros": "us", "ns": "ns", "nsec": "ns",
+    },
+}  # fmt: skip
+"""Spellings of units, in small letters and with · and / between parts, by what a column is."""
+QUANTITIES = {
+    "position": {"enc": "tick"},
+    "force": {"current": "A", "iq": "A", "voltage": "V", "pwm": "share", "duty": "share"},
+}
+"""Words for quantities that go with a unit where no unit is written."""
+PREFIXES = ("da", *"kmguncdhp")
+"""Of SI units; where no spelling has one, what a unit is cannot be said."""
+TELLING = {*TORQUES, *STRAIGHT, "A", "mA", *SPEEDS, *SLIDING, "rad", "mrad", "deg"}
+"""Units that say what a column is."""
+MOST_PARTS = 3  # of a unit
+BEFORE_CAPITAL = re.compile(r"(?<=[a-zµ])(?=[A-Z])")
+AXES = re.compile(r"\bi ([qd])\b")
+MULTIPLES = re.compile(r"[kmuµ](?=[A-Z])")
+
+
+@dataclass(frozen=True)
+class Spelled:
+    """A unit that a text spells.
+
+    Parameters
+    ----------
+    unit : str or None
+        A key of :mod:`bayesfric.logs.units`; None where its prefix is none that is known.
+    text : str
+        As it is written.
+    """
+
+    unit: str | None
+    text: str
+
+
+def words_of(name: str) -> list[str]:
+    """Return the words of a name, also of ``jointPos2`` and ``tau1``; a unit is never parted.
+
+    The currents of a motor's axes, ``i_q`` and ``i_d``, are a word each.
+    """
+    words: list[str] = []
+    for run in re.findall(r"[^\W\d_]+|[°%]", unicodedata.normalize("NFKC", name)):
+        run = run.replace("\u03bc", "u")
+        whole = run.lower()
+        is_unit = any(_spelled(kind, whole) for kind in SPELLINGS)
+        words += [whole] if is_unit else [word.lower() for word in BEFORE_CAPITAL.split(run)]
+    return AXES.sub(r"i\1", " ".join(words)).split()
+
+
+def unit_of_text(kind: str, text: str) -> Spelled | None:
+    """Return the unit that the whole of a text is; None where it is none of this kind."""
+    words = words_of(text)
+    if not words or len(words) > MOST_PARTS:
+        return None
+    spelled = _joined(kind, words)
+    return None if spelled is None else Spelled(spelled.unit, text.strip())
+
+
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit of whatever kind, or one with a prefix."""
+    return any(unit_of_text(kind, text) is not None for kind in SPELLINGS)
+
+
+def unit_in_name(kind: str, name: str) -> Spelled | None:
+    """Return the unit in the name of a column; None where it has none.
+
+    First what is in brackets, then what is at the end, then words before it, of which those of
+    one letter come last.
+
+    Parameters
+    ----------
+    kind : str
+        A key of :data:`SPELLINGS`, else there is none.
+    name : str
+        As the log has it.
+    """
+    if kind not in SPELLINGS:
+        return None
+    for bracket in reversed(re.findall(r"[\[(]([^\])]*)[\])]", name)):
+        if spelled := unit_of_text(kind, bracket):
+            return spelled
+    words = words_of(name)
+    if spelled := _ends_with(kind, words, name):
+        return spelled
+    quantities = QUANTITIES.get(kind, {})
+    for place in range(len(words) - 1, 0, -1):
+        spelled = _ends_with(kind, words[:place], "")
+        if spelled is not None and len(spelled.text) > 1:
+            return spelled
+    word = next((word for word in reversed(words) if word in quantities), None)
+    if word is not None:
+        return Spelled(quantities[word], word)
+    letter = next((word for word in reversed(words) if word in SPELLINGS[kind]), None)
+    return None if letter is None else Spelled(SPELLINGS[kind][letter], letter)
+
+
+def kind_of_unit(name: str) -> str | None:
+    """Return of what kind the unit is that a name ends with, or has in brackets: the longest.
+
+    One of a letter is of no kind alone, nor is one of supplies and counters.
+    """
+    lengths: dict[str, int] = {}
+    for kind in ("velocity", "force", "position"):
+        brackets = re.findall(r"[\[(]([^\])]*)[\])]", name)
+        spelled = next(
+            filter(None, (unit_of_text(kind, text) for text in reversed(brackets))), None
+        )
+        spelled = spelled or _ends_with(kind, words_of(name), name)
+        if spelled is not None and len(spelled.text) > 1 and spelled.unit in TELLING:
+            lengths[kind] = len(words_of(spelled.text))
+    return max(lengths, key=lambda kind: lengths[kind], default=None)
+
+
+def _ends_with(kind: str, words: list[str], name: str) -> Spelled | None:
+    """Return the longest unit at the end of words, or that its prefix is unknown."""
+    for parts in range(min(MOST_PARTS, len(words)), 0, -1):
+        spelled = _joined(kind, words[-parts:])
+        if spelled is not None:
+            return Spelled(None, spelled.text) if _is_cut(name, words[-1]) else spelled
+    return None
+
+
+def _is_cut(name: str, last: str) -> bool:
+    """Return whether a capital began the last word, behind a letter that may be its prefix."""
+    return any(
+        name[match.end() :].lower().startswith(last) and name[: match.start()][-1:].isalpha()
+        for match in MULTIPLES.finditer(name)
+    )
+
+
+def _joined(kind: str, words: list[str]) -> Spelled | None:
+    """Return the unit that words are together: parts of a product, or a length and a time."""
+    bare = [word for word in words if word not in ("per", "p")]
+    if len(bare) < len(words) and kind != "velocity":
+        return None
+    return _spelled(kind, ("/" if kind == "velocity" else "·").join(bare))
+
+
+def _spelled(kind: str, text: str) -> Spelled | None:
+    units = SPELLINGS[kind]
+    if text in units:
+        return Spelled(units[text], text)
+    is_multiple = any(
+        text.startswith(prefix) and text.removeprefix(prefix) in units for prefix in PREFIXES
+    )
+    return Spelled(None, text) if is_multiple and kind != "time" else None
