@@ -42,7 +42,7 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
             ".",
         ]
     )
-    yield from _in_one_alone(compared)
+    yield from _of_one_run_alone(compared)
     if compared.flips:
         yield Table(
             "Verdicts that differ.",
@@ -86,8 +86,8 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
         )
 
 
-def _in_one_alone(compared: ComparisonFile) -> Iterator[Block]:
-    """Yield the results and keys that one of the two runs alone has."""
+def _of_one_run_alone(compared: ComparisonFile) -> Iterator[Block]:
+    """Yield the results, numbers and verdicts that one of the runs lacks."""
     alone = (
         ("earlier", (*compared.only_in_a, *compared.keys_only_in_a)),
         ("later", (*compared.only_in_b, *compared.keys_only_in_b)),
