@@ -158,7 +158,7 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
     for reason in (
         "No number for values as shipped: the user's simulator has no published values",
         "No effect is added.",
-        "No figure in millimetres: no trial of the gravity board was held out",
+        "No number in millimetres: no trial of the gravity board was held out",
     ):
         assert reason in caption
     heads = [words(column.title) for column in tables(stored)["gap"].head]
