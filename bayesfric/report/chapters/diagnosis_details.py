@@ -33,6 +33,7 @@ from bayesfric.report.quantities import (
     three_digits,
 )
 from bayesfric.report.rig_words import group_words, law_words, rig_words
+from bayesfric.report.words import codes
 from bayesfric.rigs.base import Words
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -376,18 +377,8 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
 
 def _no_factor(effects: Sequence[str], why: str) -> str:
     """Return that effects have no Bayes factor, and why."""
-    each = why.replace("it ", "each ", 1) if len(effects) > 1 and why.startswith("it ") else why
-    return f" No Bayes factor for {', '.join(effects)}: {each}."
-
-
-def codes(names: Sequence[str]) -> list[Code | str]:
-    """Return names with "and" between."""
-    parts: list[Code | str] = []
-    for place, name in enumerate(names):
-        if place:
-            parts.append(" and " if place == len(names) - 1 else ", ")
-        parts.append(Code(name))
-    return parts
+    reason = why.replace("it ", "each ", 1) if len(effects) > 1 and why.startswith("it ") else why
+    return f" No Bayes factor for {', '.join(effects)}: {reason}."
 
 
 def _with_unit(name: str, unit: str) -> str:
