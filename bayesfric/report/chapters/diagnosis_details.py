@@ -327,10 +327,7 @@ def _held_out_words(name: str, groups: str) -> str:
 
 
 def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]], *, boards: bool) -> list[str]:
-    """Return why figures are missing, each reason once; with its rows, where not all lack it.
-
-    Reasons that differ in one number are one reason, with the range of the number.
-    """
+    """Return why numbers are missing, each reason once: with the range of what differs in it."""
     said: dict[str, list[tuple[str, str]]] = {}
     for name, _, row in rows:
         for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
@@ -376,8 +373,8 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
 
 def _no_factor(effects: Sequence[str], why: str) -> str:
     """Return that effects have no Bayes factor, and why."""
-    each = why.replace("it ", "each ", 1) if len(effects) > 1 and why.startswith("it ") else why
-    return f" No Bayes factor for {', '.join(effects)}: {each}."
+    said = f"each {why[3:]}" if len(effects) > 1 and why.startswith("it ") else why
+    return f" No Bayes factor for {', '.join(effects)}: {said}."
 
 
 def codes(names: Sequence[str]) -> list[Code | str]:
