@@ -77,9 +77,7 @@ def _against_rivals(
     elpd_errors = predicted.elpd / predicted.se if predicted.se > 0 else 0.0
     stable = _over_width(curve)
     verdict, reason = decide(rules, log10, stable, bound, beyond, elpd_errors, best.label)
-    if verdict == "refuted" and not predicted.reliable:
-        why = "; ".join(predicted.unreliable)
-        reason += f" The error of that prediction is itself not reliable: {why}."
+    reason += _doubted(verdict, predicted)
     verdicts = verdicts_over_widths(case, weighed, curve, elpd_errors)
     if lacking:
         verdicts = ["undecided" if of_width == "supported" else of_width for of_width in verdicts]
@@ -240,6 +238,15 @@ def _quantile(values: Array, weights: Array) -> float:
     order = np.argsort(values)
     place = int(np.searchsorted(np.cumsum(weights[order]), 0.95))
     return float(values[order][min(place, len(order) - 1)])
+
+
+def _doubted(verdict: str, predicted: Difference) -> str:
+    """Return, behind a reason to refute, why the error of the prediction is not reliable."""
+    if verdict != "refuted" or predicted.reliable:
+        return ""
+    return (
+        f" The error of that prediction is itself not reliable: {'; '.join(predicted.unreliable)}."
+    )
 
 
 def decide(

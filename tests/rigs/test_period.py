@@ -57,4 +57,4 @@ def test_what_was_before_a_log_that_begins_in_motion_is_left_out():
     turning = windows(0.1 * np.sin(np.pi * time))
     begun = turning.time_s - turning.half_s
     assert begun.min() == pytest.approx(np.arcsin(0.4) / np.pi, abs=0.02)
-    assert windows(0.1 * time).time_s.min() < 0.1  # it never turns: there is nothing better
+    assert windows(0.1 * time[:2000]).time_s.min() < 0.1  # it never turns: there is nothing better

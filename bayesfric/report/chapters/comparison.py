@@ -42,15 +42,7 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
             ".",
         ]
     )
-    alone = (
-        ("earlier", (*compared.only_in_a, *compared.keys_only_in_a)),
-        ("later", (*compared.only_in_b, *compared.keys_only_in_b)),
-    )
-    for whose, names in alone:
-        if names:
-            more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-            listed = Code(", ".join(names[:SHOWN]))
-            yield Paragraph(["The ", whose, " run alone has ", listed, f"{more}."])
+    yield from _of_one_run_alone(compared)
     if compared.flips:
         yield Table(
             "Verdicts that differ.",
@@ -92,6 +84,19 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
             ],
             label="shifts",
         )
+
+
+def _of_one_run_alone(compared: ComparisonFile) -> Iterator[Block]:
+    """Yield the results, numbers and verdicts that one of the runs lacks."""
+    alone = (
+        ("earlier", (*compared.only_in_a, *compared.keys_only_in_a)),
+        ("later", (*compared.only_in_b, *compared.keys_only_in_b)),
+    )
+    for whose, names in alone:
+        if names:
+            more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+            listed = Code(", ".join(names[:SHOWN]))
+            yield Paragraph(["The ", whose, " run alone has ", listed, f"{more}."])
 
 
 def moved(compared: ComparisonFile) -> list[Shift]:
