@@ -8,7 +8,7 @@ import scipy
 from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
-from bayesfric.claims.comparison import share
+from bayesfric.claims.odds import share
 from bayesfric.effects import all_effects
 from bayesfric.fitting.hypothesis import model_of
 from bayesfric.inference.informed import informed_by_data

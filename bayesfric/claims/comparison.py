@@ -9,15 +9,13 @@ from scipy.special import logsumexp
 from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.odds import odds, share
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import LawWithEffects
 from bayesfric.inference.evidence.leave_out import Difference, difference
 from bayesfric.inference.power import amplitude_error, smallest_found
 
 LN10 = float(np.log(10))
-SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
-POWER_OF_TEN_FROM = 2.0  # log10, from which on odds are a power of ten
-LARGEST_LOG10 = 6.0  # log10, beyond which odds say more of the models than of the data
 FOUND_WITH = 0.9  # probability of finding the smallest effect that would have been found
 LEAST_AMPLITUDE = 1e-12
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
@@ -321,21 +319,6 @@ def decide(
         f"The odds for the claim are {odds(log10)}; support needs "
         f"{odds(rules.support_log10_bayes_factor)}."
     )
-
-
-def odds(log10: float) -> str:
-    """Return a Bayes factor in words, as in ``20 to 1``, up to a million to one."""
-    size = abs(log10)
-    if size > LARGEST_LOG10:
-        return "more than 10⁶ to 1" if log10 > 0 else "less than 1 to 10⁶"
-    digits = "".join(SUPERSCRIPTS[int(digit)] for digit in str(round(size)))
-    number = f"{10**size:.2g}" if size < POWER_OF_TEN_FROM else f"10{digits}"
-    return f"{number} to 1" if log10 >= 0 else f"1 to {number}"
-
-
-def share(value: float) -> str:
-    """Return a share as a percentage of two digits."""
-    return f"{100 * value:.2g} %"
 
 
 def log_evidence(studied: Studied, width: int | None = None) -> float:

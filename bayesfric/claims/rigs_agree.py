@@ -7,7 +7,7 @@ from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.apart import differences
 from bayesfric.claims.base import Case, Claim, Finding, verdict_by
-from bayesfric.claims.comparison import share
+from bayesfric.claims.odds import share
 from bayesfric.claims.studies import Task
 from bayesfric.probabilities import stated
 

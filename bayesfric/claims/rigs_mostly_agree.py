@@ -1,7 +1,7 @@
 """The two rigs mostly agree within 5 %."""
 
 from bayesfric.claims.base import Case, Claim, Finding, verdict_by
-from bayesfric.claims.comparison import share
+from bayesfric.claims.odds import share
 from bayesfric.claims.rigs_agree import difference_of_conditions, most_within
 from bayesfric.probabilities import stated
 

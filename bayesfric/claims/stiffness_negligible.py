@@ -3,7 +3,7 @@
 import numpy as np
 
 from bayesfric.claims.base import Case, Claim, Finding, verdict_by
-from bayesfric.claims.comparison import share
+from bayesfric.claims.odds import share
 from bayesfric.inference.priors import draw
 from bayesfric.physics.cable import Cable
 from bayesfric.probabilities import stated

@@ -124,3 +124,13 @@ def require_formula(source: str) -> None:
 def require_text(text: Text, place: str) -> None:
     """Raise a ValueError if a text is empty."""
     require(text != "" and text != () and text != [], f"{place}: expected a text, got none")
+
+
+def codes(names: Sequence[str]) -> list[Code | str]:
+    """Return names with "and" between."""
+    parts: list[Code | str] = []
+    for place, name in enumerate(names):
+        if place:
+            parts.append(" and " if place == len(names) - 1 else ", ")
+        parts.append(Code(name))
+    return parts

@@ -10,9 +10,10 @@ from scipy import stats
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
-from bayesfric.claims.comparison import bayes_factor, decide, odds, share
+from bayesfric.claims.comparison import bayes_factor, decide
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import Entered
+from bayesfric.claims.odds import odds, share
 from bayesfric.claims.studies import Studied
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.physics.cable import Cable

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 
 from bayesfric.observation.feasible import name_and_unit
 from bayesfric.plots.labels import axis_words
-from bayesfric.report.chapters.diagnosis_details import codes
 from bayesfric.report.content import Block, Column, Heading, Paragraph, Table, decimal_columns
 from bayesfric.report.quantities import (
     format_factor,
@@ -13,6 +12,7 @@ from bayesfric.report.quantities import (
     format_unit,
 )
 from bayesfric.report.rig_words import rig_words
+from bayesfric.report.words import codes
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.diagnosis import FrictionAsked
 

@@ -33,6 +33,7 @@ from bayesfric.report.quantities import (
     three_digits,
 )
 from bayesfric.report.rig_words import group_words, law_words, rig_words
+from bayesfric.report.words import codes
 from bayesfric.rigs.base import Words
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -373,6 +374,7 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
 
 def _no_factor(effects: Sequence[str], why: str) -> str:
     """Return that effects have no Bayes factor, and why."""
+<<<<<<< HEAD
     said = f"each {why[3:]}" if len(effects) > 1 and why.startswith("it ") else why
     return f" No Bayes factor for {', '.join(effects)}: {said}."
 
@@ -385,6 +387,10 @@ def codes(names: Sequence[str]) -> list[Code | str]:
             parts.append(" and " if place == len(names) - 1 else ", ")
         parts.append(Code(name))
     return parts
+=======
+    reason = why.replace("it ", "each ", 1) if len(effects) > 1 and why.startswith("it ") else why
+    return f" No Bayes factor for {', '.join(effects)}: {reason}."
+>>>>>>> land
 
 
 def _with_unit(name: str, unit: str) -> str:
