@@ -328,7 +328,10 @@ def _held_out_words(name: str, groups: str) -> str:
 
 
 def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]], *, boards: bool) -> list[str]:
-    """Return why numbers are missing, each reason once: with the range of what differs in it."""
+    """Return why figures are missing, each reason once; with its rows, where not all lack it.
+
+    Reasons that differ in one number are one reason, with the range of the number.
+    """
     said: dict[str, list[tuple[str, str]]] = {}
     for name, _, row in rows:
         for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
@@ -374,23 +377,8 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
 
 def _no_factor(effects: Sequence[str], why: str) -> str:
     """Return that effects have no Bayes factor, and why."""
-<<<<<<< HEAD
-    said = f"each {why[3:]}" if len(effects) > 1 and why.startswith("it ") else why
-    return f" No Bayes factor for {', '.join(effects)}: {said}."
-
-
-def codes(names: Sequence[str]) -> list[Code | str]:
-    """Return names with "and" between."""
-    parts: list[Code | str] = []
-    for place, name in enumerate(names):
-        if place:
-            parts.append(" and " if place == len(names) - 1 else ", ")
-        parts.append(Code(name))
-    return parts
-=======
     reason = why.replace("it ", "each ", 1) if len(effects) > 1 and why.startswith("it ") else why
     return f" No Bayes factor for {', '.join(effects)}: {reason}."
->>>>>>> land
 
 
 def _with_unit(name: str, unit: str) -> str:
