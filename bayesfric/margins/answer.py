@@ -21,6 +21,7 @@ from bayesfric.schemas.margins import GammaProbability, Metric
 STEP = 0.05
 LEAST_MAY_HUNT = 5
 """Draws that may hunt, below which their number says little of a probability."""
+CALLED = {"steady_error_servo": "steady error of the servo"}
 
 
 @dataclass(frozen=True)
@@ -187,11 +188,14 @@ def against_the_spec(
             "or more."
         )
     likeliest = (
-        f"{name.replace('_', ' ')} ("
+        f"{CALLED.get(name, name).replace('_', ' ')} ("
         + ("no draw has one)" if (chance := chances[name]) is None else f"{_equals(chance)})")
         for name in missed
     )
-    return f"Misses {len(missed)} of {len(chances)} specs: {', '.join(likeliest)}."
+    return (
+        f"Misses {len(missed)} of {len(chances)} specs, each with a probability P: "
+        f"{', '.join(likeliest)}."
+    )
 
 
 def _equals(chance: str) -> str:

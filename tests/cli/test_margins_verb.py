@@ -148,7 +148,7 @@ def test_fail_on_spec(folder, tmp_path, metres, status):
     arguments = ["margins", loop, "--draws", folder / "draws.nc", "-o", tmp_path / "out"]
     done = CliRunner().invoke(app, [*map(str, arguments), "--fail-on", "spec"])
     assert done.exit_code == status, done.stderr
-    assert ("specs: steady error servo (P" in done.stdout) == bool(status)
+    assert ("P: steady error of the servo (P" in done.stdout) == bool(status)
     assert ("failed: spec" in done.stderr) == bool(status)
     assert (tmp_path / "out" / "margins.json").is_file()
     assert CliRunner().invoke(app, list(map(str, arguments))).exit_code == 0

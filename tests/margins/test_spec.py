@@ -70,7 +70,8 @@ def test_the_sentence_begins_with_the_spec_and_says_how_probable_a_miss_is(draws
     assert answer(met).startswith("Meets its spec: each of 3 figures with a probability of 95 %")
     half = {"spec.steady_error_max_m": errors[0.5], "compensation.gain": 3.0}
     assert answer(half).startswith(
-        "Misses 2 of 3 specs: steady error servo (P = 0.50), limit cycle probability (P > 0.985)."
+        "Misses 2 of 3 specs, each with a probability P: steady error of the servo (P = 0.50), "
+        "limit cycle probability (P > 0.985)."
     )
 
 
