@@ -272,7 +272,8 @@ def _below_simulated(margins: MarginsFile) -> str:
     rules = MARGIN_RULES
     return (
         f" A simulated γ may be off by {rules.threshold_tolerance:g} or by "
-        f"{100 * rules.threshold_share:g}\u202f%, whichever is more: the safe γ lies lower by that."
+        f"{100 * rules.threshold_share:g}\u202f%, whichever is more; as much has been taken off "
+        "the safe γ."
     )
 
 
@@ -344,7 +345,8 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
             "margins.json",
             "Probability that the loop hunts, over the compensation gain. "
             f"{_band(curves)} Dot: the γ of the loop's file. Dotted: the probability that the file "
-            "allows. Upright line: the largest safe γ.",
+            "allows. Upright line: the largest γ that is safe from hunting; other specs are judged "
+            "at the file's γ.",
         ),
         "A line for each loop over the compensation gain, which rises where the loop begins to "
         "hunt.",

@@ -290,8 +290,9 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     diagnosed = stored.diagnosis
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
         lines.append(
-            "A force of unknown cause acts. Coefficients and claims are of laws that lack it: it "
-            "may have moved them by as much as the gap."
+            "A force of unknown cause acts. Coefficients and claims are of laws that lack it: "
+            "friction by these coefficients may be wrong by as much as the gap, beside the "
+            "errors that they state."
         )
     heeded, harmless = by_weight(lines)
     if len(heeded) > 1:

@@ -146,8 +146,9 @@ def _slope_of(causes: Sequence[Cause]) -> str:
     """Return how damping follows from the slope that the diagnosis estimates."""
     slope = next(cause for cause in causes if cause.effect == "viscous").parameters["slope"]
     return (
-        f"Damping: the friction of a pulley at {REFERENCE_TENSION_N:g} N and 85° times "
-        f"viscous.slope, {_with_error(slope)} {format_unit(slope.unit)} (errors as if independent)."
+        "Damping d, the same under every load unless the law says otherwise: viscous.slope, "
+        f"{_with_error(slope)} {format_unit(slope.unit)}, times the friction of a pulley at "
+        f"{REFERENCE_TENSION_N:g} N and 85° (errors as if independent)."
     )
 
 
