@@ -55,7 +55,6 @@ def test_json_that_does_not_parse(
 
 
 POSITIVE = (
-    "gravity_m_s2",
     "hall_spacing_m",
     "timer_resolution_s",
     "motor_torque_constant_n_m_per_a",
@@ -74,6 +73,14 @@ def test_constant_that_is_no_positive_number(tmp_path: Path, key: str, value: An
     shown = value if isinstance(value, str) else json.dumps(value)
     assert found[1:3] == (f"rig.{key}", shown)
     assert found[3] in ("a number", "a number above 0")
+
+
+@pytest.mark.parametrize("value", [-0.1, "0.01", True, HUGE])
+def test_gravity_is_no_number_below_zero(tmp_path: Path, value: Any) -> None:
+    """None may act: whether a table can be without it is asked where that is read."""
+    (found,) = faults_of_json(tmp_path, with_value("rig.gravity_m_s2", value))
+    assert found[1] == "rig.gravity_m_s2"
+    assert found[3] in ("a number", "a number of at least 0")
 
 
 @pytest.mark.parametrize("literal", ["NaN", "Infinity", "-Infinity", "1e999"])
