@@ -255,7 +255,8 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
                 f"Friction of assembly {assembly.setup} of the {rig} is {abs(assembly.z):.1f} "
                 f"standard deviations {'above' if assembly.z > 0 else 'below'} its prediction "
                 "from all other assemblies; chance alone does that in one of "
-                f"{max(round(1 / assembly.chance), 1):,} recordings. Look at how it was assembled"
+                f"{max(round(1 / assembly.chance), 1):,} recordings. Its trials are in the "
+                "fit, with the scatter of assemblies: look at how it was assembled"
             )
         if check.p_value < NOT_UNIFORM:
             yield (

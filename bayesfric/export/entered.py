@@ -87,6 +87,8 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     these = f"these by {gap.after.q50:.2g} {gap.unit}"
     if is_by_instrument(diagnosis):
         these = f"those of least squares, and not these of an instrument, by {these[9:]}"
+    if any(_has_no_field(number) for number in diagnosis.enter):
+        these += ", those included that no simulator has a field for"
     return f"With {whose} it misses held-out data by {now:.2g} {gap.unit} rms{share}, with {these}."
 
 

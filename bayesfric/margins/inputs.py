@@ -92,8 +92,8 @@ def _tensions(
         )
     if peak > static:
         yield (
-            f"the tension of {name} peaks above {high:.0f} N in the fastest motion in "
-            f"{peak:.0%} of the draws"
+            f"the tension of {name} peaks above the {high:.0f} N up to which friction was "
+            f"measured, in the fastest motion in {peak:.0%} of the draws"
         )
     if slack := int((least < 0).sum()):
         yield f"a side goes slack in the fastest motion in {slack} of {least.size} draws"

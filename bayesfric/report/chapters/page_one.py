@@ -289,10 +289,11 @@ def worries(stored: StoredResults) -> Iterator[Block]:
         lines = [_capital(line.removeprefix(name)) for line in lines]
     diagnosed = stored.diagnosis
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
+        gap = diagnosed.record.gap
         lines.append(
             "A force of unknown cause acts. Coefficients and claims are of laws that lack it: "
-            "friction by these coefficients may be wrong by as much as the gap, beside the "
-            "errors that they state."
+            "friction by these coefficients may be wrong by as much as the gap, "
+            f"{gap.systematic.q50:.3g} {gap.unit} rms, beside the errors that they state."
         )
     heeded, harmless = by_weight(lines)
     if len(heeded) > 1:
