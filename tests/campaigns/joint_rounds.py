@@ -186,9 +186,9 @@ def of_joints(done):
     by_kind = {kind: [row for row in done if row["kind"] == kind] for kind in ("none", "outsider")}
     numbers = {}
     for name in NUMBERS:
-        told = [row["numbers"][name] for row in done if name in row["numbers"]]
-        off = [abs(middle / truth - 1) for truth, _, middle, _ in told if truth]
-        numbers[name] = share(low <= truth <= high for truth, low, _, high in told)
+        intervals = [row["numbers"][name] for row in done if name in row["numbers"]]
+        off = [abs(middle / truth - 1) for truth, _, middle, _ in intervals if truth]
+        numbers[name] = share(low <= truth <= high for truth, low, _, high in intervals)
         numbers[name]["median_off"] = float(np.median(off)) if off else None
         numbers[name]["outside"] = [
             row["seed"]
@@ -303,14 +303,14 @@ def promises(figures):
     }
     outcomes: list[Outcome] = []
     for (part, name), (words, least, most) in asked.items():
-        found = figures.get(part, {}).get(name, {"of": 0})
-        if found["of"]:
-            outcomes.append(rate(words, found["hits"], found["of"], least=least, most=most))
+        of_part = figures.get(part, {}).get(name, {"of": 0})
+        if of_part["of"]:
+            outcomes.append(rate(words, of_part["hits"], of_part["of"], least=least, most=most))
     for part in ("joints", "servos"):
-        for name, found in figures.get(part, {}).get("numbers", {}).items():
-            if found["of"]:
+        for name, of_part in figures.get(part, {}).get("numbers", {}).items():
+            if of_part["of"]:
                 words = f"{part}: truths of {name} in 90 % intervals"
-                held = rate(words, found["hits"], found["of"], least=HOLD[0], most=HOLD[1])
+                held = rate(words, of_part["hits"], of_part["of"], least=HOLD[0], most=HOLD[1])
                 outcomes.append(held)
     return outcomes
 

@@ -30,9 +30,9 @@ def test_all_cases_are_of_sixty_joints_arms_servos_and_rungs():
 
 
 def test_shares_have_the_interval_of_wilson():
-    found = joint_rounds.share([True] * 8 + [False] * 2)
-    assert (found["hits"], found["of"]) == (8, 10)
-    assert found["wilson"] == pytest.approx([0.4902, 0.9433], abs=1e-4)
+    rate = joint_rounds.share([True] * 8 + [False] * 2)
+    assert (rate["hits"], rate["of"]) == (8, 10)
+    assert rate["wilson"] == pytest.approx([0.4902, 0.9433], abs=1e-4)
     assert joint_rounds.share([]) == {"hits": 0, "of": 0, "wilson": None}
 
 
@@ -62,9 +62,9 @@ def test_figures_count_what_is_named_and_what_intervals_hold():
         row("effect", 4, exact=False, possible=True, numbers={"coulomb": [1.0, 1.05, 1.1, 1.2]}),
         row("effect", 5, strength=[0.3], exact=False),
     ]
-    found = joint_rounds.figures(rows)["joints"]
-    counted = {name: (found[name]["hits"], found[name]["of"])
-               for name in found if name not in ("numbers", "wrong")}  # fmt: skip
+    of_joints = joint_rounds.figures(rows)["joints"]
+    counted = {name: (of_joints[name]["hits"], of_joints[name]["of"])
+               for name in of_joints if name not in ("numbers", "wrong")}  # fmt: skip
     assert counted == {
         "exact": (1, 2),
         "exact_or_possible": (2, 2),
@@ -74,11 +74,11 @@ def test_figures_count_what_is_named_and_what_intervals_hold():
         "outsiders_named": (0, 0),
         "contradicted": (1, 2),
     }
-    coulomb = found["numbers"]["coulomb"]
+    coulomb = of_joints["numbers"]["coulomb"]
     assert (coulomb["hits"], coulomb["of"], coulomb["outside"]) == (4, 5, [4])
     assert coulomb["median_off"] == pytest.approx(0.02)
     outcomes = {
-        outcome.promise: outcome.met for outcome in joint_rounds.promises({"joints": found})
+        outcome.promise: outcome.met for outcome in joint_rounds.promises({"joints": of_joints})
     }
     assert not outcomes["an empty joint has something named"]
     assert outcomes["held-out data contradict what is named"] is False

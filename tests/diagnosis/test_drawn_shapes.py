@@ -52,9 +52,9 @@ def test_numbers_are_as_wide_as_over_all_angles_of_a_weight():
     rng = np.random.default_rng(1)
     drawn = rng.multivariate_normal(levels[best].mean, levels[best].covariance, DRAWS)
     shapes = drawn_shapes(model, weighed, DRAWS, rng)
-    told = numbers_at_shapes(model, weighed, None, {}, drawn, shapes)
+    moved = numbers_at_shapes(model, weighed, None, {}, drawn, shapes)
 
-    assert np.std(told, axis=0) == pytest.approx(expected, rel=0.08)
-    assert np.all(np.abs(told.mean(axis=0) - mean) < 0.15 * expected)
-    offset = told.shape[1] - 1
+    assert np.std(moved, axis=0) == pytest.approx(expected, rel=0.08)
+    assert np.all(np.abs(moved.mean(axis=0) - mean) < 0.15 * expected)
+    offset = moved.shape[1] - 1
     assert expected[offset] > 1.3 * np.sqrt(levels[best].covariance[offset, offset])

@@ -131,8 +131,8 @@ def test_what_an_instrument_tells_is_not_said_to_miss_what_least_squares_miss():
     by_it = {"coulomb": LawNumber.model_construct(least_squares=middle(0.5))}
     entered = joint(as_shipped=middle(0.4), after=middle(0.3), held_out_excess=0.1,
                     floor=middle(0.1))  # fmt: skip
-    told = entered.model_copy(update={"law": by_it, "shipped": {"c2": 0.5}})
-    lines = " ".join(entered_lines(told))
+    by_instrument = entered.model_copy(update={"law": by_it, "shipped": {"c2": 0.5}})
+    lines = " ".join(entered_lines(by_instrument))
     assert "With the numbers that were shipped it misses" in lines
     assert "with those of least squares, and not these of an instrument, by 0.3 N·m" in lines
     assert "the law with those of least squares misses data" in lines

@@ -15,10 +15,9 @@ def test_a_declared_mass_is_taken_off_where_it_was_a_prior_alone(by_instrument, 
     """1.8 ± 0.05 beside 1.0 ± 0.149 (0.11, and a tenth of what scales the force): of a
     posterior the data alone say (720 − 45.2) / 354.8 kg.
     """
-    told = Interval.of_normal(1.8, 0.05)
-    number = LawNumber(
-        unit="kg", before=told, after=told, least_squares=told if by_instrument else None
-    )
+    estimate = Interval.of_normal(1.8, 0.05)
+    fitted = estimate if by_instrument else None
+    number = LawNumber(unit="kg", before=estimate, after=estimate, least_squares=fitted)
     constants = RigConstants(moving_mass_kg=1.0, mass_sd_kg=0.11)
     (line,) = doubts(constants, {"inertia": number}, 1.8)
     assert f"they say {said} kg" in line
