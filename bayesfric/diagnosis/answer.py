@@ -126,8 +126,7 @@ def law_told(
     hides = gravity_hides_inertia(compared.model, judged.residuals.turns)
     wide = (by_held_out(law, measured.gap, practical), by_gravity(hides, judged.named))
     speed = float(np.nanmean(np.abs(judged.residuals.covariates["velocity"])))
-    there = judged.above >= RULES.likely
-    unexplained = conclusion.verdict == "unknown" or (conclusion.verdict == "undecided" and there)
+    unexplained = conclusion.verdict in ("unknown", "undecided")
     parts = by_parts(law, compared.model, judged.residuals.turns) if unexplained else {}
     factors = all_at_once((all_at_once(wide, at_least=parts),), at_least=by_sign(law, speed))
     return by_the_instrument(widened(law, factors), conclusion.instrument, factors, scatter)

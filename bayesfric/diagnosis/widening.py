@@ -19,7 +19,7 @@ MASS, INERTIA, ARMATURE = "mass", "inertia", "armature"
 the machine what is left beside these, the rotor as the gear reflects it."""
 DEPENDENT = 1e-9  # of the largest singular value: below, columns of unit norm are one
 BLOCKS = 10  # stretches of a log that are left out one after another
-TOGETHER = (4, 8)  # neighbouring windows that are one, to see what slow motion alone tells
+TOGETHER = (2, 4, 8)  # neighbouring windows that are one, to see what slow motion alone tells
 ROWS_A_NUMBER = 3  # that slow motion must have, to be asked
 SURELY_APART = 2.0  # standard errors of the difference of quick and slow motion
 UNCHANGED = (1.0, 1.0)

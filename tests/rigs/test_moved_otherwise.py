@@ -33,17 +33,32 @@ def reference(time):
     return 0.8 * np.sin(1.5 * time) + 0.4 * np.sin(3.8 * time)
 
 
-def follows(time, place, speed):
-    ahead, behind = reference(time + 1e-3), reference(time - 1e-3)
-    return 60 * (reference(time) - place) + 5 * ((ahead - behind) / 2e-3 - speed)
+def goes_on(time):
+    return 0.9 * time + 0.3 * np.sin(2 * time)
+
+
+def along(path):
+    """Return what follows a path with a stiffness and a damping."""
+
+    def follows(time, place, speed):
+        ahead, behind = path(time + 1e-3), path(time - 1e-3)
+        return 60 * (path(time) - place) + 5 * ((ahead - behind) / 2e-3 - speed)
+
+    return follows
+
+
+def bears(time, place, speed):
+    return WEIGHT * np.sin(place)
 
 
 @pytest.mark.parametrize(
     ("drive", "hand", "expected"),
     [
         (lambda time, place, speed: 0.9 * np.sign(speed + 1e-3), None, RELAY),
-        (lambda time, place, speed: WEIGHT * np.sin(place), follows, BY_HAND),
-        (follows, None, None),
+        (bears, along(reference), BY_HAND),
+        (bears, along(goes_on), BY_HAND),
+        (along(reference), None, None),
+        (along(goes_on), None, None),
     ],
 )
 def test_a_force_that_says_nothing_of_friction_is_known(drive, hand, expected):

@@ -65,4 +65,4 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
     friction = rough.coulomb + rough.viscous * measures.speed
     nothing = max(moved, friction) < AXIS_RULES.no_friction * size
-    return BY_HAND if nothing and measures.both_ways else None
+    return BY_HAND if nothing else None
