@@ -37,7 +37,7 @@ def undeclared(
     if rig.force_is in (None, "unknown"):
         names = [
             name
-            for name in sorted(named)
+            for name in sorted({*named})
             if name in examined and examined[name].needs & {COMMANDED, LIMITED}
         ]
         if names:
@@ -46,7 +46,7 @@ def undeclared(
                 f"{' and '.join(names)} can act on a force that was commanded, and not on one "
                 "that was measured"
             )
-    by_load = sorted(name for name in named if name in BY_LOAD)
+    by_load = sorted(BY_LOAD.intersection(named))
     if by_load and "load-asymmetry" not in examined:
         yield (
             f"{' and '.join(by_load)} may be of one way of the power alone: what a gear loses more "

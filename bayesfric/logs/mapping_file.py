@@ -29,6 +29,7 @@ def read_mapping(path: Path) -> Mapping:
 
 def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
     """Return a mapping from its keys; `name` is what an error calls them."""
+    keys = _with_columns(keys)
     try:
         mapping = Mapping.model_validate(keys)
     except ValidationError as error:
@@ -48,6 +49,25 @@ def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
     if faults:
         raise InputError(list(dict.fromkeys(faults)))
     return mapping
+
+
+def _with_columns(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return keys in which a signal whose column each joint says for itself has that of the first.
+
+    No joint takes it, since each has its own.
+    """
+    joints = keys.get("joints")
+    of_joints = list(joints.values()) if isinstance(joints, dict) else []
+    said = dict(keys)
+    for key in SIGNALS:
+        own = [of_joint.get(key) for of_joint in of_joints if isinstance(of_joint, dict)]
+        columns = [
+            signal["column"] for signal in own if isinstance(signal, dict) and "column" in signal
+        ]
+        signal = keys.get(key)
+        if isinstance(signal, dict) and columns and len(columns) == len(of_joints):
+            said[key] = {"column": columns[0], **signal}
+    return said
 
 
 def _unsaid(keys: dict[str, Any], name: str, before: str = "") -> Iterator[Fault]:

@@ -18,6 +18,14 @@ SPEED = re.compile(r"/.*\.velocity\[")
 LEROBOT_RUN = "episode_index"
 BARE = re.compile(r"[A-Za-z0-9_-]+")  # a key of TOML without quotes
 MOST_SHOWN = 60  # columns with a line of their own
+DECLARED = (
+    "",
+    "# What the log does not say, and much hangs on. Take the # away where you know it:",
+    '# other_joints = "still"  # the machine has no others, or they stood still; else "moving"',
+    "# encoder_resolution = 0.001  # one count of the position [rad or m]",
+    "# moving_mass = 0.5  # of a joint imported alone, what it moves [kg·m² or kg]",
+)
+"""Keys of the top of a mapping that nothing in a log tells."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +104,7 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     if form is not None and form != CsvForm():
         lines += _of_csv(form, why)
     lines += _of_joints(joints, in_rows="joint" in chosen)
+    lines += DECLARED
     lines += _sections(chosen, log_has_header=form is None or form.header)
     lines += _of_robot(tuple(name for name in joints if BARE.fullmatch(name)))
     toml = "\n".join(lines) + "\n"

@@ -60,6 +60,12 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
             return _joints_with_columns(mapping)
         if joint is not None and mapping.joints and joint not in mapping.joints:
             raise InputError([_no_joint("the mapping", joint, list(mapping.joints))])
+        if (
+            joint is None
+            and mapping.joints
+            and len(_with_own_position(mapping)) == len(mapping.joints)
+        ):
+            raise InputError([_which(list(mapping.joints))])
         return (joint,)
     names = _joints(log, mapping)
     if joint == ALL:
@@ -68,8 +74,7 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
             raise InputError([Fault(log.name, f"columns like {column}", column="position.column")])
         return tuple(names)
     if joint is None:
-        expected = f"all, or one of the joints {_listed(names) or '(there is none)'}"
-        raise InputError([Fault("--joint", expected)])
+        raise InputError([_which(names)])
     if joint not in names and _patterns(mapping):
         raise InputError([_no_joint(log.name, joint, names)])
     return (joint,)
@@ -77,6 +82,10 @@ def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None
 
 def _listed(names: list[str]) -> str:
     return ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
+
+
+def _which(names: list[str]) -> Fault:
+    return Fault("--joint", f"all, or one of the joints {_listed(names) or '(there is none)'}")
 
 
 def _no_joint(where: str, joint: str, names: list[str]) -> Fault:
@@ -87,7 +96,7 @@ def _no_joint(where: str, joint: str, names: list[str]) -> Fault:
 
 def _joints_with_columns(mapping: Mapping) -> tuple[str, ...]:
     """Return the joints that the mapping names, each with a position column of its own."""
-    names = [joint for joint, own in mapping.joints.items() if "column" in own.get("position", {})]
+    names = _with_own_position(mapping)
     columns = {mapping.of_joint(joint)["position"].column for joint in names}
     if not names or len(columns) < len(mapping.joints):
         expected = (
@@ -96,6 +105,10 @@ def _joints_with_columns(mapping: Mapping) -> tuple[str, ...]:
         )
         raise InputError([Fault("the mapping", expected, column="position.column")])
     return tuple(names)
+
+
+def _with_own_position(mapping: Mapping) -> list[str]:
+    return [joint for joint, own in mapping.joints.items() if "column" in own.get("position", {})]
 
 
 def _joints(log: Log, mapping: Mapping) -> list[str]:

@@ -1,5 +1,7 @@
 """One motion as every kind of log: the same recording, to the byte, and it is the motion."""
 
+import re
+
 import numpy as np
 import pytest
 from logs.written import ENDS, JOINTS, MAPPINGS, RATE_HZ, WRITERS, mapping_of, motion, write
@@ -80,15 +82,24 @@ def test_all_joints_are_in_one_table(tmp_path, end):
         assert np.array_equal(own["force_n"], torque[:, place].round(9))
 
 
-def test_columns_without_names_are_said_joint_by_joint(tmp_path):
-    """A base column alone is of one joint; each joint's own makes them all."""
+@pytest.mark.parametrize("base", [True, False])
+def test_columns_without_names_are_said_joint_by_joint(tmp_path, base):
+    """A base column alone is of one joint; each joint's own makes them all, with no base."""
     _, position, torque = motion()
     text = "".join(
         f"[joints.{joint}]\nposition = {{ column = {place} }}\nforce = {{ column = {place + 2} }}\n"
         for place, joint in enumerate(JOINTS, start=1)
     )
-    mapping = mapped(tmp_path, MAPPINGS["csv"].replace("[[runs]]", f"{text}[[runs]]"))
-    samples = import_log(write(tmp_path, "csv"), "all", mapping=mapping).recording.axis.samples
+    whole = MAPPINGS["csv"].replace("[[runs]]", f"{text}[[runs]]")
+    shared, own, runs = whole.partition("[joints.")
+    if not base:
+        shared = re.sub(r"column = \d\n", "", shared)
+    mapping, log = mapped(tmp_path, shared + own + runs), write(tmp_path, "csv")
+    samples = import_log(log, "all", mapping=mapping).recording.axis.samples
+    elbow = import_log(log, "elbow", mapping=mapping).recording.axis.samples
+    assert np.array_equal(elbow["position_m"], position[:, JOINTS.index("elbow")].round(9))
+    with pytest.raises(InputError, match="--joint: expected all, or one of the joints"):
+        import_log(log, mapping=mapping)
     for place, joint in enumerate(JOINTS):
         own = samples[samples["joint"] == joint]
         assert np.array_equal(own["position_m"], position[:, place].round(9))
