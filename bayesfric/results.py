@@ -24,6 +24,8 @@ from bayesfric.chains import with_chains
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.files import add_checksum, checksum_differs, file_bytes, has_checksum, uninterrupted
 from bayesfric.observation.coefficients import coefficient_name
+from bayesfric.recording.digest import rig_sha256
+from bayesfric.recording.tables import Recording
 from bayesfric.schemas import FitFile
 from bayesfric.schemas.base import Provenance, RecordingId
 from bayesfric.source_date import source_date
@@ -52,6 +54,16 @@ ENGINE: Literal["netcdf4"] = "netcdf4"
 """Of xarray: it reads and writes eight times faster than h5netcdf does."""
 LARGEST_ARRAY = 1024**3  # bytes; draws.nc has 20 MB
 PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy", "xarray")
+
+
+def recording_id(recording: Recording) -> RecordingId:
+    """Return which recording results rest on: its tables and its rig."""
+    return RecordingId(
+        name=recording.name,
+        title=recording.title,
+        sha256=recording.sha256,
+        rig_sha256=rig_sha256(recording.rig),
+    )
 
 
 def provenance(

@@ -18,9 +18,8 @@ from bayesfric.campaign import case_folder, run_cases
 from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError, writable
 from bayesfric.recording.tables import Recording
-from bayesfric.results import package_versions, replace_outputs
+from bayesfric.results import package_versions, recording_id, replace_outputs
 from bayesfric.schemas import ScorecardFile
-from bayesfric.schemas.base import RecordingId
 from bayesfric.schemas.scorecard import ScoredCase
 
 CASES = "blind"
@@ -174,7 +173,7 @@ def score_recording(
         oracle_power=None,
         effect_names=all_effects(),
     )
-    identity = RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256)
+    identity = recording_id(recording)
     scorecard = scorecard_of(
         [scored],
         analysis=analysis,

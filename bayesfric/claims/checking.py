@@ -26,9 +26,15 @@ from bayesfric.claims.kept_draws import models_kept
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
-from bayesfric.results import Output, identified, provenance, replace_outputs, write_netcdf
+from bayesfric.results import (
+    Output,
+    identified,
+    provenance,
+    recording_id,
+    replace_outputs,
+    write_netcdf,
+)
 from bayesfric.schemas import ClaimsFile
-from bayesfric.schemas.base import RecordingId
 from bayesfric.schemas.claims import ClaimResult, PulleyEvidence, SelfContradiction
 
 
@@ -151,11 +157,11 @@ def check_claims(
     entered = Entered.of(recording, rigs, baseline)
     effects = rival_effects(analysis)
     attributes = provenance(
-        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
+        recording=recording_id(recording),
         analysis=analysis,
         created=recording.created,
     )
-    inputs = (entered.rigs, baseline, recording.rig, recording.metadata)
+    inputs = (entered.rigs, baseline, recording.metadata)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
     case = Case(recording, analysis, entered, studied, effects, posterior or {})

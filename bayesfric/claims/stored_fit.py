@@ -7,7 +7,7 @@ from bayesfric.arrays import Array
 from bayesfric.chains import by_walker
 from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
-from bayesfric.results import read_beside, read_json
+from bayesfric.results import read_beside, read_json, recording_id
 from bayesfric.schemas import FitFile
 from bayesfric.stored_names import by_parameter
 
@@ -38,7 +38,7 @@ def current_posterior(
         return {}
     summary = read_json(FitFile, folder / "fit.json")
     current = (
-        summary.recording.sha256 == recording.sha256
+        summary.recording == recording_id(recording)
         and summary.analysis_sha256 == analysis_sha256(analysis)
         and len(summary.rigs) == 1
         and summary.baseline == baseline

@@ -16,13 +16,14 @@ from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
+from bayesfric.fitting.drawing import bounded_mode
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
 from bayesfric.inference.evidence.bridge import bridge_evidence, in_one_place
 from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
 from bayesfric.inference.evidence.leave_out import ELPD
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
-from bayesfric.inference.laplace import Laplace, laplace_approximation
+from bayesfric.inference.laplace import Laplace, NoModeError
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.proposals import POINTS as FITTED_TO
@@ -201,7 +202,10 @@ def _mode(
     """
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, law, effects)
-        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+        try:
+            laplace = bounded_mode(model, model.start())
+        except NoModeError:  # which its study says
+            return {}
     return dict(zip(model.names, model.natural(laplace.mode).tolist(), strict=True))
 
 
@@ -227,10 +231,14 @@ def _study(
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
         if task.apart:
-            first, second = model.likelihoods
-            return _apart(ApartModel(first, second, analysis.priors), int(seed), int(proposals))
-        start = _start(model, task.hypothesis, effects, near)
-        laplace = laplace_approximation(model.log_posterior, start, model.scale())
+            model = ApartModel(*model.likelihoods, analysis.priors)
+        try:
+            start = model.start() if task.apart else _start(model, task.hypothesis, effects, near)
+            laplace = bounded_mode(model, start)
+        except NoModeError as error:
+            return Studied(None, f"it needs {error}")
+        if task.apart:
+            return _apart(model, laplace, int(seed), int(proposals))
         weighed = _weighed(model, laplace, int(proposals), POINTS if task.whole else POINTS // 2)
         if weighed is None:
             draws = _sampled(model, laplace, int(seed))
@@ -247,11 +255,9 @@ def _study(
         densities = setup_log_densities(model, some)
     named = model.by_name(model.natural(z))
     by_chain = (SHORT_RUN.ensembles, -1)  # draws are evenly spaced, so each chain has as many
+    shown = model.by_name(model.natural(some)).items()
     kept = Kept(
-        {
-            name: values.reshape(by_chain)
-            for name, values in model.by_name(model.natural(some)).items()
-        },
+        {name: values.reshape(by_chain) for name, values in shown},
         tuple(setup for likelihood in model.likelihoods for setup in likelihood.setups),
         np.concatenate(densities, axis=1).reshape(
             *by_chain, sum(density.shape[1] for density in densities)
@@ -292,9 +298,8 @@ def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
     ).z
 
 
-def _apart(model: Model, seed: int, proposals: int) -> Studied:
+def _apart(model: Model, laplace: Laplace, seed: int, proposals: int) -> Studied:
     """Draw the relative difference between two rigs; no evidence is computed."""
-    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     weighed = _weighed(model, laplace, proposals, POINTS_APART, POINTS_APART)
     if weighed is not None:
         z = weighed[1]

@@ -31,10 +31,9 @@ from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, provenance
+from bayesfric.results import identified, provenance, recording_id
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import DiagnosisFile
-from bayesfric.schemas.base import RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 
@@ -137,12 +136,12 @@ def _diagnose(
 ) -> tuple[DiagnosisFile, xr.DataTree, ModelAmounts | None]:
     recording, analysis = question.recording, question.analysis
     attributes = provenance(
-        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
+        recording=recording_id(recording),
         analysis=analysis,
         created=recording.created,
     )
     joint = None if recording.axis is None else recording.axis.joint
-    inputs = (baseline, fixed, question.shipped, recording.rig, recording.metadata, joint)
+    inputs = (baseline, fixed, question.shipped, recording.metadata, joint)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     compared = compare_hypotheses(question, keeping)
     folds, bootstrap, axes, draws, checks, blocks, order, scatter = question.sources

@@ -1,6 +1,7 @@
 """A model and an analysis to draws of the posterior."""
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import chart_of
@@ -45,7 +46,10 @@ def draw_posterior(
     InputError
         The data fit exactly and their noise is unknown: nothing bounds the density.
     """
-    laplace = _mode(model, recording)
+    try:
+        laplace = bounded_mode(model, model.start())
+    except NoModeError as error:
+        raise InputError([Fault(recording, str(error))]) from error
     return sample(
         model.log_posterior,
         laplace,
@@ -60,12 +64,18 @@ def draw_posterior(
     )
 
 
-def _mode(model: Model, recording: str) -> Laplace:
-    """Return the mode of a posterior that has one."""
+def bounded_mode(model: Model, start: Array) -> Laplace:
+    """Return the mode of a posterior whose density is bounded.
+
+    Raises
+    ------
+    NoModeError
+        The data fit exactly and their noise is unknown; the message says what was expected.
+    """
     try:
-        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+        laplace = laplace_approximation(model.log_posterior, start, model.scale())
     except NoModeError as error:
-        raise InputError([Fault(recording, SCATTER)]) from error
+        raise NoModeError(SCATTER) from error
     vanished = [
         parameter.name
         for parameter, value in zip(model.parameters, model.natural(laplace.mode), strict=True)
@@ -74,5 +84,5 @@ def _mode(model: Model, recording: str) -> Laplace:
         and abs(value) < VANISHED * float(quantile(parameter.prior, 0.5))
     ]
     if vanished:
-        raise InputError([Fault(recording, f"{SCATTER} ({', '.join(vanished)} vanishes)")])
+        raise NoModeError(f"{SCATTER} ({', '.join(vanished)} vanishes)")
     return laplace

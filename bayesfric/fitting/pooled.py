@@ -26,6 +26,7 @@ from bayesfric.results import (
     draws_tree,
     identified,
     provenance,
+    recording_id,
 )
 from bayesfric.rigs.opening import chosen_rigs
 from bayesfric.schemas import FitFile
@@ -160,11 +161,15 @@ def _stored(fit: Fit, names: Sequence[str]) -> Array:
 
 
 def _all_of(recordings: Mapping[str, Recording]) -> RecordingId:
-    digests = sorted(recording.sha256 for recording in recordings.values())
+    identities = sorted(
+        (own.sha256, own.rig_sha256) for own in map(recording_id, recordings.values())
+    )
+    tables, rigs = ("".join(part) for part in zip(*identities, strict=True))
     return RecordingId(
         name=" + ".join(recordings),
         title=f"{len(recordings)} boards of one population",
-        sha256=hashlib.sha256("".join(digests).encode()).hexdigest(),
+        sha256=hashlib.sha256(tables.encode()).hexdigest(),
+        rig_sha256=hashlib.sha256(rigs.encode()).hexdigest(),
     )
 
 

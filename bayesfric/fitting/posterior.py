@@ -29,10 +29,9 @@ from bayesfric.inference.sampling import Draws, Progress
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, provenance
+from bayesfric.results import identified, provenance, recording_id
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
-from bayesfric.schemas.base import RecordingId
 from bayesfric.schemas.fit import WithoutExclusions
 from bayesfric.schemas.parameter import ParameterSummary
 
@@ -108,12 +107,12 @@ def _fit_rigs(
         model = model_of_law(data, analysis, law)
     # The analysis with the rigs' own priors, so that the file holds all priors that were used.
     attributes = provenance(
-        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
+        recording=recording_id(recording),
         analysis=analysis,
         created=recording.created,
     )
-    machine = None if recording.axis is None else (recording.axis.joint, recording.rig)
-    key = ",".join([*rigs, baseline, str(machine)]) + attributes.model_dump_json()
+    joint = None if recording.axis is None else recording.axis.joint
+    key = ",".join([*rigs, baseline, str(joint)]) + attributes.model_dump_json()
     with _timed(seconds, "draws"):
         draws = draw_posterior(
             model, analysis, progress, Checkpoint(checkpoint, key), recording=recording.name

@@ -70,7 +70,7 @@ def choose_law(
             raise InputError([Fault(str(path), "a diagnosis, whose law is asked for")])
         return _fitted(posterior, "no diagnosis lies beside the draws")
     record = read_json(DiagnosisFile, path)
-    if diagnosis is None and record.recording.sha256 != posterior.recording.sha256:
+    if diagnosis is None and not record.recording.same_data(posterior.recording):
         if asked == "refitted":
             raise InputError([Fault(str(path), "a diagnosis of the recording of the draws")])
         why = f"{path.name} beside the draws is of another recording, and is not used"

@@ -193,6 +193,7 @@ def recording_of(attributes: Mapping[Any, Any], path: Path) -> RecordingId:
         name=str(attributes.get("recording.name", path.name)),
         title=str(attributes.get("recording.title", "")),
         sha256=str(attributes.get("recording.sha256", "")),
+        rig_sha256=str(attributes.get("recording.rig_sha256", "")),
     )
 
 

@@ -18,6 +18,7 @@ FORCE = "c2"  # is one
 WRAP_SLOPE, WRAP_SHARE = "c3", "wrap_share"
 PAPER_SIZES = ("small", "medium", "large")
 LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
+LEAST_FRICTION_N = 1e-6  # of a size all of whose readings are 0, in a start
 MIDDLE_TENSION_N = 15.0
 LEAST_INTERCEPT = 0.1  # of the friction of one pulley at that tension
 NO_PULLEY = ""
@@ -144,12 +145,9 @@ class SizeIndex:
             scaled = np.linalg.lstsq(columns[rows] / width, friction, rcond=1e-3)[0]
             c1, c2, c3 = (float(value) for value in scaled / width)
             by_c1, by_c2 = np.sqrt((columns[rows, :2] ** 2).mean(axis=0))
-            least = LEAST_PART * float(np.sqrt((friction**2).mean()))
-            bounded = Coefficients(
-                max(c1, least / by_c1 if by_c1 else 0.0),
-                max(c2, least / by_c2 if by_c2 else 0.0),
-                c3,
-            )
+            rms = float(np.sqrt((friction**2).mean())) or LEAST_FRICTION_N
+            least = LEAST_PART * rms
+            bounded = Coefficients(max(c1, least / (by_c1 or 1)), max(c2, least / (by_c2 or 1)), c3)
             for name, value in bounded._asdict().items():
                 rough[coefficient_name(name, size)] = 0.0 if name in without else value
         return rough

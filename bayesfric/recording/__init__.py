@@ -6,6 +6,7 @@ recording before it complains; writing is whole or not at all.
 
 from bayesfric.recording.conditions import read_conditions as read_conditions
 from bayesfric.recording.describing import describe_recording as describe_recording
+from bayesfric.recording.digest import rig_sha256 as rig_sha256
 from bayesfric.recording.digest import tables_sha256 as tables_sha256
 from bayesfric.recording.reading import read_recording as read_recording
 from bayesfric.recording.tables import Axis as Axis

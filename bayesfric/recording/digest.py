@@ -1,7 +1,10 @@
-"""The fingerprint of a recording: one sha256 over its tables."""
+"""The fingerprints of a recording: one sha256 over its tables, and one over its rig."""
 
 import hashlib
 from collections.abc import Mapping
+from dataclasses import fields
+
+from bayesfric.recording.tables import RigConstants
 
 
 def tables_sha256(tables: Mapping[str, bytes]) -> str:
@@ -27,3 +30,11 @@ def tables_sha256(tables: Mapping[str, bytes]) -> str:
         digest.update(tables[name])  # by itself, since it may be large
         digest.update(b"\0")
     return digest.hexdigest()
+
+
+def rig_sha256(rig: RigConstants) -> str:
+    """Return the fingerprint of the constants of a rig that are not their defaults, 64 digits."""
+    plain = RigConstants()
+    named = {own.name: getattr(rig, own.name) for own in fields(rig)}
+    stated = [(name, value) for name, value in named.items() if value != getattr(plain, name)]
+    return hashlib.sha256(repr(stated).encode()).hexdigest()

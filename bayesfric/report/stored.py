@@ -166,7 +166,7 @@ def read_stored(folder: Path) -> StoredResults:
     strange = [
         Fault(name, f"a result of the recording in {first}")
         for name, record in records.items()
-        if record.recording.sha256 != records[first].recording.sha256
+        if not record.recording.same_data(records[first].recording)
     ]
     strange += [
         Fault(str(folder / name), f"quantiles as bayesfric writes them: {words}")

@@ -108,11 +108,18 @@ class RecordingId(Record):
     name: Name in datapackage.json.
     title: Title in datapackage.json.
     sha256: Over its tables, sorted by name.
+    rig_sha256: Over what its datapackage.json says of the rig; empty in files of earlier versions.
     """
 
     name: str
     title: str = ""
     sha256: str
+    rig_sha256: str = ""
+
+    def same_data(self, other: "RecordingId") -> bool:
+        """Return whether another result may rest on the same tables and rig."""
+        rigs = {self.rig_sha256, other.rig_sha256} - {""}
+        return self.sha256 == other.sha256 and len(rigs) < 2
 
 
 class Provenance(Record):

@@ -17,7 +17,7 @@ from bayesfric.physics.gravity import board_friction, coulomb_acceleration
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board.trial_motion import trial_condition
-from bayesfric.simulate import table1_coefficients
+from bayesfric.simulate import simulate_recording, table1_coefficients
 
 QUICK = Analysis(seed=5, sampler=Sampler(burn=10, steps=80, thin=3, extensions=0))
 NORMAL_90 = 2 * 1.6449  # standard deviations between the 5 and 95 % quantiles
@@ -57,6 +57,13 @@ def test_a_frictionless_board_without_errors_is_refused(small_recording):
     nothing = dict.fromkeys(table1_coefficients(), FRICTIONLESS)
     with pytest.raises(InputError, match=r"small-recording: .* or their standard errors"):
         fit(exact(small_recording, nothing), QUICK)
+
+
+def test_points_that_are_all_zero_are_refused():
+    points = simulate_recording("points", seed=1)
+    steady = points.steady.drop(columns="friction_sd_n").assign(friction_n=0.0)
+    with pytest.raises(InputError, match="expected readings that scatter about the law"):
+        fit(dataclasses.replace(points, steady=steady), QUICK)
 
 
 def test_a_frictionless_board_has_no_friction(small_recording):

@@ -49,7 +49,7 @@ from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
 from bayesfric.inference.evidence.record import Evidence
-from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.laplace import NoModeError, laplace_approximation
 from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
@@ -343,6 +343,9 @@ def refit_without(
             rest[possible] = density[possible] - log_conditional(points[possible])
         return np.where(rest < np.inf, rest, -np.inf)
 
-    laplace = laplace_approximation(without, start, scale)
+    try:
+        laplace = laplace_approximation(without, start, scale)
+    except NoModeError:  # what is left may fit exactly
+        return None
     drawn = importance_draws(without, laplace, seed, chart, SIZE, least_effective=LEAST_FOR_A_MEAN)
     return None if drawn is None else Refit(drawn[1], drawn[0])
