@@ -388,7 +388,7 @@ def _judged(what: str, windows: int, torque: ReplayedError, path: ReplayedError)
         if promoted
         else "the trajectories become worse"
         if gains
-        else f"not surely better by {LEAST_GAIN:.0%} of the error as it is"
+        else f"the 90 % interval does not show a torque error smaller by {LEAST_GAIN:.0%} of itself"
     )
     return Replay(
         held_out=what,

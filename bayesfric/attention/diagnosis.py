@@ -9,6 +9,8 @@ from bayesfric.schemas.causes import Cause, LawNumber
 
 FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
 FAR_FROM_FRICTION = 0.5  # of friction, the same
+NOT_YET = "Do not enter these numbers yet"
+MULTIPLE = 2.0  # times friction, from which on nobody reads a percentage
 CALLED = {"inertia": "mass"}
 """Names of numbers that are not told, by those that a reader knows."""
 OF_BIASED_LAW = "fit.json and claims.json are of this biased law"
@@ -70,15 +72,20 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
         return None
     is_share = gap.no_share is None and friction > 0
     is_far = left > FAR_FROM_SCATTER * scatter or (is_share and left > FAR_FROM_FRICTION * friction)
-    share = f"{left / friction:.0%} of friction; " if is_share else ""
-    advice = "Do not enter these numbers yet" if is_far else "Enter these numbers with care"
+    share = f"{_of_friction(left / friction)}; " if is_share else ""
+    advice = NOT_YET if is_far else "Enter these numbers with care"
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
     whose = "those of least squares" if is_by_instrument(diagnosis) else "them"
     return (
-        f"{advice}{of}: the law with {whose} misses data that the fit has not seen by {left:.3g} "
+        f"{advice}{of}: the law with {whose} misses data that the fit has not seen by {left:.2g} "
         f"{gap.unit} rms more than scatter explains ({share}scatter "
-        f"makes {scatter:.3g} {gap.unit}). Something that acts is not in them"
+        f"makes {scatter:.2g} {gap.unit}). Something acts that they do not describe"
     )
+
+
+def _of_friction(share: float) -> str:
+    """Return a share of friction in words; from twice friction on as a multiple."""
+    return f"{share:.2g} times friction" if share >= MULTIPLE else f"{share:.0%} of friction"
 
 
 def is_by_instrument(diagnosis: DiagnosisFile) -> bool:

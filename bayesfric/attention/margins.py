@@ -24,7 +24,7 @@ def of_margins(
     """
     lines = [] if law.warning is None else [law.warning]
     if fit is not None and not fit.converged:
-        lines.append("The draws have not converged: no margin may be used")
+        lines.append("The draws have not converged: run the fit longer before you use a margin")
     for loop in loops:
         lines += [f"{loop.name}: {line}" for line in (*loop.beyond, *_unverified(loop))]
     return tuple(lines)
@@ -36,4 +36,7 @@ def _unverified(loop: LoopMargins) -> Iterator[str]:
         return
     for held in loop.verification.held:
         if held.share is not None and held.share < LEAST_AGREEMENT:
-            yield f"{held.what} holds on an elastic cable in {held.share:.0%} of the draws only"
+            yield (
+                f"{held.what} agrees with the simulated elastic cable in only {held.share:.0%} of "
+                "the draws: do not rely on it"
+            )

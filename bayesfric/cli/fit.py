@@ -155,15 +155,17 @@ def _board_names(folders: Sequence[Path]) -> dict[str, Path]:
 
 
 def _print_coefficients(summary: "FitFile") -> None:
+    """Print the mean and the 90 % interval of each coefficient, to the digits that it allows."""
+    from bayesfric.report.quantities import format_interval
+
     converged = summary.converged  # where it is not, `informed` may be wrong
+    if summary.pulleys:
+        say("             mean [90 % interval]")
     for size, coefficients in summary.pulleys.items():
         for name, entry in coefficients.items():
-            unit = "" if entry.unit == "1" else f" {entry.unit}"
-            say(
-                f"{size:<8} {name}  {entry.mean:.4g} ± {entry.sd:.2g}{unit}"
-                f"  (90 %: {entry.q05:.4g} to {entry.q95:.4g})"
-                + ("" if entry.informed or not converged else "  driven by the prior")
-            )
+            shown = format_interval(entry.mean, entry.q05, entry.q95, entry.unit)
+            decided = "" if entry.informed or not converged else "  decided by the prior"
+            say(f"{size:<8} {name}  {shown}{decided}")
 
 
 def _print_population(summary: "FitFile") -> None:

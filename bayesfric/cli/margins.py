@@ -180,6 +180,7 @@ def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
         certificate_sentence,
         in_degrees_or_decibels,
         is_missed,
+        judged_elsewhere,
         safe_up_to,
         safety_words,
         tuning_sentence,
@@ -191,7 +192,7 @@ def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
     up_to_words = (
         "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
     )
-    said = _answer(loop.answer, verbose=verbose)
+    said = f"{_answer(loop.answer, verbose=verbose)} {judged_elsewhere(loop)}".rstrip()
     _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {said}")
     if loop.with_effects is not None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"

@@ -1,6 +1,6 @@
 """Diagnoses of all joints of a machine, as one."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +19,7 @@ IN_WORDS = {
     "unknown": "a gap of unknown cause",
     "unseparated": "a gap with several possible causes",
     "named": "a gap with a named cause",
-    "undecided": "undecided",
+    "undecided": "an open question",
     "no-gap": "no gap",
 }
 
@@ -60,16 +60,18 @@ def diagnosed_together(
     decides = min(by_joint, key=lambda joint: ORDER.index(by_joint[joint].summary.verdict))
     amounts = [result.amounts for result in by_joint.values() if result.amounts is not None]
     errors = model_errors(amounts)
-    words = "; ".join(
-        f"{joint}: {IN_WORDS[result.summary.verdict]}" for joint, result in by_joint.items()
-    )
+    alike: dict[str, list[str]] = {}
+    for joint, result in by_joint.items():
+        alike.setdefault(result.summary.verdict, []).append(joint)
+    words = "; ".join(f"{IN_WORDS[verdict]} at {_listed(names)}" for verdict, names in alike.items())
     first = by_joint[decides]
     said = first.own_sentence[:1].lower() + first.own_sentence[1:]
     summary = first.summary.model_copy(
         update={
             "joints": tuple(result.summary for result in by_joint.values()),
             "joints_why": None,
-            "sentence": f"{words}. In {decides}: {said}{model_error_words(errors)}",
+            "sentence": f"{words[:1].upper()}{words[1:]}. At {decides}: {said}"
+            f"{model_error_words(errors)}",
             "attention": (
                 *left_out,
                 *(
@@ -92,3 +94,8 @@ def diagnosed_together(
         curves=xr.DataTree(children=curves),
         seconds=sum(result.seconds for result in by_joint.values()),
     )
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names with commas and an and."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))

@@ -87,10 +87,10 @@ class Statement:
         """The systematic gap in words: as a force, and as a share where friction is there."""
         gap, middle = self.gap, self.gap.systematic.q50
         if gap.no_share is not None:
-            return f"{middle:.3g} {gap.unit} rms"
+            return f"{middle:.2g} {gap.unit} rms"
         if middle < RULES.has_figure * gap.friction_rms:
             return f"less than {RULES.has_figure:.1%} of friction"
-        return f"{middle:.3g} {gap.unit} rms ({middle / gap.friction_rms:.1%} of friction)"
+        return f"{middle:.2g} {gap.unit} rms ({100 * middle / gap.friction_rms:.2g}% of friction)"
 
     @property
     def acting(self) -> str:
@@ -157,12 +157,12 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
             f"How much of the gap {removes} on data that the fit has not seen cannot be told: "
             f"{gap.shrink_why}.{better}"
         )
-    off = f"On data that the fit has not seen the law is off by {row.before.q50:.3g} {gap.unit} rms"
+    off = f"On data that the fit has not seen the law is off by {row.before.q50:.2g} {gap.unit} rms"
     if row.before.q50 <= row.floor.q50:
         return (
-            f"{off}, no more than scatter alone makes ({row.floor.q50:.3g} {gap.unit} on average)."
+            f"{off}, no more than scatter alone makes ({row.floor.q50:.2g} {gap.unit} on average)."
         )
-    sizes = f"{off}; scatter alone makes {row.floor.q50:.3g} {gap.unit} on average"
+    sizes = f"{off}; scatter alone makes {row.floor.q50:.2g} {gap.unit} on average"
     if row.below_floor <= 1 - RULES.above_floor:
         return f"{sizes}, a difference that chance does not explain."
     return f"{sizes}, a difference that chance can make."
@@ -245,13 +245,13 @@ def _how_large(gap: Gap, share: float) -> str:
     """Return a gap as a force and as a share, with the interval of the share."""
     low, middle, high = gap.systematic.q05, gap.systematic.q50, gap.systematic.q95
     if gap.no_share is not None:
-        return f"The gap may be as large as {high:.3g} {gap.unit} rms ({gap.no_share})"
+        return f"The gap may be as large as {high:.2g} {gap.unit} rms ({gap.no_share})"
     shares = [end / gap.friction_rms for end in (low, middle, high)]
     # Ends that are printed as the share which counts do not say on which side of it they lie.
     digits = 2 if f"{share:.1%}" not in (f"{shares[0]:.1%}", f"{shares[2]:.1%}") else 3
     ends = " to ".join(f"{100 * end:.{digits}g}" for end in (shares[0], shares[2]))
     about = f"{shares[1]:.1%} of friction ({ends}%)"
-    return f"The gap is {middle:.3g} {gap.unit} rms, {about}"
+    return f"The gap is {middle:.2g} {gap.unit} rms, {about}"
 
 
 def _unknown(statement: Statement) -> str:

@@ -149,11 +149,11 @@ def floor_disagrees(
     typical2 = max(float(np.median(expected2)), 0.0)
     if RULES.like_scatter <= less <= 1 - RULES.like_scatter or max(left2, typical2) < unnoticed2:
         return None
-    left, expected = (float(f"{1e3 * root:.2g}") for root in np.sqrt([max(left2, 0.0), typical2]))
+    left, expected = np.sqrt([max(left2, 0.0), typical2])
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"on data that the fit has not seen the law is off by {left:g} m{unit} rms, {more_or_less} "
-        f"than the {expected:g} m{unit} that scatter and the remaining gap would make"
+        f"on data that the fit has not seen the law is off by {left:.2g} {unit} rms, {more_or_less} "
+        f"than the {expected:.2g} {unit} that scatter and the remaining gap would make"
     )
 
 

@@ -84,12 +84,15 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     now = gap.as_shipped.q50
     share = "" if gap.no_share is not None else f" ({now / gap.friction_rms:.0%} of friction)"
     whose = "the numbers that were shipped" if diagnosis.shipped else "its own numbers (now)"
-    these = f"these by {gap.after.q50:.2g} {gap.unit}"
+    these = "these"
     if is_by_instrument(diagnosis):
-        these = f"those of least squares, and not these of an instrument, by {these[9:]}"
+        these = "those of least squares, and not these of an instrument"
     if any(_has_no_field(number) for number in diagnosis.enter):
-        these += ", those included that no simulator has a field for"
-    return f"With {whose} it misses held-out data by {now:.2g} {gap.unit} rms{share}, with {these}."
+        these += ", and those below that have no field"
+    return (
+        f"With {whose} it misses held-out data by {now:.2g} {gap.unit} rms{share}; with {these}, "
+        f"by {gap.after.q50:.2g} {gap.unit}."
+    )
 
 
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
@@ -120,13 +123,17 @@ def remarks_of_numbers(enter: Sequence[Enter]) -> Iterator[str]:
         )
 
 
-def remarks_of_fields(joints: Mapping[str, Sequence[Enter]]) -> Iterator[str]:
+def remarks_of_fields(
+    joints: Mapping[str, Sequence[Enter]], *, any_simulator: bool = True
+) -> Iterator[str]:
     """Yield what simulators lack a field for, a sentence for all joints that lack the same.
 
     Parameters
     ----------
     joints : mapping of str to sequence of Enter
         Numbers by the joint's name, which is empty for one that needs none.
+    any_simulator : bool
+        Whether also what only some of them lack.
 
     Yields
     ------
@@ -138,10 +145,10 @@ def remarks_of_fields(joints: Mapping[str, Sequence[Enter]]) -> Iterator[str]:
         at = f" at {joint}" if joint else ""
         for number in enter:
             lacking = [CALLED[name] for name, field in number.fields.items() if field is None]
-            if not lacking or (number.lost_without is None and not _has_no_field(number)):
+            nobody = _has_no_field(number)
+            if not lacking or not (nobody or (any_simulator and number.lost_without is not None)):
                 continue
             has = "have" if len(lacking) > 1 else "has"
-            nobody = _has_no_field(number)
             who = "No simulator has a" if nobody else f"{' and '.join(lacking)} {has} no"
             key = (who, number.parameter, number.snippet or "")
             alike.setdefault(key, []).append((at, number))
@@ -150,7 +157,7 @@ def remarks_of_fields(joints: Mapping[str, Sequence[Enter]]) -> Iterator[str]:
         if _has_no_field(numbers[0][1]):
             value = f", which is {_listed(f'{_value(number)}{at}' for at, number in numbers)}"
         lost = _listed(
-            f"{number.lost_without:.2g} {_force_unit(joints[at.removeprefix(' at ')])} rms{at}"
+            f"{_lost(number.lost_without, joints[at.removeprefix(' at ')])}{at}"
             for at, number in numbers
             if number.lost_without is not None
         )
@@ -159,6 +166,13 @@ def remarks_of_fields(joints: Mapping[str, Sequence[Enter]]) -> Iterator[str]:
         if snippet:
             instead = f" `bayesfric export --to mjcf` writes a callback for it, {snippet}.py."
         yield f"{who} field for {MEANT.get(parameter, parameter)}{value}{left}.{instead}"
+
+
+def _lost(force: float, enter: Sequence[Enter]) -> str:
+    """Return a force beside Coulomb friction, so that a reader sees whether it matters."""
+    words = f"{force:.2g} {_force_unit(enter)} rms"
+    coulomb = next((number.value.q50 for number in enter if number.parameter == "coulomb"), 0.0)
+    return f"{words} ({force / coulomb:.2g} times Coulomb friction)" if coulomb > force else words
 
 
 def _value(number: Enter) -> str:
@@ -213,8 +227,8 @@ def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[
     if fields:
         yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
     else:
-        apart = [number for number in diagnosis.enter if _has_no_field(number)]
-        yield from (f"  {remark}" for remark in remarks_of_fields({"": apart}))
+        alone = remarks_of_fields({"": diagnosis.enter}, any_simulator=False)
+        yield from (f"  {remark}" for remark in alone)
 
 
 def _interval(number: Enter) -> str:

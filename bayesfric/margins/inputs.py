@@ -63,18 +63,18 @@ def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) 
             if count:
                 sentences.append(f"{count} of {run.count} pulleys of {name} are wrapped by "
                              f"{angles.min():g}° to {angles.max():g}°, "
-                             f"tested {low:g}° to {high:g}°")  # fmt: skip
+                             f"tested {low:g}° to {high:g}°: measure friction there")  # fmt: skip
         if "n_pulleys" in tested and run.count > tested["n_pulleys"][1]:
             sentences.append(f"{name} has {run.count} pulleys, tested up to "
-                         f"{tested['n_pulleys'][1]:g}")  # fmt: skip
+                         f"{tested['n_pulleys'][1]:g}: measure friction with as many")  # fmt: skip
         if "tension_n" in tested:
             sentences += _tensions(shaft, stage, place, name, tested["tension_n"])
         law = given.coefficients[run.pulley_size]
         share = losses(law, np.ones(given.draws), angles, clipped=False)
         negative = float((share < 0).any(axis=1).mean())
         if negative > 0:
-            sentences.append(f"in {negative:.1%} of the draws the law says negative friction for a "
-                         f"pulley of {name}, which is taken as none")  # fmt: skip
+            sentences.append(f"in {negative:.1%} of the draws the law gives a pulley of {name} "
+                         "negative friction, which is taken as none: measure friction there")  # fmt: skip
     return tuple(sentences)
 
 
@@ -88,15 +88,19 @@ def _tensions(
     if static > 0:
         yield (
             f"the tension of {name} is outside of the tested {low:.0f} to {high:.0f} N in "
-            f"{static:.0%} of the draws"
+            f"{static:.0%} of the draws: measure friction at these tensions"
         )
     if peak > static:
         yield (
             f"the tension of {name} peaks above the {high:.0f} N up to which friction was "
-            f"measured, in the fastest motion in {peak:.0%} of the draws"
+            f"measured, in the fastest motion in {peak:.0%} of the draws: measure friction at that "
+            "tension, or move more slowly"
         )
     if slack := int((least < 0).sum()):
-        yield f"a side goes slack in the fastest motion in {slack} of {least.size} draws"
+        yield (
+            f"a side of the cable goes slack in the fastest motion in {slack} of {least.size} "
+            "draws: raise the pretension, or move more slowly"
+        )
 
 
 def _outside(values: Array | float, tested: Range) -> Flags:

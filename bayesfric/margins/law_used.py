@@ -83,10 +83,10 @@ def choose_law(
     if not names:
         return _fitted(posterior, f"{path.name} names no cause", beside)
     warning = (
-        f"{path.name} names {names}, and these margins are of the law fitted without it, as was "
-        f"asked{_wrong(biased_numbers(record))}"
+        f"{path.name} names {names}, but you asked for margins of the law fitted without it"
+        f"{_wrong(biased_numbers(record))}"
     )
-    return _fitted(posterior, f"{path.name} names {names}, which is left aside", beside, warning)
+    return _fitted(posterior, f"{path.name} names {names}, which you asked to leave out", beside, warning)
 
 
 def _fitted(
@@ -101,16 +101,16 @@ def _fitted(
 def _refitted(path: Path, record: DiagnosisFile, diagnosed: Diagnosed, names: str) -> LawUsed:
     what = f"{names}, which {path.name} names" if names else f"what {path.name} finds possible"
     left_out = (
-        f" Left with the board: {'; '.join(diagnosed.left_out)}." if diagnosed.left_out else ""
+        f" Not taken over to the machine: {'; '.join(diagnosed.left_out)}."
+        if diagnosed.left_out
+        else ""
     )
     return LawUsed(
         used="refitted",
         causes=tuple(cause.effect for cause in record.causes),
         effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
         left_out=diagnosed.left_out,
-        sentence=f"Margins of the law refitted with {what} "
-        "(--law fitted: the law alone)."
-        f"{left_out}",
+        sentence=f"Margins of the law refitted with {what}.{left_out}",
     )
 
 

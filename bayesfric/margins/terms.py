@@ -84,6 +84,17 @@ def safe_up_to(loop: LoopMargins) -> str | None:
     return f"{down:g}" if gamma >= loop.limit_cycle_probability[-1].gamma else f"{down:.2f}"
 
 
+def judged_elsewhere(loop: LoopMargins) -> str:
+    """Return that specs are judged above the safe γ, and what to do; empty where they are not."""
+    gamma, up_to = loop.largest_safe_compensation_gain, safe_up_to(loop)
+    if gamma is None or gamma >= loop.compensation_gain:
+        return ""
+    return (
+        f"The other specs are judged at γ = {loop.compensation_gain:.3g}: set γ = {up_to} in the "
+        "loop's file and run again to see which of them hold there."
+    )
+
+
 def certificate_sentence(loop: LoopMargins) -> str | None:
     """Return what is certified of a loop, or why nothing is; None in files of earlier versions."""
     if loop.certificate is not None:

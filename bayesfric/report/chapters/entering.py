@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from bayesfric.attention.diagnosis import why_untrusted
+from bayesfric.attention.diagnosis import NOT_YET, why_untrusted
 from bayesfric.export.entered import (
     CALLED,
     COLUMNS,
@@ -37,12 +37,18 @@ HEADS = {
 
 def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield the numbers of each joint; nothing where there are none, as of pulleys."""
+    ready = {}
     for place, joint in enumerate(diagnosis.joints or (diagnosis,), start=1):
         if not joint.enter:
             continue
         of = "" if joint.joint is None else f" for the joint {joint.joint}"
         after = f" The law was refitted with {_listed(joint)}." if joint.causes else ""
         untrusted = why_untrusted(joint)
+        title = "Enter these numbers in your simulator"
+        if untrusted is not None and untrusted.startswith(NOT_YET):
+            title = "Numbers of a law that held-out data contradict"
+        else:
+            ready[joint.joint or ""] = joint.enter
         if untrusted is not None:
             yield Notice("attention", f"{untrusted}.", title=f"Not confirmed{of}")
         elif joint.verdict in ("unknown", "unseparated"):
@@ -50,7 +56,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         said = f" {off}" if (off := off_now(joint)) else ""
         rows = entered_rows(joint.enter)
         yield Table(
-            f"Enter these numbers in your simulator{of}.{said}{_wrong(joint)}{after}",
+            f"{title}{of}.{said}{_wrong(joint)}{after}",
             [HEADS.get(title, title) for title in COLUMNS],
             [list(map(_cell, COLUMNS, row)) for row in rows],
             label="enter" if not diagnosis.joints else f"enter-{place}",
@@ -60,13 +66,18 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             yield BulletList(remarks)
         if joint.replay is not None:
             yield Paragraph(joint.replay.sentence)
-    lacking = list(
-        remarks_of_fields(
-            {joint.joint or "": joint.enter for joint in diagnosis.joints or (diagnosis,)}
-        )
-    )
+    lacking = list(remarks_of_fields(ready))
     if lacking:
         yield BulletList(list(map(_shown, lacking)))
+
+
+def told_at_numbers(diagnosis: DiagnosisFile) -> set[str]:
+    """Return the remarks of a diagnosis that already stand at the numbers to enter."""
+    return {
+        f"{joint.joint}: {said}" if diagnosis.joints else said
+        for joint in diagnosis.joints or (diagnosis,)
+        if (said := why_untrusted(joint)) is not None
+    }
 
 
 def _cell(column: str, cell: str) -> Text:

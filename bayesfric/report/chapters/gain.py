@@ -5,7 +5,14 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from bayesfric.margins.margin_rules import MARGIN_RULES
-from bayesfric.margins.terms import chance_of_missing, is_missed, safe_up_to, safety_words
+from bayesfric.margins.terms import (
+    chance_of_missing,
+    in_degrees_or_decibels,
+    is_missed,
+    judged_elsewhere,
+    safe_up_to,
+    safety_words,
+)
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
@@ -92,7 +99,8 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
     """
     for loop in margins.loops:
         beside = _named(loop) if alone else _missed(loop)
-        yield Notice(_kind(loop), " ".join([*_gain(loop), *beside]), title=_title(loop))
+        said = " ".join(filter(None, [*_gain(loop), *beside]))
+        yield Notice(_kind(loop), said, title=_title(loop))
     if not alone:
         return
     yield from _specs(margins)
@@ -160,12 +168,14 @@ def _named(loop: LoopMargins) -> Iterator[str]:
     others = [_called(metric) for metric in _missing(loop) if metric.name != "gamma_hunting"]
     if others:
         yield f"Missed{_at(loop)}: {', '.join(others)}."
+    yield judged_elsewhere(loop)
 
 
 def _missed(loop: LoopMargins) -> Iterator[str]:
     """Yield each metric that misses its spec: its 90 % interval, the spec, and how probably."""
     said = []
-    for metric in _missing(loop):
+    for stored in _missing(loop):
+        metric = in_degrees_or_decibels(stored) or stored
         interval = metric.interval
         if interval is None or metric.spec is None or metric.name == "gamma_hunting":
             continue
@@ -174,7 +184,7 @@ def _missed(loop: LoopMargins) -> Iterator[str]:
         measured = format_interval(
             scale * interval.q50, scale * interval.q05, scale * interval.q95, unit
         )
-        asked = f"{metric.sense} {scale * metric.spec:g}\N{NARROW NO-BREAK SPACE}{unit}".rstrip()
+        asked = f"{metric.sense} {scale * metric.spec:.3g}\N{NARROW NO-BREAK SPACE}{unit}".rstrip()
         chance = chance_of_missing(metric)
         missed = "" if chance is None else f", missed with probability {chance}"
         said.append(f"{words} {measured} ({asked} is asked for{missed})")
@@ -280,7 +290,8 @@ def _below_simulated(margins: MarginsFile) -> str:
 def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
     """Yield a row for each figure with a spec: spec, interval, and how probably it is missed."""
     missing = tuple(_missing(loop))
-    for metric in loop.metrics:
+    for stored in loop.metrics:
+        metric = in_degrees_or_decibels(stored) or stored
         if metric.spec is None or metric.interval is None:
             continue
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
@@ -291,10 +302,10 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
             _called(metric),
             chance_of_missing(metric) or MISSING,
             _allowed(loop, metric),
-            f"{metric.sense} {scale * metric.spec:g}\u202f{unit}".rstrip(),
+            f"{metric.sense} {scale * metric.spec:.3g}\u202f{unit}".rstrip(),
             f"{low} to {high}\u202f{unit}".rstrip(),
         ]
-        yield [Strong(cell) if metric in missing else cell for cell in row]
+        yield [Strong(cell) if stored in missing else cell for cell in row]
 
 
 def _allowed(loop: LoopMargins, metric: Metric) -> str:

@@ -22,7 +22,7 @@ from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen, untestable
 from bayesfric.report.chapters.comparison import comparison_line
-from bayesfric.report.chapters.entering import numbers_to_enter
+from bayesfric.report.chapters.entering import numbers_to_enter, told_at_numbers
 from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_figures, gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
@@ -280,14 +280,15 @@ def _capital(line: str) -> str:
 def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
-    remarks = attention_of_all(stored.records)
+    diagnosed = stored.diagnosis
+    untrusted = set() if diagnosed is None else told_at_numbers(diagnosed.record)
+    remarks = [pair for pair in attention_of_all(stored.records) if pair[1] not in untrusted]
     lines = [
         line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
     ]
     if stored.margins is not None and len(stored.margins.loops) == 1:
         name = f"{stored.margins.loops[0].name}: "  # of one loop, which the answer names
         lines = [_capital(line.removeprefix(name)) for line in lines]
-    diagnosed = stored.diagnosis
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
         gap = diagnosed.record.gap
         lines.append(

@@ -27,8 +27,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     begun: list[Inline] = [verdict, " "]
     said = _with_meanings(record)
     if off and _nothing_left(record):
-        begun = [Strong(off), " Once they are entered: "]
-        said = said[:1].lower() + said[1:]
+        begun = [Strong(off), " "]
     elif off:
         begun = [Strong(off), " ", *begun]
     return Notice(

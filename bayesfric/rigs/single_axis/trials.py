@@ -465,13 +465,14 @@ class AxisRuns(RigTrials):
             return self._moved_otherwise.why
         if self.turns < needed and self._beside is None:
             return (
-                f"the joint turns {self.turns} time{'' if self.turns == 1 else 's'}, and from "
-                f"{needed} on it is examined what goes with its place and its direction"
+                f"the joint reverses {self.turns} time{'' if self.turns == 1 else 's'}, and "
+                "effects of its place and its direction are examined only from "
+                f"{needed} reversals on (record more of them)"
             )
         if self.spikes:
             return (
-                f"{self.spikes:.0%} of the readings of the force are spikes of a sample, and "
-                "whether they acted nobody can say"
+                f"{self.spikes:.0%} of the force readings are spikes of one sample, and nobody "
+                "can say whether these forces acted"
             )
         return None
 
