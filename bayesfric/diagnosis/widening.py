@@ -150,8 +150,9 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
 
     A force that no effect explains, such as a push by hand, bends the numbers by more than any
     error of a row says: from stretch to stretch, or where a rotor shakes against its gear, from
-    quick motion to slow. What pulls with the place is free here: in a free swing it takes the
-    place of the inertia, which is off by as much as freeing it moves that. Forces of unknown
+    quick motion to slow. What pulls with the place is free here, and all rows count alike: a number
+    is off by as much as that moves it, as in a free swing, where a pull takes the inertia's place,
+    or where Coulomb and viscous friction share what neither explains. Forces of unknown
     amounts, such as the errors of a robot's model, are as large as their priors let them be.
 
     Parameters
@@ -188,14 +189,18 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
     if MASS in by_name:
         by_name |= dict.fromkeys((INERTIA, ARMATURE), by_name[MASS])
 
+    # The rows hold what is left beside the law of reference.
+    scaled, size, prior = _with_amounts(columns, force, amounts)
+    freed = _least_squares(scaled, force, prior) / size
+    reference = np.asarray(next(iter(model.laws.values())))[np.flatnonzero(seen)]
+    told = dict(zip(names, reference + freed[: reference.size], strict=False))
+    if MASS in told:
+        told |= dict.fromkeys((INERTIA, ARMATURE), told[MASS])
     bends: dict[str, float] = {}
-    if MASS in by_name and not levers:
-        scaled, size, prior = _with_amounts(columns, force, amounts)
-        freed = float(_least_squares(scaled, force, prior)[0] / size[0])
-        for name in {MASS, INERTIA, ARMATURE} & {*law}:
-            reference = float(np.asarray(next(iter(model.laws.values()))[0]))
-            apart = abs(reference + freed - law[name].after.mean)
-            bends[name] = apart if apart > SURELY_APART * by_name[name] else 0.0
+    for name, number in law.items():
+        apart = abs(told.get(name, number.after.mean) - number.after.mean)
+        is_bent = not levers and apart > SURELY_APART * by_name.get(name, 0.0)
+        bends[name] = apart if is_bent else 0.0
 
     def factor(number: Interval, name: str, bend: float = 0.0) -> float:
         sd = number.sd

@@ -44,6 +44,8 @@ class Part:
         Effects that cannot be told, and what they need.
     largest : dict of str to float
         Of effects that are examined, the largest plausible amplitude.
+    untold : dict of str to str
+        Numbers of the law that such data cannot tell, whatever their errors: name and reason.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Part:
     why_not: tuple[Fault, ...] = ()
     lacking: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     largest: Mapping[str, float] = field(default_factory=dict)
+    untold: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def effects(self) -> tuple[dict[str, str], list[str]]:
@@ -102,7 +105,9 @@ class Part:
                 off = row["sd_where_law_is_off"]
                 text += f" by noise alone, ± {off:.2g}{unit} if the law is slightly wrong"
             said = text if row["informed"] else "decided by its prior"
+            said = "not told" if name in self.untold else said
             yield f"  {self._called(str(name)):<24} {said}"
+        yield from (f"  {reason}" for reason in dict.fromkeys(self.untold.values()))
         if self.power.beside:
             names = ", ".join(self.power.beside)
             yield f"  These errors hold together with {names}, which a first look shows."
@@ -272,6 +277,7 @@ def _part(
             for effect, examined in question.examined.items()
             if effect not in in_law
         },
+        question.data.rigs[0].untold,
     )
 
 

@@ -207,7 +207,7 @@ def test_a_law_told_within_a_push_has_the_errors_of_its_stretches(pushed, around
     )
     model = SimpleNamespace(
         rigs=[SimpleNamespace(rows=rows)],
-        laws={"axis": (around,)},
+        laws={"axis": (around, 0.0, 0.0)},
         data=SimpleNamespace(
             rigs=[SimpleNamespace(shared_numbers={})],
             law_numbers=lambda size: [("mass", "kg"), ("coulomb", "N"), ("viscous", "N s/m")],
@@ -308,17 +308,22 @@ def test_a_number_that_the_motion_does_not_show_takes_no_error_from_another():
     )
     model = SimpleNamespace(
         rigs=[SimpleNamespace(rows=rows)],
-        laws={"axis": (0.0,)},
+        laws={"axis": (0.0, 0.0, 0.0)},
         data=SimpleNamespace(
             rigs=[SimpleNamespace(shared_numbers={})],
             law_numbers=lambda size: [("mass", "kg"), ("idle", "1"), ("coulomb", "N")],
         ),
     )
-    tiny = interval(1.0, 1e-4)
-    numbers = {
-        name: LawNumber(unit="1", before=tiny, after=tiny) for name in ("mass", "idle", "coulomb")
-    }
-    factors = by_parts(numbers, model, turns=True)
-    assert factors["idle"] == (1.0, 1.0)
+
+    def factors(coulomb):
+        tiny = {"mass": 0.06, "idle": 1.0, "coulomb": coulomb}
+        told = {name: interval(mean, 1e-4) for name, mean in tiny.items()}
+        numbers = {name: LawNumber(unit="1", before=one, after=one) for name, one in told.items()}
+        return by_parts(numbers, model, turns=True)
+
+    assert factors(0.2)["idle"] == (1.0, 1.0)
     by_rows = 0.05 / 400**0.5  # of Coulomb friction, by the noise of its rows
-    assert factors["coulomb"][1] * 1e-4 == pytest.approx(by_rows, rel=0.5)
+    assert factors(0.2)["coulomb"][1] * 1e-4 == pytest.approx(by_rows, rel=0.5)
+    # Told by other weights of the rows, it is off by as much as that moves it.
+    assert factors(0.25)["coulomb"][1] * 1e-4 == pytest.approx(0.05, rel=0.1)
+    assert factors(0.25)["coulomb"][0] * 1e-4 == pytest.approx(by_rows, rel=0.5)

@@ -1,6 +1,7 @@
 """``bayesfric check``: what can be told, what cannot, and what to record next."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from export.hinge import Hinge, recording
 from rigs.driven_mass import Machine, simulate, write
@@ -11,6 +12,7 @@ from bayesfric.cli import app
 from bayesfric.readiness import readiness_of
 from bayesfric.readiness.advice import ADVICE, advice_for
 from bayesfric.recording import read_recording, write_recording
+from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.simulate import simulate_recording
 
 OWN = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)
@@ -101,6 +103,21 @@ def test_what_is_told_what_is_not_and_what_to_record(told):
     assert "rests of different lengths" in text
     # What a further run would take depends on the links that the model knows.
     assert "the error of" not in text
+
+
+def test_numbers_that_a_diagnosis_does_not_tell_are_said_as_not_told():
+    """A hand moves the joint while its drive bears the weight: the fit is perfect, and wrong."""
+    time = np.arange(1800) * 0.005
+    place = 0.8 * np.sin(1.5 * time) + 0.4 * np.sin(3.8 * time)
+    force = 5.0 * np.sin(place) + np.random.default_rng(1).normal(0, 0.02, time.size)
+    samples = pd.DataFrame({"run": "r", "time_s": time, "position_m": place, "force_n": force})
+    axis = Axis(pd.DataFrame({"run": ["r"], "order": [1]}), samples)
+    rig = RigConstants(rotary=True, force_is="motor")
+    (part,) = readiness_of(Recording(name="borne", title="borne", rig=rig, axis=axis)).parts
+    said = [line.split() for line in part.lines()]
+    assert ["inertia", "not", "told"] in said
+    assert ["coulomb", "not", "told"] in said
+    assert sum("a hand" in line for line in part.lines()) == 1
 
 
 def test_needs_that_nothing_meets_get_no_advice():
