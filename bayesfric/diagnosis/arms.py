@@ -32,7 +32,7 @@ class Fitted:
         How the law follows the windows; None where it does not.
     further : ndarray
         Forces of unit variance that the numbers beside the law are uncertain by, and with them
-        the law, in each window that was left out, (left out, k) [N].
+        the law, in each window, (R, k) [N].
     """
 
     local: Array
@@ -184,4 +184,4 @@ class Arms:
         spread[:, :COEFFICIENTS] += moved
         local = recalibrated(refit, residuals, held(at.mean))
         chance2 = refit.chance2(residuals, further)
-        return Fitted(local, chance2, spread, refit, refit.kept(further)[out])
+        return Fitted(local, chance2, spread, refit, refit.kept(further))

@@ -21,7 +21,7 @@ from bayesfric.observation.linear import Run
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.gap import GapRow
 
-FOLDS = 5
+FOLDS, IN_NONE = 5, -1
 DRAWS = 400
 EXAMPLES = 3
 
@@ -68,7 +68,8 @@ class HeldOut:
     residuals : Residuals
         Around the reference law.
     fold : ndarray of int, shape (R,)
-        In which each window was held out.
+        In which each window was held out; :data:`IN_NONE` in none, since nothing else is of its
+        pulley size.
     before, after : ndarray, shape (R,)
         Held-out residual force of each arm [N].
     inside : ndarray, shape (3, R)
@@ -109,8 +110,9 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     rng : Generator
         Assigns assemblies to folds.
     """
-    fold, beyond = folds_of(residuals.setup, rng), extrapolated(residuals)
-    beside = arms.with_discrepancy(residuals, list(beyond.values()))
+    fold, beyond = folds_of(residuals, rng), extrapolated(residuals)
+    outs = [fold == number for number in range(int(fold.max()) + 1)]
+    beside = arms.with_discrepancy(residuals, [*outs, *beyond.values()])
     is_shipped = arms.shipped is not None
 
     def squares(arm: Sequence[Fitted]) -> tuple[Array, Squares]:
@@ -122,7 +124,8 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     def fitted(out: Flags) -> tuple[Fitted, ...]:
         return arms.fitted(beside, residuals, out)
 
-    by_fold = [fitted(fold == number) for number in range(int(fold.max()) + 1)]
+    whole = fitted(np.zeros(fold.size, dtype=np.bool_))
+    by_fold = [*map(fitted, outs), whole]  # the last of them is that of IN_NONE
     place = np.arange(fold.size)
     left, chance2 = np.empty((2, 3, fold.size))
     for arm in range(3):
@@ -136,7 +139,7 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     for name, rows in beyond.items():
         weight = float(residuals.weight[rows].sum())
         folds.append((name, squares(fitted(rows))[1].of(rows, weight)))
-    every, inside = squares(fitted(np.zeros(fold.size, dtype=np.bool_)))
+    every, inside = squares(whole)
     trajectory, examples = _free_running(arms, residuals, fold, by_fold)
     return HeldOut(
         residuals,
@@ -152,12 +155,27 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     )
 
 
-def folds_of(setup: Whole, rng: np.random.Generator) -> Whole:
-    """Return the fold of each assembly's rows, shape of `setup`."""
-    names = np.unique(setup)
+def folds_of(residuals: Residuals, rng: np.random.Generator) -> Whole:
+    """Return the fold of each window, (R,), so that no fold has all windows of a pulley size.
+
+    Assemblies are held out. A size with a single one has its trials held out, and one with a
+    single trial is in no fold: a law without any data would be that of the prior.
+    """
+    units, size = residuals.setup.copy(), residuals.size
+    for own in (size == place for place in np.unique(size)):
+        if np.unique(units[own]).size == 1:
+            units[own] = residuals.setup.max() + 1 + residuals.trial[own]
+    names, first, unit = np.unique(units, return_index=True, return_inverse=True)
+    number = min(FOLDS, names.size)
+    order = rng.permutation(names.size)
     fold = np.empty(names.size, dtype=np.intp)
-    fold[rng.permutation(names.size)] = np.arange(names.size) % min(FOLDS, names.size)
-    return np.asarray(fold[np.searchsorted(names, setup)])
+    for dealt in (order, order[np.argsort(size[first[order]], kind="stable")]):
+        fold[dealt] = np.arange(names.size) % number
+        folds_of_size = [np.unique(fold[unit[size == place]]).size for place in np.unique(size)]
+        if min(folds_of_size) > 1:
+            break
+    alone = np.unique(size)[np.array(folds_of_size) == 1]
+    return np.where(np.isin(size, alone), IN_NONE, fold[unit])
 
 
 def extrapolated(residuals: Residuals) -> dict[str, Flags]:
@@ -201,11 +219,11 @@ def _by_chance(
     drawn = redrawn(residuals, DRAWS, rng)
     scatter2 = residuals.friction_n**2 * residuals.spread2
     squares = np.zeros(DRAWS)
-    for number, arm in enumerate(after):
+    for number, arm in zip([*range(len(after) - 1), IN_NONE], after, strict=True):
         rows = fold == number
         assert arm.refit is not None
         left = drawn[rows] - arm.refit.design[rows] @ (arm.refit.smoothing @ drawn)
-        left += arm.further @ rng.standard_normal((arm.further.shape[1], DRAWS))
+        left += arm.further[rows] @ rng.standard_normal((arm.further.shape[1], DRAWS))
         expected = (scatter2 - arm.chance2)[rows, None]
         squares += residuals.weight[rows] @ (left**2 + expected)
     return squares

@@ -140,6 +140,8 @@ def sentence_of(statement: Statement) -> str:
 
 def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     """Return what held-out data say, a sentence; that they cannot tell is one too."""
+    if not gap.held_out:
+        return "No data could be held out: without them nothing would be left to fit."
     row, density = gap.held_out[0], gap.held_out_log_density
     them = "it" if len(causes) == 1 else "them"
     better = ""

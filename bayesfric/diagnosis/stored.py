@@ -7,7 +7,7 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.arms import Arms
-from bayesfric.diagnosis.held_out import HeldOut, gap_row
+from bayesfric.diagnosis.held_out import IN_NONE, HeldOut, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, left_of, shrink_of
@@ -16,6 +16,7 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.gap import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
+NO_EVENTS, NONE_OUT = "no trial has events enough", "no data could be held out"
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
@@ -66,7 +67,8 @@ def gap_of(
         "in sample", held_out.in_sample, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
     )
     trajectory = None
-    if held_out.trajectory is not None:
+    any_out = bool(np.any(held_out.fold != IN_NONE))
+    if any_out and held_out.trajectory is not None:
         name = "free-running, folds over assemblies"
         trajectory = gap_row(
             name, held_out.trajectory, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
@@ -94,10 +96,10 @@ def gap_of(
         floor_disagreement=disagrees,
         held_out_excess=excess_of(left2, held_out.by_chance, open2),
         friction_rms=friction,
-        held_out=tuple(rows),
+        held_out=tuple(rows if any_out else rows[1:]),
         in_sample=inside,
         trajectory=trajectory,
-        trajectory_why=None if trajectory is not None else "no trial has events enough",
+        trajectory_why=None if trajectory is not None else NO_EVENTS if any_out else NONE_OUT,
     )
     return gap, rest
 

@@ -139,11 +139,8 @@ class SizeIndex:
         rough = {}
         for place, size in enumerate(self.sizes):
             rows = self.of_trial == place
-            width = np.abs(columns[rows]).max(axis=0)
-            width[width == 0] = 1.0
             friction = np.asarray(friction_n)[rows]
-            scaled = np.linalg.lstsq(columns[rows] / width, friction, rcond=1e-3)[0]
-            c1, c2, c3 = (float(value) for value in scaled / width)
+            c1, c2, c3 = _least_squares(columns[rows], friction)
             by_c1, by_c2 = np.sqrt((columns[rows, :2] ** 2).mean(axis=0))
             rms = float(np.sqrt((friction**2).mean())) or LEAST_FRICTION_N
             least = LEAST_PART * rms
@@ -151,6 +148,23 @@ class SizeIndex:
             for name, value in bounded._asdict().items():
                 rough[coefficient_name(name, size)] = 0.0 if name in without else value
         return rough
+
+
+def _least_squares(columns: Array, friction_n: Array) -> list[float]:
+    """Return c1, c2 and c3 of one size, c1 and c2 not below 0.
+
+    Without that bound trials of one load fit all too well: their tension differs by what their
+    friction does, so that friction is a straight line in it, far below 0 at no tension.
+    """
+    columns = columns.copy()
+    while True:
+        width = np.abs(columns).max(axis=0)
+        width[width == 0] = 1.0
+        scaled = np.linalg.lstsq(columns / width, friction_n, rcond=1e-3)[0]
+        below = np.flatnonzero(scaled[:2] < 0)
+        if not below.size:
+            return [float(value) for value in scaled / width]
+        columns[:, below[scaled[below].argmin()]] = 0.0
 
 
 def coefficient_parameters(

@@ -1,17 +1,20 @@
 """Figures on data that the fit has not seen: squares, folds and laws that are known."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from diagnosis.boards import model_of
 
+from bayesfric.diagnosis import diagnose
 from bayesfric.diagnosis.chance import redrawn
-from bayesfric.diagnosis.held_out import Squares, extrapolated, folds_of, gap_row
+from bayesfric.diagnosis.held_out import IN_NONE, Squares, extrapolated, folds_of, gap_row
 from bayesfric.diagnosis.recalibrating import recalibrated, refit_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.stored import floor_disagrees
 from bayesfric.rigs.protocols import Protocol
+from bayesfric.simulate import simulate_recording
 
 PROTOCOL = Protocol({(9, 85.0): 1, (15, 50.0): 2, (5, 140.3): 1}, (6.0, 16.0, 28.0), (6.0, 28.0), 2)
 
@@ -66,12 +69,67 @@ def test_every_window_of_an_extreme_trial_is_left_out(boards, name, column, valu
     assert not np.isin(residuals.trial[~rows], residuals.trial[rows]).any()
 
 
+def windows(setup, size, trial):
+    return SimpleNamespace(setup=np.array(setup), size=np.array(size), trial=np.array(trial))
+
+
 def test_folds_keep_assemblies_together():
     setup = np.repeat(np.arange(13), 3)
-    fold = folds_of(setup, np.random.default_rng(0))
-    for one in range(13):
-        assert np.unique(fold[setup == one]).size == 1
+    rows = windows(setup, np.zeros(39, dtype=int), np.arange(39))
+    fold = folds_of(rows, np.random.default_rng(0))
+    for assembly in range(13):
+        assert np.unique(fold[setup == assembly]).size == 1
     assert np.unique(fold).size == 5
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_fold_has_all_windows_of_a_size(seed):
+    """Of six assemblies in five folds two share one, which may be both that a size has."""
+    setup = np.repeat(np.arange(6), 4)
+    rows = windows(setup, setup // 2, np.arange(24))
+    fold = folds_of(rows, np.random.default_rng(seed))
+    for size in range(3):
+        assert np.unique(fold[rows.size == size]).size == 2
+
+
+def test_a_size_with_one_assembly_has_its_trials_held_out():
+    rows = windows([0] * 6 + [1] * 6, [0] * 6 + [1] * 6, np.arange(12) // 2)
+    fold = folds_of(rows, np.random.default_rng(0))
+    for size in range(2):
+        own = rows.size == size
+        assert np.unique(fold[own]).size == 3
+        for trial in np.unique(rows.trial[own]):
+            assert np.unique(fold[rows.trial == trial]).size == 1
+
+
+def test_a_size_with_one_trial_is_in_no_fold():
+    rows = windows([0, 0, 1, 1, 2, 2], [0, 0, 0, 0, 1, 1], [0, 0, 1, 1, 2, 2])
+    fold = folds_of(rows, np.random.default_rng(0))
+    assert (fold[rows.size == 1] == IN_NONE).all()
+    assert (fold[rows.size == 0] >= 0).all()
+
+
+def few_runs(runs_of_each):
+    """The motor board, one assembly of each size, by an exact law but for friction's scatter."""
+    motor = simulate_recording("quick", seed=7, rigs=("motor",))
+    runs = motor.motor.runs
+    first = runs.groupby("pulley_size")["setup"].transform("first") == runs["setup"]
+    kept = runs[first].groupby("pulley_size").head(runs_of_each).reset_index(drop=True)
+    return diagnose(replace(motor, motor=replace(motor.motor, runs=kept))).summary
+
+
+def test_a_size_with_one_assembly_is_not_missed_by_all_of_its_friction():
+    found = few_runs(12)
+    (row,) = (row for row in found.gap.held_out if row.name == "folds over assemblies")
+    assert found.gap.friction_rms < 5  # N: of one load, whose tension differs by friction alone
+    assert row.before.q50 < 0.2 * found.gap.friction_rms
+    assert found.gap.floor_disagreement is None
+
+
+def test_nothing_is_held_out_of_one_run_of_each_size():
+    found = few_runs(1)
+    assert found.gap.held_out == ()
+    assert "No data could be held out" in found.sentence
 
 
 def squares(before, after, floor, count=60):
