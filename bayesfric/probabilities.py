@@ -113,3 +113,8 @@ def bound_of_hits(hits: int, draws: int) -> float:
 def percent(share: float) -> str:
     """Write a share in percent with three digits: 5 %, 0.1 %, never 0 % for one that is not."""
     return f"{100 * share:.3g} %"
+
+
+def two_digits(value: float) -> str:
+    """Return a number to two significant digits, without a power of ten."""
+    return f"{float(f'{value:.2g}'):g}"

@@ -230,7 +230,7 @@ def _effects() -> str:
             "",
             f"## {name}",
             "",
-            f"On a rig with it, {effect.sentence}.",
+            f"{effect.sentence[:1].upper()}{effect.sentence[1:]}.",
             "",
             f"- Acts on {ACTS_ON[effect.acts_on]}.",
             f"- Along: {', '.join(axis.replace('_', ' ') for axis in sorted(effect.axes))}.",

@@ -26,8 +26,8 @@ def _of_claim(claim: ClaimResult) -> Iterator[str]:
     error = claim.log10_bayes_factor_se
     if error is not None and error > LOOSE:
         yield (
-            f"The claim {claim.id} is {claim.verdict} by a Bayes factor that is known to a factor "
-            f"of {10**error:.0f} only"
+            f"The claim {claim.id} is {claim.verdict} by a Bayes factor that is known only to a "
+            f"factor of {10**error:.0f}: do not rely on this verdict"
         )
     difference, spread = claim.elpd_difference, claim.elpd_difference_se
     if difference is None or spread is None:
@@ -35,6 +35,6 @@ def _of_claim(claim: ClaimResult) -> Iterator[str]:
     against = -difference if claim.verdict == "supported" else difference
     if against > max(CONTRARY_NAT, CONTRARY_ERRORS * spread):
         yield (
-            f"The claim {claim.id} is {claim.verdict} by its Bayes factor, and assemblies left out "
-            f"speak the other way: {difference:.1f} ± {spread:.1f} nat"
+            f"The claim {claim.id} is {claim.verdict} by its Bayes factor, but assemblies left out "
+            f"contradict that ({difference:.1f} ± {spread:.1f} nat): do not rely on this verdict"
         )

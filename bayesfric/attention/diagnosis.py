@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from bayesfric.observation.coefficients import PAPER_SIZES
+from bayesfric.probabilities import two_digits
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, LawNumber
@@ -77,15 +78,17 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
     whose = "those of least squares" if is_by_instrument(diagnosis) else "them"
     return (
-        f"{advice}{of}: the law with {whose} misses data that the fit has not seen by {left:.2g} "
-        f"{gap.unit} rms more than scatter explains ({share}scatter "
-        f"makes {scatter:.2g} {gap.unit}). Something acts that they do not describe"
+        f"{advice}{of}: the law with {whose} misses data that the fit has not seen by "
+        f"{two_digits(left)} {gap.unit} rms more than scatter explains ({share}scatter "
+        f"makes {two_digits(scatter)} {gap.unit}). Something acts that they do not describe"
     )
 
 
 def _of_friction(share: float) -> str:
     """Return a share of friction in words; from twice friction on as a multiple."""
-    return f"{share:.2g} times friction" if share >= MULTIPLE else f"{share:.0%} of friction"
+    return (
+        f"{two_digits(share)} times friction" if share >= MULTIPLE else f"{share:.0%} of friction"
+    )
 
 
 def is_by_instrument(diagnosis: DiagnosisFile) -> bool:
@@ -179,20 +182,26 @@ def _of_cause(cause: Cause) -> Iterator[str]:
 def _rest(diagnosis: DiagnosisFile) -> Iterator[str]:
     if diagnosis.stray_trials:
         names = ", ".join(diagnosis.stray_trials)
-        yield f"Left out, since far from the other trials of their own assembly: {names}"
+        yield (
+            f"Left out, since they lie far from the other trials of their own assembly: {names}. "
+            "Look at how they were recorded"
+        )
     if diagnosis.remainder.significant and diagnosis.verdict == "named":
         axis = (
             ""
             if diagnosis.remainder.axis is None
             else f", most of all along {diagnosis.remainder.axis}"
         )
-        yield f"The causes leave a force that no effect explains{axis}"
+        yield (
+            f"The causes leave a force that no effect explains{axis}: the numbers refitted with "
+            "them may be biased"
+        )
     leader = _likeliest(diagnosis.probabilities)
     others = {_likeliest(chances) for chances in diagnosis.prior_sensitivity.values()} - {leader}
     if others and diagnosis.verdict in ("named", "no-gap", "unknown"):
         yield (
-            "Which hypothesis is the likeliest depends on the prior probability of no effect: "
-            f"{leader}, or {', '.join(sorted(others))}"
+            "Which hypothesis is the most probable depends on the prior probability of no effect: "
+            f"{leader}, or {', '.join(sorted(others))}. Measure more before you rely on it"
         )
 
 

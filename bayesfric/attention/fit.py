@@ -240,7 +240,7 @@ def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
             yield (
                 f"{coverage.share:.1%} of the {all_rigs()[coverage.rig].words.rig}'s trials lie "
                 f"inside their 90 % predictive interval, where {coverage.low:.1%} to "
-                f"{coverage.high:.1%} are expected: the intervals may be too "
+                f"{coverage.high:.1%} are expected: these predictive intervals may be too "
                 f"{NARROW if coverage.share < coverage.low else CAUTIOUS} (by chance one sound "
                 "recording in ten is outside of this range)"
             )
@@ -263,7 +263,7 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
                 f"The {rig}'s assemblies, each predicted from all others, lie {check.spread:.2f} "
                 "times as far from their predictions as the model says "
                 f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
-                f"{check.p_value:.2g})"
+                f"{check.p_value:.2g}): a diagnosis tells whether the law lacks a force"
             )
 
 
@@ -277,5 +277,5 @@ def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:
                 f"{uniformity.spread:.2f} times as far from their predictions as the model says "
                 f"({uniformity.spread_q05:.2f} to {uniformity.spread_q95:.2f} by chance); their "
                 "leave-one-out probabilities depart from uniform with p = "
-                f"{uniformity.p_value:.2g}"
+                f"{uniformity.p_value:.2g}: a diagnosis tells whether the law lacks a force"
             )

@@ -22,13 +22,14 @@ def effects(
     name: Annotated[
         str | None, typer.Argument(help="Name of the new effect, as oil-warmth.")
     ] = None,
+    verbose: options.Verbose = False,
 ) -> None:
     """List all effects, or write a template of a new one.
 
     Example: bayesfric effects new oil-warmth
     """
     if what is None:
-        _list()
+        _list(verbose=verbose)
         return
     if what != "new":
         raise options.unusable("new NAME, or nothing", value=what)
@@ -38,11 +39,19 @@ def effects(
     _write(name)
 
 
-def _list() -> None:
+def _list(*, verbose: bool) -> None:
+    """Print a line for each effect; with `verbose` also what it needs, and its parameters."""
     from bayesfric.effects import all_effects
     from bayesfric.inference.priors import describe
 
-    for effect in all_effects(None).values():
+    examined = all_effects(None)
+    if not verbose:
+        width = max(map(len, examined))
+        for name, effect in examined.items():
+            say(f"{name:<{width}}  {effect.sentence}")
+        say("note: --verbose adds what each effect needs, its parameters and priors", err=True)
+        return
+    for effect in examined.values():
         needs = f", needs {', '.join(sorted(effect.needs))}" if effect.needs else ""
         say(f"{effect.name}  (on {effect.acts_on}{needs}): {effect.sentence}")
         for parameter in effect.parameters:

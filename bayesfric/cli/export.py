@@ -127,7 +127,7 @@ def _export_joints(
         say(warning, err=True)
     if into is None:
         if to in OF_MODELS:
-            expected = f"--into MODEL, your own in {to.upper()}: there are {len(joints)} joints"
+            expected = f"--into MODEL: your {to.upper()} file, since there are {len(joints)} joints"
             raise options.unusable(expected, "--to", to)
         file, text_of = TEXTS_OF_JOINTS[to]
         recording = read_json(DiagnosisFile, folder / "diagnosis.json").recording

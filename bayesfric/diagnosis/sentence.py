@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.diagnosis_rules import RULES
-from bayesfric.probabilities import stated
+from bayesfric.probabilities import stated, two_digits
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause, Unseparated
 from bayesfric.schemas.gap import Axis, Gap, HeldOutDensity
 
 ALL_BUT = 0.999
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
-WINDOWS = ", each the mean friction over a stretch of motion"
+WINDOWS = ", each the mean friction over a stretch of motion or at a steady point"
 
 
 PULLS = {
@@ -87,10 +87,11 @@ class Statement:
         """The systematic gap in words: as a force, and as a share where friction is there."""
         gap, middle = self.gap, self.gap.systematic.q50
         if gap.no_share is not None:
-            return f"{middle:.2g} {gap.unit} rms"
+            return f"{two_digits(middle)} {gap.unit} rms"
         if middle < RULES.has_figure * gap.friction_rms:
             return f"less than {RULES.has_figure:.1%} of friction"
-        return f"{middle:.2g} {gap.unit} rms ({100 * middle / gap.friction_rms:.2g}% of friction)"
+        share = two_digits(100 * middle / gap.friction_rms)
+        return f"{two_digits(middle)} {gap.unit} rms ({share}% of friction)"
 
     @property
     def acting(self) -> str:
@@ -159,12 +160,11 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
             f"How much of the gap {removes} on data that the fit has not seen cannot be told: "
             f"{gap.shrink_why}.{better}"
         )
-    off = f"On data that the fit has not seen the law is off by {row.before.q50:.2g} {gap.unit} rms"
+    before, floor = two_digits(row.before.q50), two_digits(row.floor.q50)
+    off = f"On data that the fit has not seen the law is off by {before} {gap.unit} rms"
     if row.before.q50 <= row.floor.q50:
-        return (
-            f"{off}, no more than scatter alone makes ({row.floor.q50:.2g} {gap.unit} on average)."
-        )
-    sizes = f"{off}; scatter alone makes {row.floor.q50:.2g} {gap.unit} on average"
+        return f"{off}, no more than scatter alone makes ({floor} {gap.unit} on average)."
+    sizes = f"{off}; scatter alone makes {floor} {gap.unit} on average"
     if row.below_floor <= 1 - RULES.above_floor:
         return f"{sizes}, a difference that chance does not explain."
     return f"{sizes}, a difference that chance can make."
@@ -247,20 +247,20 @@ def _how_large(gap: Gap, share: float) -> str:
     """Return a gap as a force and as a share, with the interval of the share."""
     low, middle, high = gap.systematic.q05, gap.systematic.q50, gap.systematic.q95
     if gap.no_share is not None:
-        return f"The gap may be as large as {high:.2g} {gap.unit} rms ({gap.no_share})"
+        return f"The gap may be as large as {two_digits(high)} {gap.unit} rms ({gap.no_share})"
     shares = [end / gap.friction_rms for end in (low, middle, high)]
     # Ends that are printed as the share which counts do not say on which side of it they lie.
     digits = 2 if f"{share:.1%}" not in (f"{shares[0]:.1%}", f"{shares[2]:.1%}") else 3
     ends = " to ".join(f"{100 * end:.{digits}g}" for end in (shares[0], shares[2]))
     about = f"{shares[1]:.1%} of friction ({ends}%)"
-    return f"The gap is {middle:.2g} {gap.unit} rms, {about}"
+    return f"The gap is {two_digits(middle)} {gap.unit} rms, {about}"
 
 
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
     there = f"There is a gap of {statement.size}"
-    counts = f"{statement.share:.1%} begins to count"
-    small = "" if matters else f" What it makes is small: {statement.size}, where {counts}."
+    counts = f"a gap counts from {statement.share:.1%} on"
+    small = "" if matters else f" Its gap is small: {statement.size}; {counts}."
     if not statement.considered and not matters:
         return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
     if not statement.considered:

@@ -12,6 +12,7 @@ from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, left_of, shrink_of
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.probabilities import two_digits
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.gap import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
@@ -154,8 +155,9 @@ def floor_disagrees(
     left, expected = np.sqrt([max(left2, 0.0), typical2])
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"on data that the fit has not seen the law is off by {left:.2g} {unit} rms, {more_or_less} "
-        f"than the {expected:.2g} {unit} that scatter and the remaining gap would make"
+        f"on data that the fit has not seen the law is off by {two_digits(left)} {unit} rms, "
+        f"{more_or_less} than the {two_digits(expected)} {unit} that scatter and the remaining gap "
+        "would make"
     )
 
 

@@ -151,7 +151,8 @@ def _verdict_follows(record: Mapping[str, Any]) -> list[str]:
 
 
 @rule(
-    DIAGNOSIS, "A cause, or what is present, acts with 0.9 at least, and what is possible with 0.1."
+    DIAGNOSIS,
+    "A cause or a present effect acts with probability 0.9 or more, a possible one with 0.1.",
 )
 def _causes_act(record: Mapping[str, Any]) -> list[str]:
     bounds = {

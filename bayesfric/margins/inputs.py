@@ -74,7 +74,7 @@ def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) 
         negative = float((share < 0).any(axis=1).mean())
         if negative > 0:
             sentences.append(f"in {negative:.1%} of the draws the law gives a pulley of {name} "
-                         "negative friction, which is taken as none: measure friction there")  # fmt: skip
+                         "negative friction, taken as none: measure friction there")  # fmt: skip
     return tuple(sentences)
 
 

@@ -81,8 +81,8 @@ class Cable(Section):
 class SecondStage(Section):
     """A shaft that the motor's cable turns, and the cable from there to the joint.
 
-    `runs` and `[cable]` are then the motor's; `[[second_stage.runs]]` and
-    `[second_stage.cable]`, with the keys of these, the joint's. Both are antagonist pairs.
+    `runs` and `[cable]` then describe the motor's cable. `[[second_stage.runs]]` and
+    `[second_stage.cable]`, with the same keys, describe the joint's. Both are antagonist pairs.
 
     Fields
     ------
@@ -135,8 +135,8 @@ class OtherJoint(Section):
 class Coupling(Section):
     """Joints of a wrist that share motors (`[coupling]`): motor angles are the matrix times theirs.
 
-    The file is that of one motor, which has its own loop, and of the joint with the same number;
-    the other motors have its drive, cable, friction and gains.
+    The file describes one motor with its loop, and the joint with the same number. The other
+    motors are taken to have the same drive, cable, friction and gains.
 
     Fields
     ------

@@ -180,7 +180,7 @@ class Compensation(Section):
 
 
 class Kick(Section):
-    """What the loop is tried with for hunting.
+    """The kicks and references with which the margins look for hunting.
 
     Fields
     ------

@@ -74,7 +74,7 @@ class Part:
                 unseen[effect] = min(float(row["unseen"]), unseen.get(effect, np.inf))
         can = {
             name: f"{size:.2g}{'' if unit == '1' else ' ' + unit}"
-            + (f" (none below {unseen[name]:.2g})" if unseen.get(name) else "")
+            + (f" (never below {unseen[name]:.2g})" if unseen.get(name) else "")
             for name, (size, unit) in smallest.items()
             if size <= self.largest.get(name, size)
         }
@@ -97,7 +97,7 @@ class Part:
             yield f"Nothing can be told{of}:"
             yield from (f"  {fault}" for fault in self.why_not)
             return
-        yield f"Expected errors{of}"
+        yield f"Expected values and errors{of}"
         for name, row in self.power.coefficients.iterrows():
             unit = "" if row["unit"] == "1" else f" {row['unit']}"
             text = f"{row['value']:.3g} ± {row['sd']:.2g}{unit}"
@@ -110,10 +110,10 @@ class Part:
         yield from (f"  {reason}" for reason in dict.fromkeys(self.untold.values()))
         if self.power.beside:
             names = ", ".join(self.power.beside)
-            yield f"  These errors hold together with {names}, which a first look shows."
+            yield f"  These errors allow for {names}, which a first look shows."
         can, cannot = self.effects
         if can:
-            yield "Effects that a diagnosis would find, with the size from which on"
+            yield "Size from which on a diagnosis finds each effect"
             yield from _in_two_columns([f"{name:<23} {size}" for name, size in can.items()])
         if cannot:
             yield f"Effects that these data cannot show: {', '.join(cannot)}"

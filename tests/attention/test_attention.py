@@ -167,7 +167,7 @@ def test_claims_whose_evidence_and_prediction_disagree_are_told():
     (line,) = of_claims([contrary])
     assert "-20.0 ± 3.0 nat" in line
     (line,) = of_claims([sound.model_copy(update={"log10_bayes_factor_se": 1.0})])
-    assert "a factor of 10 only" in line
+    assert "known only to a factor of 10" in line
 
 
 def test_all_results_make_one_list_with_each_line_once():

@@ -15,7 +15,7 @@ process of its own. It writes this page from `reports/evidence/benchmark.json`.
 - **Draws** are effective draws of the worst coefficient of the law. "From cold" is the time to
   4,000 of these, including imports, compilation and tuning.
 - **The limit** is a sampler whose draws are independent: weighted draws from the Laplace fit. In
-  rows of the limit, "peer" is the limit, and the ratio is our share of it.
+  its rows, "peer" means this sampler, and the ratio is our share of its speed.
 - **Peers** get the same sufficient statistics. Their settings are their defaults; their authors
   did not tune them. Their density is written in JAX by this project and is not optimised. So a
   ratio above 1 is a result of this measurement, and not a bound on the peer. A peer whose chains

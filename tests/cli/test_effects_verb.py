@@ -14,8 +14,15 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_every_effect_is_listed_with_its_prior():
-    shown = CliRunner().invoke(app, ["effects"]).output
+def test_every_effect_has_a_line_of_the_list():
+    shown = CliRunner().invoke(app, ["effects"]).stdout.splitlines()
+    for line, effect in zip(shown, all_effects(None).values(), strict=True):
+        assert line.startswith(f"{effect.name} ")
+        assert line.endswith(f" {effect.sentence}")
+
+
+def test_every_effect_is_listed_with_its_prior_if_asked():
+    shown = CliRunner().invoke(app, ["effects", "--verbose"]).output
     for effect in all_effects().values():
         assert f"\n{effect.name}  (on {effect.acts_on}" in f"\n{shown}"
     assert "prior half-normal(scale=0.15)" in shown

@@ -251,7 +251,7 @@ def test_validate_tells_by_how_much_the_clocks_of_two_sensors_differ(small_recor
     done = CliRunner().invoke(app, ["validate", str(tmp_path / "one")])
     assert done.exit_code == 0
     (line,) = (line for line in done.stdout.splitlines() if line.startswith("sensor clocks"))
-    assert "trials; up to 4.9 ms is estimated in each trial" in line
+    assert "trials; the fit estimates each trial's offset, up to 4.9 ms" in line
     for verb, *more in (["validate"], ["fit", "-o", str(tmp_path / "fitted")]):
         done = CliRunner().invoke(app, [verb, str(tmp_path / "two"), *more])
         assert done.exit_code == 2

@@ -124,7 +124,7 @@ def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     share = gap.systematic.q05 / gap.friction_rms
     there = told("undecided", gap, 0.9 * share)
     assert "(probability 0.970); its cause stays open" in there
-    assert "The gap is 0.0493 N rms, " in told("undecided", gap, 1.1 * share)
+    assert "The gap is 0.049 N rms, " in told("undecided", gap, 1.1 * share)
     both = [cause("viscous"), cause("stribeck")]
     together = told("undecided", gap, 0.9 * share, present=both)
     assert together.endswith(f"; viscous and stribeck act, each less than {0.9 * share:.1%}.")
@@ -140,7 +140,7 @@ def test_an_undecided_gap_is_told_in_full_before_what_is_open():
     )
     about = gap.model_copy(update={"systematic": systematic, "friction_rms": 2.13})
     assert told("undecided", about, 0.02, [cause("viscous")]) == (
-        "The gap is 0.0426 N rms, 2.0% of friction (1.98 to 2.02%); viscous acts; whether the gap "
+        "The gap is 0.043 N rms, 2.0% of friction (1.98 to 2.02%); viscous acts; whether the gap "
         "is above the 2.0% that counts is open."
     )
 
@@ -161,18 +161,19 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
 
     small = sentence(1.1 * share)
     assert small.startswith("A force acts that none of the effects examined makes (probability ")
-    assert f"What it makes is small: {gap.systematic.q50:.3g} N rms" in small
-    assert f", where {1.1 * share:.1%} begins to count." in small
+    assert f"Its gap is small: {gap.systematic.q50:.2g} N rms" in small
+    assert f"; a gap counts from {1.1 * share:.1%} on." in small
     assert "There is a gap" not in small
     assert sentence(0.9 * share).startswith(
-        "With probability 0.970 there is a gap that none of the effects examined explains: 0.0493 N"
+        "With probability 0.970 there is a gap that none of the effects examined explains: 0.049 N"
     )
 
 
 def test_no_gap_says_how_much_was_recorded():
     said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows")
     assert said.endswith(
-        "% of friction). This rests on 60 windows, each the mean friction over a stretch of motion."
+        "% of friction). This rests on 60 windows, each the mean friction over a stretch of motion "
+        "or at a steady point."
     )
 
 
@@ -195,7 +196,7 @@ def test_no_share_is_told_of_friction_that_may_be_nothing():
     gap = diagnosis().gap.model_copy(update={"friction_rms": 1e-7, "no_share": why})
     for verdict in ("no-gap", "undecided", "unknown", "unseparated", "named"):
         sentence = told(verdict, gap, 0.02, [cause("viscous")] if verdict == "named" else ())
-        assert "0.0493 N rms" in sentence or verdict == "undecided"
+        assert "0.049 N rms" in sentence or verdict == "undecided"
         assert "% of friction" not in sentence
     assert why in told("no-gap", gap, 0.02)
 
@@ -210,12 +211,12 @@ def test_the_sentence_says_what_data_held_out_say():
         "How much of the gap it removes on data that the fit has not seen cannot be told: the gap"
     )
     within = held_out_words(open_still, ())
-    assert "is off by 0.0523 N rms; scatter alone makes" in within
+    assert "is off by 0.052 N rms; scatter alone makes" in within
     assert within.endswith("a difference that chance can make.")
     assert held_out_words(gap, ()).endswith("a difference that chance does not explain.")
     below = nothing.model_copy(update={"floor": nothing.before})
     assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(
-        "is off by 0.0523 N rms, no more than scatter alone makes (0.0523 N on average)."
+        "is off by 0.052 N rms, no more than scatter alone makes (0.052 N on average)."
     )
 
 

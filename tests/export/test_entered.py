@@ -42,7 +42,7 @@ def test_what_a_simulator_lacks_is_named_with_its_force():
     ]
     assert list(entered_remarks([COULOMB, SHARE]))[1] == (
         "No simulator has a field for load-friction.share, which is 0.120 ± 0.033: without it the "
-        "simulation stays off by 0.34 N·m rms. "
+        "simulation stays off by 0.34 N·m rms (0.56 times Coulomb friction). "
         "`bayesfric export --to mjcf` writes a callback for it, load_friction.py."
     )
 
@@ -94,8 +94,8 @@ def middle(value):
 def test_how_far_the_simulator_is_off_today_stands_beside_the_numbers():
     entered = joint(as_shipped=middle(0.4), after=middle(0.003))
     said = (
-        "With its own numbers (now) it misses held-out data by 0.4 N·m rms (50% of friction), "
-        "with these by 0.003 N·m."
+        "With its own numbers (now) it misses held-out data by 0.4 N·m rms (50% of friction); "
+        "with these, by 0.003 N·m."
     )
     (table, _) = numbers_to_enter(entered)
     assert said in table.caption
@@ -121,7 +121,7 @@ def test_numbers_that_miss_held_out_data_carry_a_warning():
 def test_a_share_of_friction_that_cannot_be_told_is_in_no_warning():
     """Five times a friction that is within its error of zero is no reason by itself."""
     gap = {"held_out_excess": 4.0, "after": middle(0.3), "floor": middle(1.0)}
-    assert "500% of friction" in why_untrusted(joint(**gap))
+    assert "5 times friction" in why_untrusted(joint(**gap))
     warning = why_untrusted(joint(**gap, no_share="friction is within its error of zero"))
     assert warning.startswith("Enter these numbers with care")
     assert "%" not in warning
@@ -167,5 +167,6 @@ def test_what_two_joints_lack_alike_is_said_once():
         "0.61 N·m rms at shoulder and 0.61 N·m rms at elbow.",
         "No simulator has a field for offset (a constant force, as of a sensor's zero), which is "
         "0.0135 ± 0.0066 N·m at shoulder and 0.0135 ± 0.0066 N·m at elbow: without it the "
-        "simulation stays off by 0.013 N·m rms at shoulder and 0.013 N·m rms at elbow.",
+        "simulation stays off by 0.013 N·m rms (0.021 times Coulomb friction) at shoulder and "
+        "0.013 N·m rms (0.021 times Coulomb friction) at elbow.",
     ]

@@ -248,7 +248,7 @@ def two_joints(monkeypatch, folder):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("--to", "mjcf"), "--into MODEL, your own in MJCF: there are 2 joints"),
+        (("--to", "mjcf"), "--into MODEL: your MJCF file, since there are 2 joints"),
         (("--to", "json", "--into", "arm.xml"), "--to with one of mjcf, urdf, sdf"),
         (("--to", "mjcf", "--into", "arm.xml", "--joint", "a"), "LOG=MODEL, where there are"),
         (("--to", "mjcf", "--into", "none.xml"), "none.xml"),

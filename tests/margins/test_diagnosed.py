@@ -249,7 +249,7 @@ def test_the_law_alone_says_that_a_cause_is_named_and_by_how_much_it_is_wrong(tm
     assert found.law.used == "fitted"
     (line,) = found.attention
     assert "diagnosis.json names stribeck" in line
-    assert line.endswith("as was asked: c2[small] 68% too high")
+    assert line.endswith("fitted without it: c2[small] 68% too high")
 
 
 def test_a_diagnosis_that_names_nothing_leaves_the_law_and_says_so(tmp_path):

@@ -84,9 +84,7 @@ def test_an_effect_that_the_law_lacks_is_no_noise_of_it(tmp_path):
         sd[stiffness] = part.power.coefficients["sd"]
         assert part.power.beside == (("spring",) if stiffness else ())
     assert (sd[2.0] / sd[0.0]).between(0.7, 1.5).all()
-    assert "These errors hold together with spring, which a first look shows." in "\n".join(
-        part.lines()
-    )
+    assert "These errors allow for spring, which a first look shows." in "\n".join(part.lines())
 
 
 def test_what_is_told_what_is_not_and_what_to_record(told):
@@ -96,7 +94,7 @@ def test_what_is_told_what_is_not_and_what_to_record(told):
     assert "viscous" not in cannot  # the law has it
     laws = told.power.effects
     assert (laws["unseen"] < laws["smallest"]).all()
-    assert " (none below " in can["stribeck"]
+    assert " (never below " in can["stribeck"]
     assert told.advice["a temperature column, from cold to warm"] == ["thermal"]
     text = "\n".join(told.lines())
     assert "What to record next" in text
@@ -166,7 +164,7 @@ def test_boards_are_checked_by_their_conditions(tmp_path):
     (part,) = readiness_of(board).parts
     assert np.isfinite(part.power.coefficients["sd"]).all()
     assert not part.lacking
-    assert "Expected errors" in "\n".join(part.lines())
+    assert "Expected values and errors" in "\n".join(part.lines())
 
 
 def beside_a_rigid_body(folder):

@@ -73,7 +73,7 @@ def test_values_that_are_hardly_others_are_not_promoted():
     near = Hinge(TRUTH.frictionloss * 1.002, TRUTH.damping * 0.998, TRUTH.armature * 1.01)
     found = replayed_hinge(TRUTH, near)
     assert not found.promoted
-    assert "Not promoted: not surely better" in found.sentence
+    assert "Not promoted: the 90 % interval does not show" in found.sentence
 
 
 def test_wrong_values_in_the_place_of_right_ones_are_not_promoted():

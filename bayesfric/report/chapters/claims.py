@@ -44,6 +44,9 @@ FAMILIES = {
 }
 
 
+MOST_STATED = 3  # claims of a verdict whose statements have room on page one
+
+
 def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
     """Return, for page one, which of the paper's claims are refuted and which stay open.
 
@@ -82,9 +85,11 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
 
 
 def _stated(verdict: str, claims: Sequence[ClaimResult]) -> Iterator[list[Inline]]:
-    """Yield a sentence of what the claims of a verdict state; their names are in the chapter."""
+    """Yield what the claims of a verdict state, or their names where these are many."""
     stated = [claim.statement.removesuffix(".") for claim in claims]
-    if stated:
+    if len(claims) > MOST_STATED:
+        yield [Strong(f"{verdict}:"), f" {', '.join(claim.id for claim in claims)}."]
+    elif stated:
         yield [Strong(f"{verdict}:"), f" {'; '.join(_inside(text) for text in stated)}."]
 
 

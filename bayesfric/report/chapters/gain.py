@@ -184,7 +184,7 @@ def _missed(loop: LoopMargins) -> Iterator[str]:
         measured = format_interval(
             scale * interval.q50, scale * interval.q05, scale * interval.q95, unit
         )
-        asked = f"{metric.sense} {scale * metric.spec:.3g}\N{NARROW NO-BREAK SPACE}{unit}".rstrip()
+        asked = _spaced(f"{metric.sense} {scale * metric.spec:.3g}", unit)
         chance = chance_of_missing(metric)
         missed = "" if chance is None else f", missed with probability {chance}"
         said.append(f"{words} {measured} ({asked} is asked for{missed})")
@@ -302,10 +302,15 @@ def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
             _called(metric),
             chance_of_missing(metric) or MISSING,
             _allowed(loop, metric),
-            f"{metric.sense} {scale * metric.spec:.3g}\u202f{unit}".rstrip(),
-            f"{low} to {high}\u202f{unit}".rstrip(),
+            _spaced(f"{metric.sense} {scale * metric.spec:.3g}", unit),
+            _spaced(f"{low} to {high}", unit),
         ]
         yield [Strong(cell) if stored in missing else cell for cell in row]
+
+
+def _spaced(number: str, unit: str) -> str:
+    """Return a number with its unit, after a thin space unless it is a degree."""
+    return f"{number}{unit}" if unit in ("", "°") else f"{number}\u202f{unit}"
 
 
 def _allowed(loop: LoopMargins, metric: Metric) -> str:

@@ -76,7 +76,7 @@ class SensorClocks:
             return (
                 f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
             )
-        within = f"up to {1e3 * self.furthest_s:.3g} ms is estimated in each trial"
+        within = f"the fit estimates each trial's offset, up to {1e3 * self.furthest_s:.3g} ms"
         return f"{_said(self.late_s, self.sd_s)}, {alike} trials; {within}"
 
 
