@@ -275,6 +275,14 @@ def test_one_load_one_way_says_that_it_cannot_tell(both_ways):
     assert any("Lift and lower at one pose" in line for line in lines) != both_ways
 
 
+@pytest.mark.parametrize("gravity", [0.0, 0.8])
+def test_a_lift_of_which_little_varies_says_that_it_cannot_tell(gravity):
+    """What is constant of the load is Coulomb friction there, so that the load seems small."""
+    lift = {"runs": 3, "seconds": 8.0, "lifts_alone": True, "coulomb": 0.25, "gravity": gravity}
+    lines = AXIS.trials(LoadedJoint(**lift).recording()).doubts({})
+    assert any("Lift and lower at one pose" in line for line in lines) == bool(gravity)
+
+
 LADDER = {
     "M2": ({"stribeck": (0.4, 0.5)}, {"stribeck"}),
     "M4": ({"load_at_rest": (0.2, 0.5)}, {"load-stribeck"}),

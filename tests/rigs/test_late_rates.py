@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bayesfric.rigs.single_axis.answered import without_answers
 from bayesfric.rigs.single_axis.even_log import even_grid
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.readings import readings_of
@@ -54,3 +55,20 @@ def test_what_is_commanded_beyond_a_limit_does_not_act_later():
         np.testing.assert_allclose(rate[beyond], 0.0, atol=1e-3)  # of 20 N/s
     within = np.abs(rows.drive).max(axis=1) < 2.5
     assert np.abs(rows.force_rate[within]).min() > 5
+
+
+def test_what_a_loop_answers_to_motion_stays_in_the_force_that_tells_a_delay():
+    """Without it a delay of 1 ms was told as none, and viscous friction as less to match."""
+    time, place = swinging(1.1, gain=0.4)
+    errors = 2e-5 * np.random.default_rng(5).uniform(-0.5, 0.5, time.size)
+    stiff, damped = 60.0, 2.0
+
+    def answer(read):
+        return -stiff * read - damped * np.diff(read, prepend=read[0]) / INTERVAL
+
+    force = answer(place + errors)
+    log = even_grid(time, {"position": place + errors, "force": force})
+    quiet = without_answers(log, 60, np.inf)
+    inside = slice(200, -200)
+    left = np.std((quiet.force - answer(place))[inside])
+    assert left < 0.1 * np.std((force - answer(place))[inside])

@@ -55,6 +55,29 @@ def test_windows_are_wide_where_a_known_force_tells_the_acceleration_better(is_k
     assert (half_s > 0.03) is is_known_exactly
 
 
+@pytest.mark.parametrize("late_s", [0.0, 0.001])
+def test_errors_of_positions_do_not_tell_by_how_much_a_known_force_is_wrong(late_s):
+    """It is the acceleration without their errors: its share took a part of the rotor's inertia."""
+    time, count, link = np.arange(0, 9, 0.002), 4e-5, 0.04
+    of_rates = [0.8 * 1.4**2, 0.3 * 4.0**2]
+    turned = np.multiply.outer(time, [1.4, 4.0])
+    place, speed = np.sin(turned) @ [0.8, 0.3], np.cos(turned) @ [0.8 * 1.4, 0.3 * 4.0]
+    of_link = -link * np.sin(turned) @ of_rates
+    force = 1.35 * of_link + 0.45 * np.sign(speed) + 0.16 * speed
+    known = -link * np.sin(turned - late_s * np.array([1.4, 4.0])) @ of_rates
+    everywhere = np.ones(time.size, dtype=bool)
+    log = EvenLog(time, np.round(place / count) * count, force, everywhere, 0.002, {})
+    share = (WeakForce(0.025 * known),)
+    log = replace(log, known_force=WeakForce(known), beside=share, known_to_a_share=True)
+    rows = readings_of([log], [np.zeros(1, dtype=int)], count)
+    speed = rows.speed @ rows.weights
+    law = np.column_stack([rows.acceleration, np.ones(rows.count), speed, rows.way])
+    assert rows.beside.shape[1] == 1  # what is left are errors
+    own = law @ np.linalg.lstsq(law, rows.beside[:, 0], rcond=None)[0]
+    assert rows.beside[:, 0] == pytest.approx(own, abs=1e-6 * np.abs(own).max())
+    assert np.linalg.lstsq(law, own, rcond=None)[0][0] == pytest.approx(0.025 * link, rel=1e-3)
+
+
 def test_windows_are_wide_where_a_weight_pulls_as_the_acceleration_goes():
     """In a free swing errors of counts made an inertia of 0.0005, which asked for no wider one."""
     step, count, inertia, fine = 0.005, 2.9e-3, 0.3, 10

@@ -5,8 +5,8 @@ A controller that takes the speed from counts answers the error e of each positi
 row lacks m ∫ φ'' e dt, by which its acceleration is read wrong, and the rate of the force has the
 same errors many times larger: least squares explain the one by the other, as a force that acts
 some milliseconds later than it was logged, with friction that grows with speed to match. So a
-rate, which tells a delay alone, is that of the force without its answer to what a parabola
-through the positions of two windows leaves.
+rate, which tells a delay alone, is that of the force without its answer to what a polynomial
+through the positions of two windows leaves. A parabola leaves motion too, whose force acts late.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ from bayesfric.rigs.single_axis.even_log import EvenLog, local_polynomial
 TAPS = 4  # samples over which a controller answers a count
 DIFFERENCED = 3  # times, which leaves errors of samples and no motion
 TO_AND_FRO = 0.5  # correlation of neighbours, at the least; of errors it is 0.75
-WINDOWS = 2  # whose positions the parabola goes through
+WINDOWS, DEGREE = 2, 4  # whose positions a polynomial goes through, and its degree
 
 
 def without_answers(log: EvenLog, half: int, limit: float) -> EvenLog:
@@ -38,7 +38,7 @@ def without_answers(log: EvenLog, half: int, limit: float) -> EvenLog:
     wide, answer = WINDOWS * half, _answer(log)
     if answer is None or log.position.size < 2 * wide + 1:
         return log
-    errors = log.position - local_polynomial(log.position, wide, 2)
+    errors = log.position - local_polynomial(log.position, wide, DEGREE)
     answered = np.convolve(errors, answer)[: errors.size]
     return replace(log, force=log.force - np.where(np.abs(log.force) < limit, answered, 0.0))
 

@@ -46,6 +46,8 @@ class EvenLog:
         that model, or the pull of other joints.
     known_inertia : float
         What the model moves, whose acceleration an error of the position makes [kg, or kg·m²].
+    known_to_a_share : bool
+        Whether the first of `beside` is the share by which the known force may be wrong.
     dithers : ndarray of bool, shape (N,), or None
         Where it turns back between two counts; None where nobody looked.
     sent : WeakForce or None
@@ -68,6 +70,7 @@ class EvenLog:
     known_force: WeakForce | None = None
     beside: tuple[WeakForce, ...] = ()
     known_inertia: float = 0.0
+    known_to_a_share: bool = False
     dithers: Flags | None = None
     sent: WeakForce | None = None
     moment: Array | None = None

@@ -120,7 +120,8 @@ class Machine:
             own, rotary = self.joints.index(self.joint), self.constants.rotary
             log = replace(log, beside=tuple(coupling(nearest, own, log, self._scales, rotary)))
         elif log.known_force is not None and self.constants.known_force_sd is not None:
-            log = replace(log, beside=(known_to(log.known_force, self._scales),))
+            share = known_to(log.known_force, self._scales)
+            log = replace(log, beside=(share,), known_to_a_share=True)
         shares = self._payloads.get(run, ())
         if log.forces or not shares:  # a simulator in the law's place says the whole force
             return log

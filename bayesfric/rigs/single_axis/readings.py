@@ -238,6 +238,8 @@ def readings_of(
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
     whole["place"] = np.arange(joined["way"].size)
+    if logs[0].known_to_a_share:
+        joined["beside"] = _parted_share(joined)
     joined["beside"], mixing = leading(joined["beside"], joined["force"])
     return Readings(
         **whole,
@@ -250,6 +252,26 @@ def readings_of(
         known_inertia=float(np.mean([log.known_inertia for log in logs])),
         mixing=mixing,
     )
+
+
+def _parted_share(joined: dict[str, Array]) -> Array:
+    """Return forces beside the law, the share of a known force in two: of the law's form, and not.
+
+    The known force of a joint alone is an inertia times the acceleration, but for errors of the
+    positions and of clocks. By one amount these errors tell how wrong that inertia is; by two
+    nothing does, as it should be, and the rotor's inertia is as uncertain.
+
+    Parameters
+    ----------
+    joined : dict of str to ndarray
+        Fields of W rows; the first of ``beside`` is that share.
+    """
+    way, beside = joined["way"], joined["beside"]
+    speed = joined["speed"] @ node_weights()[1]
+    law = np.column_stack([joined["acceleration"], np.ones(way.size), speed, way])
+    share = beside[:, 0]
+    like_law = law @ np.linalg.lstsq(law, share, rcond=SINGULAR)[0]
+    return np.column_stack([like_law, share - like_law, beside[:, 1:]])
 
 
 def with_lever(rows: Readings, force: float) -> Readings:

@@ -221,6 +221,17 @@ class AxisRuns(RigTrials):
         size = float(np.sqrt(np.mean((held + moved) ** 2)))
         return carried if size > AXIS_RULES.heavy_load * self.measures.friction else None
 
+    @property
+    def _loaded_one_way(self) -> bool:
+        """Whether the gear may carry a load that moves one way at each pose.
+
+        What is constant of the load is Coulomb friction there: a little that varies shows much.
+        """
+        carried = self.measures.carried
+        if carried is None or shows_both_ways(self.readings, len(carried.loads)):
+            return False
+        return self._carried is not None or self.measures.pull > 0
+
     @cached_property
     def _further(self) -> tuple[str, ...]:
         """Columns of the recording's own that varied over all runs."""
@@ -344,7 +355,7 @@ class AxisRuns(RigTrials):
             lines += likely_mistakes(self.readings, self.measures, self.interval_s, viscous=viscous)
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
-        if self._carried is not None and "load-both-ways" not in self.offers:
+        if self._loaded_one_way:
             lines.append(ONE_WAY)
         if self.late_s:
             acts = "later" if self.late_s > 0 else "earlier"
