@@ -66,12 +66,7 @@ def recording_id(recording: Recording) -> RecordingId:
     )
 
 
-def provenance(
-    *,
-    recording: RecordingId,
-    analysis: Analysis,
-    created: str | None,
-) -> Provenance:
+def provenance(*, recording: RecordingId, analysis: Analysis, created: str | None) -> Provenance:
     """Return the provenance that every file carries.
 
     Parameters
@@ -91,6 +86,12 @@ def provenance(
         analysis=analysis.model_dump(mode="json"),
         created=created_date(created),
     )
+
+
+def provenance_of(recording: Recording, analysis: Analysis) -> Provenance:
+    """Return the provenance of a result that rests on one recording."""
+    identity = recording_id(recording)
+    return provenance(recording=identity, analysis=analysis, created=recording.created)
 
 
 def package_versions() -> dict[str, str]:

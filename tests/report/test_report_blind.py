@@ -1,12 +1,14 @@
 """The scorecard in the report: from scorecard.json alone, every number where it is said."""
 
+from dataclasses import replace
+
 import pytest
 import xarray as xr
 from blind.scored import scored
 from matplotlib.lines import Line2D
 
 from bayesfric.analysis import Analysis
-from bayesfric.blind.scorecard import scorecard_of
+from bayesfric.blind.scorecard import Campaign, scorecard_of
 from bayesfric.errors import InputError
 from bayesfric.plots.scorecard import (
     confusion_matrix,
@@ -30,8 +32,8 @@ WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_
 
 
 def card_of(cases, **changes):
-    given = {"engine": "reference", "design": "quick", "seed": 10_000, "planned": 630}
-    return scorecard_of(cases, analysis=Analysis(), **(given | changes))
+    campaign = Campaign("reference", "quick", "design", 10_000, 630)
+    return scorecard_of(cases, replace(campaign, **changes), Analysis())
 
 
 @pytest.fixture(scope="module")
