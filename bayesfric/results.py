@@ -58,12 +58,8 @@ PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy",
 
 def recording_id(recording: Recording) -> RecordingId:
     """Return which recording results rest on: its tables and its rig."""
-    return RecordingId(
-        name=recording.name,
-        title=recording.title,
-        sha256=recording.sha256,
-        rig_sha256=rig_sha256(recording.rig),
-    )
+    name, title, rig = recording.name, recording.title, rig_sha256(recording.rig)
+    return RecordingId(name=name, title=title, sha256=recording.sha256, rig_sha256=rig)
 
 
 def provenance(*, recording: RecordingId, analysis: Analysis, created: str | None) -> Provenance:

@@ -63,7 +63,9 @@ def diagnosed_together(
     alike: dict[str, list[str]] = {}
     for joint, result in by_joint.items():
         alike.setdefault(result.summary.verdict, []).append(joint)
-    words = "; ".join(f"{IN_WORDS[verdict]} at {_listed(names)}" for verdict, names in alike.items())
+    words = "; ".join(
+        f"{IN_WORDS[verdict]} at {_listed(names)}" for verdict, names in alike.items()
+    )
     first = by_joint[decides]
     said = first.own_sentence[:1].lower() + first.own_sentence[1:]
     summary = first.summary.model_copy(

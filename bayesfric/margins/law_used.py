@@ -86,7 +86,9 @@ def choose_law(
         f"{path.name} names {names}, but you asked for margins of the law fitted without it"
         f"{_wrong(biased_numbers(record))}"
     )
-    return _fitted(posterior, f"{path.name} names {names}, which you asked to leave out", beside, warning)
+    return _fitted(
+        posterior, f"{path.name} names {names}, which you asked to leave out", beside, warning
+    )
 
 
 def _fitted(

@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 from blind.scored import scored
 from matplotlib.lines import Line2D
+from report.told import plain as words
 
 from bayesfric.analysis import Analysis
 from bayesfric.blind.scorecard import Campaign, scorecard_of
@@ -18,7 +19,7 @@ from bayesfric.plots.scorecard import (
 from bayesfric.plots.style import to_svg
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
-from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table, inlines
+from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import StoredClaims, StoredResults
@@ -42,10 +43,6 @@ def card():
     effects = [scored("effect")] * 19 + [scored("effect", **WRONG)]
     weak = [scored("effect", strength={"viscous": 0.3}, own=False, **WRONG)] * 2
     return card_of([*nulls, *effects, *weak])
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 @pytest.fixture(scope="module")
