@@ -152,8 +152,9 @@ def floor_disagrees(
     left, expected = np.sqrt([max(left2, 0.0), typical2])
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
-        f"on data that the fit has not seen the law is off by {left:.2g} {unit} rms, {more_or_less} "
-        f"than the {expected:.2g} {unit} that scatter and the remaining gap would make"
+        f"on data that the fit has not seen the law is off by {left:.2g} {unit} rms, "
+        f"{more_or_less} than the {expected:.2g} {unit} that scatter and the remaining gap would "
+        "make"
     )
 
 
