@@ -58,20 +58,11 @@ PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy",
 
 def recording_id(recording: Recording) -> RecordingId:
     """Return which recording results rest on: its tables and its rig."""
-    return RecordingId(
-        name=recording.name,
-        title=recording.title,
-        sha256=recording.sha256,
-        rig_sha256=rig_sha256(recording.rig),
-    )
+    name, title, rig = recording.name, recording.title, rig_sha256(recording.rig)
+    return RecordingId(name=name, title=title, sha256=recording.sha256, rig_sha256=rig)
 
 
-def provenance(
-    *,
-    recording: RecordingId,
-    analysis: Analysis,
-    created: str | None,
-) -> Provenance:
+def provenance(*, recording: RecordingId, analysis: Analysis, created: str | None) -> Provenance:
     """Return the provenance that every file carries.
 
     Parameters
@@ -91,6 +82,12 @@ def provenance(
         analysis=analysis.model_dump(mode="json"),
         created=created_date(created),
     )
+
+
+def provenance_of(recording: Recording, analysis: Analysis) -> Provenance:
+    """Return the provenance of a result that rests on one recording."""
+    identity = recording_id(recording)
+    return provenance(recording=identity, analysis=analysis, created=recording.created)
 
 
 def package_versions() -> dict[str, str]:

@@ -6,14 +6,12 @@ from bayesfric.observation.coefficients import PAPER_SIZES
 from bayesfric.probabilities import two_digits
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.causes import INERTIAS, Cause, LawNumber
 
 FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
 FAR_FROM_FRICTION = 0.5  # of friction, the same
 NOT_YET = "Do not enter these numbers yet"
 MULTIPLE = 2.0  # times friction, from which on nobody reads a percentage
-CALLED = {"inertia": "mass"}
-"""Names of numbers that are not told, by those that a reader knows."""
 OF_BIASED_LAW = "fit.json and claims.json are of this biased law"
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
@@ -50,7 +48,7 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
         f"{number.ordinary:.3g}"
         for name, number in instrument.numbers.items()
-        if not {name, CALLED.get(name, name)} & set(diagnosis.untold)
+        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.untold)
     )
     yield (
         "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "

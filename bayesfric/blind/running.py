@@ -2,7 +2,8 @@
 
 import json
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -10,9 +11,9 @@ from typing import Any, Literal
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.blind.answers import read_answer
 from bayesfric.blind.case import catalogue_of, diagnose_sealed, run_case
-from bayesfric.blind.design import SCORING_FROM, cases_from_prior, cases_of
+from bayesfric.blind.design import SCORING_FROM, BlindCase, cases_from_prior, cases_of
 from bayesfric.blind.envelope import open_envelope, seal
-from bayesfric.blind.scorecard import scorecard_of
+from bayesfric.blind.scorecard import Campaign, scorecard_of
 from bayesfric.blind.scoring import score
 from bayesfric.campaign import case_folder, run_cases
 from bayesfric.effects import all_effects
@@ -51,13 +52,10 @@ def run_blind(
         Created if it is not there.
     engine : str
         Who makes the recordings.
-    number : int
-        Of cases.
-    first_seed : int
-        Of the first case; below 10,000 for tuning, from there on for scoring.
+    number, first_seed : int
+        Of cases, and the first one's seed: below 10,000 for tuning, from there on for scoring.
     from_prior : bool
-        Whether hypotheses are drawn from the prior that a diagnosis reports, instead of
-        laid out.
+        Whether hypotheses are drawn from the prior that a diagnosis reports, not laid out.
     workers : int
         Processes of this machine; any number gives the same scorecard.
     scheduler : str or None
@@ -80,49 +78,14 @@ def run_blind(
         An engine, number or seed that there is not, a scheduler that does not answer,
         nothing done where `so_far` asks for it, or a folder that cannot be written.
     """
-    folder = Path(folder)
-    analysis = Analysis() if analysis is None else analysis
-    lay_out = cases_from_prior if from_prior else cases_of
-    catalogue = catalogue_of(engine)
-    cases = lay_out(catalogue, number, first_seed, engine=engine)
-    design = next(iter(cases.values())).design
-    hypotheses: Literal["prior", "design"] = "prior" if from_prior else "design"
-    key = {
-        "engine": engine,
-        "catalogue": [sorted(catalogue.effects.items()), catalogue.outsiders],
-        "design": design,
-        "hypotheses": hypotheses,
-        "first_seed": first_seed,  # what a seed's case is depends on where the campaign begins
-        "analysis_sha256": analysis_sha256(analysis),
-        "versions": package_versions(),
-    }
-    kept = case_folder(folder, CASES, key)
-    if so_far:
-        cases = {name: case for name, case in cases.items() if _done(kept, name).is_file()}
-        if not cases:
-            raise InputError([Fault(str(kept), "a case that is done, of these seeds")])
-    _write_log(
-        folder,
-        engine=engine,
-        design=design,
-        hypotheses=hypotheses,
-        seed=first_seed,
-        number=number,
-        scoring=first_seed >= SCORING_FROM,
-        analysis_sha256=analysis_sha256(analysis),
-        so_far=so_far,
-    )
+    folder, analysis = Path(folder), Analysis() if analysis is None else analysis
+    campaign, cases = _laid_out(engine, number, first_seed, from_prior)
+    kept = _kept(folder, campaign, analysis)
+    cases = _done(cases, kept) if so_far else cases
+    _write_log(folder, campaign, analysis, so_far=so_far)
     work = partial(run_case, folder=kept, analysis=analysis)
     scored = run_cases(work, cases, kept / "scored", workers, scheduler, progress)
-    scorecard = scorecard_of(
-        [ScoredCase.model_validate_json(json.dumps(case)) for case in scored.values()],
-        analysis=analysis,
-        engine=engine,
-        design=design,
-        seed=first_seed,
-        planned=number,
-        hypotheses=hypotheses,
-    )
+    scorecard = scorecard_of([*map(_read, scored.values())], campaign, analysis)
     replace_outputs(folder, {"scorecard.json": scorecard})
     return scorecard
 
@@ -173,28 +136,59 @@ def score_recording(
         oracle_power=None,
         effect_names=all_effects(),
     )
-    identity = recording_id(recording)
-    scorecard = scorecard_of(
-        [scored],
-        analysis=analysis,
-        engine="user",
-        design="user",
-        seed=analysis.seed,
-        planned=1,
-        hypotheses="user",
-        recording=identity,
-    )
+    campaign = Campaign("user", "user", "user", analysis.seed, planned=1)
+    scorecard = scorecard_of([scored], campaign, analysis, recording_id(recording))
     replace_outputs(folder, {"scorecard.json": scorecard})
     return scorecard
 
 
-def _done(kept: Path, name: str) -> Path:
-    return kept / "scored" / f"{name}.json"
+def _read(scored: Mapping[str, Any]) -> ScoredCase:
+    return ScoredCase.model_validate_json(json.dumps(scored))
 
 
-def _write_log(folder: Path, **entry: Any) -> None:
+def _laid_out(
+    engine: str, number: int, first_seed: int, from_prior: bool
+) -> tuple[Campaign, dict[str, BlindCase]]:
+    """Return a campaign with its cases by name."""
+    lay_out = cases_from_prior if from_prior else cases_of
+    cases = lay_out(catalogue_of(engine), number, first_seed, engine=engine)
+    design = next(iter(cases.values())).design
+    hypotheses: Literal["prior", "design"] = "prior" if from_prior else "design"
+    return Campaign(engine, design, hypotheses, first_seed, number), cases
+
+
+def _kept(folder: Path, campaign: Campaign, analysis: Analysis) -> Path:
+    """Return where the cases of a campaign are kept, however many it has."""
+    catalogue = catalogue_of(campaign.engine)
+    key = {
+        "engine": campaign.engine,
+        "catalogue": [sorted(catalogue.effects.items()), catalogue.outsiders],
+        "design": campaign.design,
+        "hypotheses": campaign.hypotheses,
+        "first_seed": campaign.seed,  # what a seed's case is depends on where the campaign begins
+        "analysis_sha256": analysis_sha256(analysis),
+        "versions": package_versions(),
+    }
+    return case_folder(folder, CASES, key)
+
+
+def _done(cases: Mapping[str, BlindCase], kept: Path) -> dict[str, BlindCase]:
+    """Return the cases that are done, of which there has to be one."""
+    done = {n: case for n, case in cases.items() if (kept / "scored" / f"{n}.json").is_file()}
+    if not done:
+        raise InputError([Fault(str(kept), "a case that is done, of these seeds")])
+    return done
+
+
+def _write_log(folder: Path, campaign: Campaign, analysis: Analysis, *, so_far: bool) -> None:
     """Append a line to the log of campaigns."""
-    record = entry | {"versions": package_versions(), "commit": _commit()}
+    record = asdict(campaign) | {
+        "scoring": campaign.scoring,
+        "analysis_sha256": analysis_sha256(analysis),
+        "so_far": so_far,
+        "versions": package_versions(),
+        "commit": _commit(),
+    }
     with writable(folder):
         (folder / CASES).mkdir(parents=True, exist_ok=True)
         with (folder / CASES / LOG).open("a", encoding="utf-8") as stream:

@@ -2,6 +2,7 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
 from typing import Literal
 
 import numpy as np
@@ -30,15 +31,38 @@ LEAST_CHANCE = 1e-6  # a probability below it is scored as this
 PROMISED = {"1/own": 0.95, "1/foreign": 0.90, "0.3/own": 0.85, "0.3/foreign": 0.75}
 
 
+@dataclass(frozen=True)
+class Campaign:
+    """Which cases a scorecard is of.
+
+    Parameters
+    ----------
+    engine, design : str
+        Who made the recordings, and after which protocol.
+    hypotheses : {"design", "prior", "user"}
+        Where the hypotheses come from.
+    seed : int
+        Of the first case.
+    planned : int
+        Cases in all, of which some may be still to come.
+    """
+
+    engine: str
+    design: str
+    hypotheses: Literal["design", "prior", "user"]
+    seed: int
+    planned: int
+
+    @property
+    def scoring(self) -> bool:
+        """Whether its seeds are those on which nothing was tuned."""
+        return self.hypotheses != "user" and self.seed >= SCORING_FROM
+
+
 def scorecard_of(
     cases: Sequence[ScoredCase],
-    *,
+    campaign: Campaign,
     analysis: Analysis,
-    engine: str,
-    design: str,
-    seed: int,
-    planned: int,
-    hypotheses: Literal["design", "prior", "user"] = "design",
     recording: RecordingId | None = None,
 ) -> ScorecardFile:
     """Return the scorecard of the cases that are done.
@@ -47,31 +71,22 @@ def scorecard_of(
     ----------
     cases : sequence of ScoredCase
         In the order of the campaign.
+    campaign : Campaign
+        Theirs.
     analysis : Analysis
         Of every diagnosis, but for its seed.
-    engine, design : str
-        Who made the recordings, and after which protocol.
-    seed : int
-        Of the first case.
-    planned : int
-        Cases of the whole campaign.
-    hypotheses : {"design", "prior", "user"}
-        Where the hypotheses come from.
     recording : RecordingId or None
         A user's.
     """
     rates = _rates(cases)
+    verdicts = sorted({case.verdict for case in cases})
     return ScorecardFile(
-        seed=seed,
+        **asdict(campaign),
+        scoring=campaign.scoring,
         versions=package_versions(),
         recording=recording,
         analysis_sha256=analysis_sha256(analysis),
         created=created_date(None),
-        engine=engine,
-        design=design,
-        hypotheses=hypotheses,
-        scoring=hypotheses != "user" and seed >= SCORING_FROM,
-        planned=planned,
         practical_share=analysis.diagnosis.practical_share,
         cases=tuple(cases),
         confusion=_confusion(cases),
@@ -90,12 +105,7 @@ def scorecard_of(
             for form in ("own", "foreign")
         },
         reliability=tuple(_reliability(cases)),
-        reliability_by_verdict={
-            verdict: _reliability([case for case in cases if case.verdict == verdict], (0.0, 1.0))[
-                0
-            ]
-            for verdict in sorted({case.verdict for case in cases})
-        },
+        reliability_by_verdict={verdict: _came_true(cases, verdict) for verdict in verdicts},
         brier=estimate_of([(case.probability - case.came_true) ** 2 for case in cases]),
         log_score=estimate_of([_log_score(case) for case in cases]),
         smallest_detected=_smallest(cases),
@@ -150,6 +160,12 @@ def _reliability(
     return reliability_of(
         [case.probability for case in cases], [case.came_true for case in cases], edges
     )
+
+
+def _came_true(cases: Sequence[ScoredCase], verdict: str) -> ReliabilityBin:
+    """Return how often a verdict was right, whatever its probability."""
+    (together,) = _reliability([case for case in cases if case.verdict == verdict], (0.0, 1.0))
+    return together
 
 
 def _log_score(case: ScoredCase) -> float:

@@ -51,9 +51,9 @@ def score(
     less than ``practical_share`` once the baseline is refitted; there ``no-gap`` and
     ``undecided`` are correct where they list no cause that is absent, and so is naming
     what is there all the same. An effect is named where the causes are exactly those
-    withheld, or effects that the diagnosis itself calls identical to them on this rig;
-    ``undecided`` names nothing, so that it is not correct. An effect that the diagnosis
-    does not know is flagged by ``unknown``, or by a significant remainder on a true axis.
+    withheld, or effects that the diagnosis itself calls identical to them on this rig.
+    An effect that the diagnosis does not know is flagged by ``unknown``, or by a
+    significant remainder on a true axis.
 
     Parameters
     ----------
@@ -80,40 +80,55 @@ def score(
     as_none = not names or (gap is not None and gap < diagnosis.practical_share)
     named = diagnosis.verdict == "named" and kind != "outsider" and _is_named(names, diagnosis)
     flagged = diagnosis.verdict == "unknown" or _remainder_flags(withheld, diagnosis)
-    correct = named or (kind == "outsider" and flagged)
-    if as_none:
-        correct = correct or (diagnosis.verdict in NO_CLAIM and _all_act(names, diagnosis))
-    own = [bool(effect.get("own", False)) for effect in withheld]
-    shrink = diagnosis.gap.shrink_of_model
-    covered = None
-    if named and shrink is not None and true_shrink is not None:
-        covered = shrink.q05 <= true_shrink <= shrink.q95
+    rightly_open = as_none and diagnosis.verdict in NO_CLAIM and _all_act(names, diagnosis)
     return ScoredCase(
         **{key: public[key] for key in ("name", "seed", "engine", "design", "envelope_sha256")},
+        **_of_truth(withheld),
+        **_of_diagnosis(withheld, diagnosis, true_shrink, named),
         kind=kind,
-        withheld=tuple(names),
-        form=tuple(str(effect.get("form", "")) for effect in withheld),
-        own=all(own) if names else None,
-        strength={str(e["name"]): float(e["strength"]) for e in withheld if "strength" in e},
         noise_free_gap=gap,
         oracle_power=oracle_power,
         counts_as_none=as_none,
-        verdict=diagnosis.verdict,
-        causes=tuple(cause.effect for cause in diagnosis.causes),
         outcome=_outcome(names, kind, named, diagnosis),
-        correct=correct,
-        probability=diagnosis.verdict_probability,
+        correct=named or rightly_open or (kind == "outsider" and flagged),
         came_true=_came_true(names, kind, as_none, diagnosis),
         truth_probability=_truth_probability(names, kind, as_none, diagnosis),
-        falsely_named=diagnosis.verdict == "named" and not named,
         flagged=flagged,
-        remainder_significant=diagnosis.remainder.significant,
-        shrink=shrink,
-        shrink_why=None if shrink is not None else diagnosis.gap.shrink_of_model_why,
-        true_shrink=true_shrink,
-        shrink_covered=covered,
-        parameters_covered=_covered(withheld, diagnosis) if named else {},
     )
+
+
+def _of_truth(withheld: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the fields of what is withheld."""
+    return {
+        "withheld": tuple(str(effect["name"]) for effect in withheld),
+        "form": tuple(str(effect.get("form", "")) for effect in withheld),
+        "own": all(effect.get("own", False) for effect in withheld) if withheld else None,
+        "strength": {str(e["name"]): float(e["strength"]) for e in withheld if "strength" in e},
+    }
+
+
+def _of_diagnosis(
+    withheld: Sequence[Mapping[str, Any]],
+    diagnosis: DiagnosisFile,
+    true_shrink: float | None,
+    named: bool,
+) -> dict[str, Any]:
+    """Return the fields of what is diagnosed; `named` is whether it names what is withheld."""
+    shrink, covered = diagnosis.gap.shrink_of_model, None
+    if named and shrink is not None and true_shrink is not None:
+        covered = shrink.q05 <= true_shrink <= shrink.q95
+    return {
+        "verdict": diagnosis.verdict,
+        "causes": tuple(cause.effect for cause in diagnosis.causes),
+        "probability": diagnosis.verdict_probability,
+        "falsely_named": diagnosis.verdict == "named" and not named,
+        "remainder_significant": diagnosis.remainder.significant,
+        "shrink": shrink,
+        "shrink_why": None if shrink is not None else diagnosis.gap.shrink_of_model_why,
+        "true_shrink": true_shrink,
+        "shrink_covered": covered,
+        "parameters_covered": _covered(withheld, diagnosis) if named else {},
+    }
 
 
 def _kind(names: Sequence[str], effect_names: Collection[str]) -> str:

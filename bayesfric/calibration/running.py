@@ -139,28 +139,16 @@ def calibration_of(
     quantities = []
     for name in names:
         ranks = np.array([case.ranks[name] for case in read])
-        difference, p_value = band.difference(ranks), band.p_value(ranks)
+        difference, p_value = tuple(band.difference(ranks).tolist()), band.p_value(ranks)
         quantities.append(
             CalibratedQuantity(
-                name=name,
-                difference=tuple(difference.tolist()),
-                p_value=p_value,
-                inside=p_value >= allowed,
+                name=name, difference=difference, p_value=p_value, inside=p_value >= allowed
             )
         )
     stalled = sum(case.stalled for case in read) / sum(case.trials for case in read)
     r_hat = max(case.r_hat for case in read)
     outside = [quantity.name for quantity in quantities if not quantity.inside]
-    attention = []
-    if outside:
-        attention.append(f"Not calibrated: the ranks of {', '.join(outside)} are not uniform")
-    if stalled > MOST_STALLED:
-        attention.append(
-            f"{stalled:.1%} of the trials stalled: truths are drawn from a prior of which the "
-            "recordings that are fitted are no fair sample; a smaller spread would move them"
-        )
-    if r_hat > LARGEST_R_HAT:
-        attention.append(f"R-hat of some fit is {r_hat:.3f}: its draws have not converged")
+    attention = _attention(outside, stalled, r_hat)
     return CalibrationFile(
         seed=analysis.seed,
         versions=package_versions(),
@@ -178,10 +166,25 @@ def calibration_of(
         quantities=tuple(quantities),
         stalled_share=stalled,
         r_hat=r_hat,
-        calibrated=not outside and stalled <= MOST_STALLED and r_hat <= LARGEST_R_HAT,
-        attention=tuple(attention),
+        calibrated=not attention,
+        attention=attention,
         cases=tuple(read),
     )
+
+
+def _attention(outside: Sequence[str], stalled: float, r_hat: float) -> tuple[str, ...]:
+    """Return why the computation is not calibrated, in sentences; none where it is."""
+    attention = []
+    if outside:
+        attention.append(f"Not calibrated: the ranks of {', '.join(outside)} are not uniform")
+    if stalled > MOST_STALLED:
+        attention.append(
+            f"{stalled:.1%} of the trials stalled: truths are drawn from a prior of which the "
+            "recordings that are fitted are no fair sample; a smaller spread would move them"
+        )
+    if r_hat > LARGEST_R_HAT:
+        attention.append(f"R-hat of some fit is {r_hat:.3f}: its draws have not converged")
+    return tuple(attention)
 
 
 def _stated(generating: Analysis) -> dict[str, str]:

@@ -26,15 +26,9 @@ from bayesfric.claims.kept_draws import models_kept
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
-from bayesfric.results import (
-    Output,
-    identified,
-    provenance,
-    recording_id,
-    replace_outputs,
-    write_netcdf,
-)
+from bayesfric.results import Output, identified, provenance_of, replace_outputs, write_netcdf
 from bayesfric.schemas import ClaimsFile
+from bayesfric.schemas.base import Provenance
 from bayesfric.schemas.claims import ClaimResult, PulleyEvidence, SelfContradiction
 
 
@@ -133,13 +127,11 @@ def check_claims(
     rigs : sequence of str or None
         Whose data enter; None is all that there are.
     baseline : str
-        The friction law that the claims are about, a name in
-        :data:`bayesfric.physics.laws.BASELINES`.
+        The law that they are about, a name in :data:`bayesfric.physics.laws.BASELINES`.
     progress : callable or None
         Called with the hypotheses studied, and about how many there are.
     checkpoint : Path or None
-        Folder that keeps what is studied: claims that are interrupted and judged again go
-        on to the same result. Remove it when they are written.
+        Folder that keeps what is studied, to go on from it to the same result. Remove it then.
 
     Returns
     -------
@@ -156,32 +148,34 @@ def check_claims(
     claims = [claim for claim in registered() if only is None or claim.name in only]
     entered = Entered.of(recording, rigs, baseline)
     effects = rival_effects(analysis)
-    attributes = provenance(
-        recording=recording_id(recording),
-        analysis=analysis,
-        created=recording.created,
-    )
+    attributes = provenance_of(recording, analysis)
     inputs = (entered.rigs, baseline, recording.metadata)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
     studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
     case = Case(recording, analysis, entered, studied, effects, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
-    results = tuple(_result(claim, finding, entered) for claim, finding in findings)
-    summary = ClaimsFile(
+    groups = _curves(findings) | models_kept(studied, _compared(claims, entered, studied))
+    summary, curves = _summary(findings, case, attributes), xr.DataTree.from_dict(groups)
+    return Checked(identified(summary), curves, time.perf_counter() - began)
+
+
+def _summary(
+    findings: Sequence[tuple[Claim, Finding]], case: Case, attributes: Provenance
+) -> ClaimsFile:
+    """Return what ``claims.json`` says, without its id."""
+    results = tuple(_result(claim, finding, case.entered) for claim, finding in findings)
+    return ClaimsFile(
         **attributes.model_dump(),
-        rigs=entered.rigs,
-        baseline=baseline,
+        rigs=case.entered.rigs,
+        baseline=case.entered.law,
         attention=of_claims(results),
-        rules=analysis.claims.model_dump(),
+        rules=case.analysis.claims.model_dump(),
         claims=results,
         self_contradictions=tuple(
             SelfContradiction.model_validate(contradiction._asdict())
             for contradiction in contradictions()
         ),
     )
-    groups = _curves(findings) | models_kept(studied, _compared(claims, entered, studied))
-    seconds = time.perf_counter() - began
-    return Checked(identified(summary), xr.DataTree.from_dict(groups), seconds)
 
 
 def _studied(

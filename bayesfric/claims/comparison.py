@@ -62,7 +62,7 @@ def _against_rivals(
     """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
     rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.claimed)]
-    against_each = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
+    factors = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
     studies = list(weighed.values())
     log10, error = bayes_factor(own, studies)
     curve = np.array([bayes_factor(own, studies, place)[0] for place in range(len(WIDTHS))])
@@ -84,10 +84,8 @@ def _against_rivals(
     narrowest, widest = same_around(verdicts, verdict)
     figures: dict[str, Any] = {
         "best_rival": best.label,
-        "log10_bayes_factor_against": {label: value for label, (value, _) in against_each.items()},
-        "log10_bayes_factor_against_se": {
-            label: error for label, (_, error) in against_each.items()
-        },
+        "log10_bayes_factor_against": {label: value for label, (value, _) in factors.items()},
+        "log10_bayes_factor_against_se": {label: error for label, (_, error) in factors.items()},
         "effect_upper_bound_95": bound,
         "effect_upper_bound_95_of": bounds,
         "probability_effect_matters": beyond,
@@ -279,46 +277,59 @@ def decide(
     -------
     verdict, reason : str
     """
-    small = upper_bound < rules.region_of_equivalence
-    for_it = log10 >= rules.support_log10_bayes_factor
-    against = log10 <= rules.refute_log10_bayes_factor
-    if for_it and small:
-        if over_width[0] >= rules.support_over_width_log10_bayes_factor:
-            return "supported", (
-                f"The data favour the claim {odds(log10)} and leave an effect of at most "
-                f"{share(upper_bound)} of friction."
-            )
-        return "undecided", (
-            f"The odds for the claim, {odds(log10)}, fall to {odds(over_width[0])} as the width "
-            "of the rivals' priors changes tenfold."
-        )
-    if against and beyond >= rules.refute_effect_probability:
-        if over_width[1] > rules.refute_log10_bayes_factor:
-            return "undecided", (
-                f"The odds for {best}, {odds(-log10)}, fall to {odds(-over_width[1])} as the width "
-                "of the rivals' priors changes tenfold."
-            )
-        if elpd_errors < -rules.refute_elpd_errors:
-            return "refuted", (
-                f"{best} is favoured {odds(-log10)}, makes more than "
-                f"{share(rules.region_of_equivalence)} of friction, and predicts new assemblies "
-                "better."
-            )
-        return "undecided", f"{best} is favoured, and does not predict new assemblies better."
-    if against:
-        return "undecided", (
-            f"{best} is favoured {odds(-log10)}, but is too small to matter: probability "
-            f"{beyond:.2f} of more than {share(rules.region_of_equivalence)} of friction."
-        )
-    if for_it:
-        return "undecided", (
-            f"The odds for the claim are {odds(log10)}, yet an effect of up to "
-            f"{share(upper_bound)} of friction could go unnoticed."
-        )
+    if log10 >= rules.support_log10_bayes_factor:
+        return _favoured(rules, log10, over_width[0], upper_bound)
+    if log10 <= rules.refute_log10_bayes_factor:
+        return _disfavoured(rules, log10, over_width[1], beyond, elpd_errors, best)
     return "undecided", (
         f"The odds for the claim are {odds(log10)}; support needs "
         f"{odds(rules.support_log10_bayes_factor)}."
     )
+
+
+def _favoured(
+    rules: ClaimRules, log10: float, lowest: float, upper_bound: float
+) -> tuple[Verdict, str]:
+    """Decide where the odds are for the claim; `lowest` is as their width changes tenfold."""
+    small = upper_bound < rules.region_of_equivalence
+    if not small:
+        return "undecided", (
+            f"The odds for the claim are {odds(log10)}, yet an effect of up to "
+            f"{share(upper_bound)} of friction could go unnoticed."
+        )
+    if lowest >= rules.support_over_width_log10_bayes_factor:
+        return "supported", (
+            f"The data favour the claim {odds(log10)} and leave an effect of at most "
+            f"{share(upper_bound)} of friction."
+        )
+    return "undecided", (
+        f"The odds for the claim, {odds(log10)}, fall to {odds(lowest)} as the width "
+        "of the rivals' priors changes tenfold."
+    )
+
+
+def _disfavoured(
+    rules: ClaimRules, log10: float, highest: float, beyond: float, elpd_errors: float, best: str
+) -> tuple[Verdict, str]:
+    """Decide where the odds are against the claim."""
+    matters = beyond >= rules.refute_effect_probability
+    if not matters:
+        return "undecided", (
+            f"{best} is favoured {odds(-log10)}, but is too small to matter: probability "
+            f"{beyond:.2f} of more than {share(rules.region_of_equivalence)} of friction."
+        )
+    if highest > rules.refute_log10_bayes_factor:
+        return "undecided", (
+            f"The odds for {best}, {odds(-log10)}, fall to {odds(-highest)} as the width "
+            "of the rivals' priors changes tenfold."
+        )
+    if elpd_errors < -rules.refute_elpd_errors:
+        return "refuted", (
+            f"{best} is favoured {odds(-log10)}, makes more than "
+            f"{share(rules.region_of_equivalence)} of friction, and predicts new assemblies "
+            "better."
+        )
+    return "undecided", f"{best} is favoured, and does not predict new assemblies better."
 
 
 def log_evidence(studied: Studied, width: int | None = None) -> float:

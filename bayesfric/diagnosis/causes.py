@@ -170,23 +170,13 @@ def causes_of(
             continue
         law = _law_of(name, best)
         effect = model.candidates[law.places[0]].effect
-        amplitude, shape = posterior.amplitudes[name], posterior.shapes.get(name, np.empty(0))
+        amplitude = posterior.amplitudes[name]
         if FORCES.search(effect.amplitude.unit):
             share = max(rig.scale_share for rig in model.data.rigs)
             amplitude = amplitude * (1 + share * _standard(amplitude.size))
-        # The law may be a twin's, which this rig does not tell apart: so are its parameters.
-        whose = "" if effect.name == name else f"{effect.name}."
-        parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
-        if effect.shape is not None and shape.size:
-            parameters[whose + effect.shape.name] = _number(effect.shape, shape)
         strengths = posterior.strengths[name]
         strength = float(np.median(strengths[strengths > 0])) if (strengths > 0).any() else 0.0
-        rivals: list[Weighed | Unknown] = [
-            weighed for weighed in search.weighed.values() if name not in weighed.names
-        ]
-        if search.unknown is not None:
-            rivals.append(search.unknown)
-        rival = max(rivals, key=lambda weighed: weighed.log_evidence)
+        rival = _best_without(name, search)
         error, error_why = factor_error(check(best), check(rival))
         causes.append(
             Cause(
@@ -197,7 +187,7 @@ def causes_of(
                 log10_bayes_factor_se=None if error is None else error / LN10,
                 log10_bayes_factor_se_why=error_why,
                 law=law.law,
-                parameters=parameters,
+                parameters=_parameters(name, effect, amplitude, posterior.shapes.get(name)),
                 plausible=_is_plausible(effect, amplitude),
                 plausible_range=effect.amplitude.plausible,
                 plausible_reference=effect.amplitude.reference,
@@ -207,6 +197,28 @@ def causes_of(
             )
         )
     return tuple(causes)
+
+
+def _parameters(
+    name: str, effect: Effect, amplitude: Array, shape: Array | None
+) -> dict[str, EffectNumber]:
+    """Return the parameters of a cause, of these draws."""
+    # The law may be a twin's, which this rig does not tell apart: so are its parameters.
+    whose = "" if effect.name == name else f"{effect.name}."
+    parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
+    if effect.shape is not None and shape is not None and shape.size:
+        parameters[whose + effect.shape.name] = _number(effect.shape, shape)
+    return parameters
+
+
+def _best_without(name: str, search: Search) -> Weighed | Unknown:
+    """Return the hypothesis without an effect that the data favour most."""
+    rivals: list[Weighed | Unknown] = [
+        weighed for weighed in search.weighed.values() if name not in weighed.names
+    ]
+    if search.unknown is not None:
+        rivals.append(search.unknown)
+    return max(rivals, key=lambda weighed: weighed.log_evidence)
 
 
 def _standard(count: int) -> Array:

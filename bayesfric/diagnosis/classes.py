@@ -1,6 +1,6 @@
 """Which effects can be told apart at all: by rank, before any evidence."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -131,20 +131,28 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
         else:
             entering.append(name)
     direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
-    members: list[list[str]] = []
-    for name in entering:
-        for alias_class in members:
-            if _alias(model, names, columns, direction, name, alias_class[0]):
-                alias_class.append(name)
-                break
-        else:
-            members.append([name])
-    chosen = tuple(tuple(alike) for alike in members)
+    chosen = _told_apart(
+        entering, lambda name, first: _alias(model, names, columns, direction, name, first)
+    )
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
     likelier = odds if any(value != 1 for value in odds.values()) else {}
     ladders = {own[0]: model.candidates[names[own[0]][0]].effect.ladder for own in chosen}
     rungs = {name: ladder for name, ladder in ladders.items() if ladder}
     return Classes(chosen, tuple(absorbed), left_out, likelier, rungs)
+
+
+def _told_apart(
+    names: Sequence[str], alike: Callable[[str, str], bool]
+) -> tuple[tuple[str, ...], ...]:
+    """Return names in classes, whose members are like the first of each."""
+    members: list[list[str]] = []
+    for name in names:
+        own = next((others for others in members if alike(name, others[0])), None)
+        if own is None:
+            members.append([name])
+        else:
+            own.append(name)
+    return tuple(map(tuple, members))
 
 
 def _odds(model: LinearModel, places: Sequence[int]) -> float:

@@ -31,7 +31,7 @@ from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, provenance, recording_id
+from bayesfric.results import identified, provenance_of
 from bayesfric.rigs.model_amounts import ModelAmounts
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.simulators import Simulator, SimulatorCalls
@@ -135,11 +135,7 @@ def _diagnose(
     question: Question, baseline: str, fixed: Sequence[str], checkpoint: Path | None
 ) -> tuple[DiagnosisFile, xr.DataTree, ModelAmounts | None]:
     recording, analysis = question.recording, question.analysis
-    attributes = provenance(
-        recording=recording_id(recording),
-        analysis=analysis,
-        created=recording.created,
-    )
+    attributes = provenance_of(recording, analysis)
     joint = None if recording.axis is None else recording.axis.joint
     inputs = (baseline, fixed, question.shipped, recording.metadata, joint)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")

@@ -12,7 +12,7 @@ from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.rigs.rotary import is_relative, rotary_unit
 from bayesfric.robots.fields import LOAD_FRICTION, fields_of
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.causes import INERTIAS, Cause, LawNumber
 from bayesfric.schemas.diagnosis import Enter, SimulatorField
 from bayesfric.schemas.gap import Gap
 
@@ -23,7 +23,7 @@ NO_FORCE = "what it makes alone was not drawn"
 NO_MODEL = "no model of the machine was given"
 RATIO = "it is over the stiffness K of the servo, which no field takes: multiply it by K first"
 NOT_IN_MODEL = "no joint of a model has such a number"
-NAMES = {"inertia": ("inertia", "armature", "mass"), "armature": ("armature", "mass")}
+NAMES = {"inertia": INERTIAS, "armature": ("armature", "mass")}
 """Of a number of the law, those by which a rig may call it."""
 SNIPPETS = {"load-friction.share": LOAD_FRICTION}
 """Callbacks that stand for what no simulator has a field for."""

@@ -22,11 +22,9 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Cause, LawNumber
+from bayesfric.schemas.causes import INERTIAS, Cause, LawNumber
 from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
-ACCELERATES = ("inertia", "armature", "mass")  # what the number of the acceleration may be called
-CALLED = dict.fromkeys(ACCELERATES, "inertia")
 NOTHING_WIDER: Factors = MappingProxyType({})
 SIGNED = frozenset({"viscous"})  # numbers that may be below zero
 
@@ -138,7 +136,7 @@ def by_the_instrument(
         return dict(law)
     numbers = dict(law)
     for name, number in law.items():
-        value = instrument.numbers.get(CALLED.get(name, name))
+        value = instrument.numbers.get("inertia" if name in INERTIAS else name)
         if value is None:
             continue
         if unsettled or (name not in SIGNED and value.instrumental <= 0):

@@ -41,17 +41,9 @@ def remainder_of(
     left : ndarray or None
         Draws of the part of the squared gap that the causes leave; None without causes.
     """
-    why = "no further force is asked for"
     further = unknown_force(model, weighed, weighed.acting, search.inverse, search.volume)
     if further is None:
-        return Remainder(
-            significant=False,
-            log10_bayes_factor=0.0,
-            share_of_gap=None,
-            share_of_gap_why=why,
-            axis=None,
-            axis_why=why,
-        )
+        return _remainder(None, None, 0.0)
 
     def value_of(alone: Weighed) -> float:
         psi, acting, forms = alone.at.psi, alone.acting, alone.forms
@@ -74,11 +66,15 @@ def remainder_of(
         if asked > 0:
             found_by.append((Interval.of_draws(left), instead.best.axis or _widest(instead), asked))
     # Both may speak of one force, of which each sees a part.
-    share, axis, factor = max(
-        found_by, key=lambda candidate: candidate[0].q50, default=(None, None, gain)
-    )
+    largest = max(found_by, key=lambda candidate: candidate[0].q50, default=(None, None, gain))
+    return _remainder(*largest)
+
+
+def _remainder(share: Interval | None, axis: str | None, factor: float) -> Remainder:
+    """Return a further force that makes this share of the gap; None where none is asked for."""
+    why = "no further force is asked for"
     return Remainder(
-        significant=bool(found_by),
+        significant=share is not None,
         log10_bayes_factor=float(factor),
         share_of_gap=share,
         share_of_gap_why=None if share is not None else why,

@@ -158,13 +158,11 @@ def shares_of(
     for name, values in hidden2.items():
         share[name] = share.get(name, 0.0) + values
         alone[name] = alone.get(name, 0.0) + values
-    share, alone = (
-        {
-            name: np.where(there & (values > ROUNDING * scale2), values / scale2, 0.0)
-            for name, values in draws.items()
-        }
-        for draws in (share, alone)
-    )
+
+    def relative(values: Array) -> Array:
+        return np.where(there & (values > ROUNDING * scale2), values / scale2, 0.0)
+
+    share, alone = ({name: relative(v) for name, v in part.items()} for part in (share, alone))
     explained = sum(share.values(), np.zeros(taken.size))
     over = np.maximum(explained, 1.0)  # by rounding
     return Shares(

@@ -96,21 +96,11 @@ def posterior_of(
     rng : Generator
         Source of randomness.
     """
-    chances = {
-        hypothesis: chance
-        for hypothesis, chance in search.probabilities().items()
-        if chance > RULES.rare
-        and (hypothesis in search.weighed or (hypothesis == UNKNOWN and search.unknown is not None))
-    }
-    weights = np.array(list(chances.values()))
-    counts = rng.multinomial(DRAWS, weights / weights.sum())
     hypotheses: list[Hypothesis] = []
     force, hidden = np.empty((residuals.size.size, DRAWS)), []
     effects = EffectDraws(model, residuals)
     refitted = RefittedLaw(model.layout.sizes, DRAWS)
-    for hypothesis, count in zip(chances, counts.tolist(), strict=True):
-        if not count:
-            continue
+    for hypothesis, count in _draws_of_each(search, rng).items():
         rows = slice(len(hypotheses), len(hypotheses) + count)
         own, weighed, wide = _hypothesis_of(model, search, hypothesis)
         drawn = _numbers(own, weighed, wide, count, rng)
@@ -147,6 +137,23 @@ def posterior_of(
         effects.waves,
         refitted,
     )
+
+
+def _draws_of_each(search: Search, rng: np.random.Generator) -> dict[Hypothesis, int]:
+    """Return how many draws each hypothesis has, of those that have any."""
+    chances = {
+        hypothesis: chance
+        for hypothesis, chance in search.probabilities().items()
+        if chance > RULES.rare
+        and (hypothesis in search.weighed or (hypothesis == UNKNOWN and search.unknown is not None))
+    }
+    weights = np.array(list(chances.values()))
+    counts = rng.multinomial(DRAWS, weights / weights.sum())
+    return {
+        hypothesis: count
+        for hypothesis, count in zip(chances, counts.tolist(), strict=True)
+        if count
+    }
 
 
 def _hypothesis_of(

@@ -103,49 +103,55 @@ def friction_at(
     unknown : float
         Probability of an unknown force.
     """
-    trials = model.data.rigs[0]
     table = posterior.law.dataset()
-    drawn: dict[str, DrawnEffect] = {}
-    left_out = {}
-    for name in posterior.law.amplitude:
-        drawn_force = drawn_effect(table, name, effects)
-        if isinstance(drawn_force, DrawnEffect):
-            drawn[name] = drawn_force
-        elif name in named:
-            left_out[name] = drawn_force
-    rows = []
-    for place in range(len(target)):
-        condition = target.iloc[[place]]
+    forces = {name: drawn_effect(table, name, effects) for name in posterior.law.amplitude}
+    drawn = {name: force for name, force in forces.items() if isinstance(force, DrawnEffect)}
+
+    def row(condition: pd.DataFrame) -> ConditionAsked:
         size = model.layout.sizes[0]
-        if "pulley_size" in trials.asked:
+        if "pulley_size" in model.data.rigs[0].asked:
             size = str(condition["pulley_size"].iloc[0])
-        column = model.layout.sizes.index(size)
-        law = Coefficients(*posterior.law.coefficients[:, column].T)
+        law = Coefficients(*posterior.law.coefficients[:, model.layout.sizes.index(size)].T)
         alone = _alone(model, before, size)
-        friction = _friction(trials, baseline, condition, law)
-        state = trials.at(condition, law)
-        assert not isinstance(state, Unsupported)
-        force = {name: effect.force(state) for name, effect in drawn.items()}
-        causes = sum((force[name] for name in named if name in force), np.zeros_like(friction))
-        whole = friction + sum(force.values(), np.zeros_like(friction))
-        shipped = float(_friction(trials, baseline, condition, alone)[0])
-        rows.append(
-            ConditionAsked(
-                condition={
-                    str(name): value if isinstance(value, str) else float(value)
-                    for name, value in condition.iloc[0].items()
-                },
-                friction=Interval.of_draws(whole),
-                gap_without_causes=Interval.of_draws(whole - shipped),
-                gap_with_causes=Interval.of_draws(whole - float((friction + causes).mean())),
-                outside=_outside(model, condition),
-            )
-        )
+        return _at_condition(model, baseline, condition, law, alone, drawn, named)
+
     return FrictionAsked(
         unit=model.data.unit,
-        rows=tuple(rows),
-        stays_behind=left_out,
+        rows=tuple(row(target.iloc[[place]]) for place in range(len(target))),
+        stays_behind={
+            name: why for name, why in forces.items() if isinstance(why, str) and name in named
+        },
         unknown_probability=unknown,
+    )
+
+
+def _at_condition(
+    model: LinearModel,
+    baseline: FrictionLaw,
+    condition: pd.DataFrame,
+    law: Coefficients,
+    alone: Coefficients,
+    drawn: Mapping[str, DrawnEffect],
+    named: Collection[str],
+) -> ConditionAsked:
+    """Return friction at one condition, by draws of the law, and by the law fitted alone."""
+    trials = model.data.rigs[0]
+    friction = _friction(trials, baseline, condition, law)
+    state = trials.at(condition, law)
+    assert not isinstance(state, Unsupported)
+    force = {name: effect.force(state) for name, effect in drawn.items()}
+    causes = sum((force[name] for name in named if name in force), np.zeros_like(friction))
+    whole = friction + sum(force.values(), np.zeros_like(friction))
+    shipped = float(_friction(trials, baseline, condition, alone)[0])
+    return ConditionAsked(
+        condition={
+            str(name): value if isinstance(value, str) else float(value)
+            for name, value in condition.iloc[0].items()
+        },
+        friction=Interval.of_draws(whole),
+        gap_without_causes=Interval.of_draws(whole - shipped),
+        gap_with_causes=Interval.of_draws(whole - float((friction + causes).mean())),
+        outside=_outside(model, condition),
     )
 
 

@@ -126,12 +126,8 @@ def weigh(
     names = tuple(sorted(names))
     free = [name for name in names if not _has_phases(model, name)]
     phases = tuple(model.lawbook[name][0] for name in names if _has_phases(model, name))
-    first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
     shapes_known = dict(shapes or {})
-    points = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
-    tried = [_chosen(model, free, phases, point, shapes_known, (AS_IT_IS,))[0] for point in points]
-    best = int(np.argmax([result.at().value for result in tried]))
-    psi, acting = points[best], tried[best].acting
+    points, psi, acting = _start(model, free, phases, starts, shapes_known)
     form, weights = AS_IT_IS, np.zeros(len(forms))
     for _ in range(ROUNDS):
         at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
@@ -154,18 +150,26 @@ def weigh(
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     total += over_amplitudes(model, at, acting, share) + model.weight_volume
-    weighed = Weighed(
-        names,
-        total,
-        curvature_at(model, at, acting, share) if own_volume else None,
-        acting,
-        at,
-        tuple(chosen.choices),
-        form,
-        bound=not at.at_mode,
-    )
+    curvature = curvature_at(model, at, acting, share) if own_volume else None
+    choices, bound = tuple(chosen.choices), not at.at_mode
+    weighed = Weighed(names, total, curvature, acting, at, choices, form, bound=bound)
     own = weighed.volume
     return replace(weighed, log_evidence=total + (volume if own is None else own))
+
+
+def _start(
+    model: LinearModel,
+    free: Sequence[str],
+    phases: tuple[Law, ...],
+    starts: Sequence[Array],
+    shapes: Mapping[str, float],
+) -> tuple[list[Array], Array, Acting]:
+    """Return the noises to climb from, the best of them, and the laws chosen there."""
+    first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
+    points = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
+    tried = [_chosen(model, free, phases, point, shapes, (AS_IT_IS,))[0] for point in points]
+    best = int(np.argmax([result.at().value for result in tried]))
+    return points, points[best], tried[best].acting
 
 
 def _has_phases(model: LinearModel, name: str) -> bool:

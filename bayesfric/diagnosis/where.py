@@ -63,15 +63,12 @@ def where_it_lies(
     Returns
     -------
     tuple of Axis, Interval, str
-        Axes, the largest share first and blind ones last; the share that no axis explains; and
-        why that is all of it, empty where it is not.
+        Blind axes last; the reason is empty where what none explains is not all of it.
     """
-    axes_columns = (functions_along(residuals, name) for name in residuals.axes)
-    designs = {axis.name: axis for axis in axes_columns if axis is not None}
+    columns = (functions_along(residuals, name) for name in residuals.axes)
+    designs = {axis.name: axis for axis in columns if axis is not None}
     hidden2 = _hidden2(windows, posterior, effects) if designs else {}
-    waves = [
-        (effects[name].axes, wave) for name, columns in posterior.waves.items() for wave in columns
-    ]
+    waves = [(effects[name].axes, wave) for name, own in posterior.waves.items() for wave in own]
     shares = shares_of(windows, posterior.force, hidden2, waves)
     relative = before / residuals.friction_n
     precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
@@ -95,8 +92,8 @@ def where_it_lies(
         )
         for place, name in enumerate(order)
     ]
-    axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in intervals]
-    return tuple(axes), Interval.of_draws(shares.unexplained), _why_all(shares)
+    blind = [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in intervals]
+    return (*axes, *blind), Interval.of_draws(shares.unexplained), _why_all(shares)
 
 
 def _why_all(shares: Shares) -> str:

@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.export.digits import by_error
-from bayesfric.export.joints import INERTIAS, ExportedJoint
+from bayesfric.export.joints import ExportedJoint
 from bayesfric.export.own_numbers import POWERS, damping_terms, own_numbers
 from bayesfric.files import file_bytes
 from bayesfric.robots.link_inertia import link_inertia
 from bayesfric.robots.setting import JointValues, ModelText, model_text
+from bayesfric.schemas.causes import INERTIAS
 from bayesfric.schemas.diagnosis import Enter
 
 LARGEST_FILE = 16_777_216  # bytes of a model

@@ -14,10 +14,9 @@ from bayesfric.results import read_beside, read_json
 from bayesfric.rigs.rotary import is_relative, turns
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
+from bayesfric.schemas.causes import INERTIAS
 from bayesfric.schemas.diagnosis import Enter
 
-INERTIAS = ("inertia", "armature", "mass")
-"""Names that the law may have for what is accelerated."""
 OF_LAW = (*INERTIAS, "coulomb", "viscous")
 POWER_OF_SPEED = {
     "coulomb": 0,

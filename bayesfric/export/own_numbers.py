@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import InputError
-from bayesfric.export.joints import INERTIAS
 from bayesfric.robots.link_inertia import settings_of
 from bayesfric.robots.setting import ModelText
+from bayesfric.schemas.causes import INERTIAS
 
 POWERS = ("viscous", "air-drag.coefficient", "cubic-drag.coefficient")
 """Numbers that are terms of a damping polynomial of MJCF, in order."""

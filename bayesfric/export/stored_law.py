@@ -18,7 +18,7 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.laws import OF_AXES
 from bayesfric.results import read_beside, read_json, refuse_mixed
 from bayesfric.schemas import DiagnosisFile, FitFile
-from bayesfric.schemas.causes import Cause
+from bayesfric.schemas.causes import INERTIAS, Cause
 
 ABSENT = {
     "velocity": 0.0,
@@ -26,8 +26,6 @@ ABSENT = {
     "n_pulleys": 1.0,
     "wrap_angle": REFERENCE_WRAP_ANGLE_DEG,
 }
-ACCELERATED = {"inertia": "mass", "armature": "mass"}
-"""What a law that is written alone calls the number of a joint that is accelerated."""
 
 
 @dataclass(frozen=True)
@@ -169,6 +167,11 @@ def _measured(diagnosis: DiagnosisFile, curves: xr.DataTree, folder: Path) -> St
     )
 
 
+def _alone(name: str) -> str:
+    """Return what a law that is written without its robot calls a number of a joint."""
+    return "mass" if name in INERTIAS else name
+
+
 def _of_joint(law: StoredLaw, joint: ExportedJoint) -> StoredLaw:
     """Return the law of a driven joint: the numbers that its diagnosis gives to enter.
 
@@ -180,12 +183,10 @@ def _of_joint(law: StoredLaw, joint: ExportedJoint) -> StoredLaw:
     means = {name: number.value.mean for name, number in numbers.items()}
     return replace(
         law,
-        numbers={ACCELERATED.get(name, name): number for name, number in numbers.items()},
+        numbers={_alone(name): number for name, number in numbers.items()},
         said=joint.said,
         coefficients={NO_PULLEY: Coefficients(0.0, means.get("coulomb", 0.0), 0.0)},
-        draws={
-            ACCELERATED.get(name, name): values.tolist() for name, values in joint.draws.items()
-        },
+        draws={_alone(name): values.tolist() for name, values in joint.draws.items()},
         friction=friction,
         measured=friction + (law.measured - law.friction),
     )

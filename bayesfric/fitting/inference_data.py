@@ -99,12 +99,10 @@ def draws_of_fit(
     model : Model
         Of the posterior.
     rigs : mapping of str to ndarray, shape (N,)
-        Its rigs by name, each with the friction of its trials as measured [N]. Where there
-        are two, their names go before the ids of trials and assemblies.
-    stored : Stored
-        The draws.
-    left_out : mapping of str to LeftOut
-        Of these draws, by rig, with trials made again.
+        Its rigs by name, each with the friction of its trials as measured [N]; where there are
+        two, their names go before ids.
+    stored, left_out : Stored, and mapping of str to LeftOut
+        The draws, and what they predict of trials left out, by rig, with trials made again.
     rng : Generator
         Of the draws of the prior and of what it predicts.
     attributes : mapping
@@ -114,56 +112,57 @@ def draws_of_fit(
     -------
     DataTree
         ``posterior``, ``prior``, ``log_prior``: each parameter, what every size has over
-        ``pulley``. ``observed_data``, ``posterior_predictive``, ``prior_predictive``:
-        ``friction`` over ``trial`` [N]; the posterior's is that of one trial made again among
-        all others, as when it is left out, the prior's that of the whole recording made
-        anew. ``log_likelihood``: see the module; ``assembly`` is over ``setup``.
-        ``sample_stats``: ``lp``, the log posterior density up to a constant.
-        ``constant_data``: the condition of each trial. A chain is an ensemble.
+        ``pulley``. ``observed_data``, ``posterior_predictive``, ``prior_predictive``: ``friction``
+        over ``trial`` [N]; the posterior's is that of one trial made again among all others, as
+        when it is left out, the prior's that of the whole recording made anew. ``log_likelihood``:
+        see the module; ``assembly`` is over ``setup``. ``sample_stats``: ``lp``, the log posterior
+        density up to a constant. ``constant_data``: the condition of each trial.
     """
-    shape = stored.log_density.shape
     observed = np.concatenate(list(rigs.values()))
     again = observed + np.concatenate([left.more for left in left_out.values()], axis=-1)
     before = model.draw_prior(PRIOR_DRAWS, rng)
-    named = model.by_name(before)
-    anew = [
-        likelihood.draw_observed(named, likelihood.draw_scatter(named, rng, together=True), rng)
-        for likelihood in model.likelihoods
-    ]
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
     whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
     priors = model.log_priors(stored.theta)
-    posterior, sizes = _variables(model, stored.theta), sizes_of(model.names)
-    table, setups = _trials_and_setups(
-        model, [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
-    )
+    posterior = _variables(model, stored.theta)
+    table, setups = _trials_and_setups(model, list(rigs))
     return draws_tree(
         {
             "posterior": posterior,
             "prior": _variables(model, before[None]),
-            "posterior_predictive": {"friction": _single(again, shape)},
-            "prior_predictive": {
-                "friction": _single(np.concatenate(anew, axis=-1), (1, PRIOR_DRAWS))
-            },
+            "posterior_predictive": {"friction": _single(again, stored.log_density.shape)},
+            "prior_predictive": {"friction": _predicted(model, before, rng)},
             "observed_data": {"friction": observed},
             "constant_data": {name: table[name].to_numpy() for name in CONDITION if name in table},
             "sample_stats": {"lp": whole + priors.sum(axis=-1)},
             "log_likelihood": _log_likelihood(left_out, whole),
             "log_prior": _variables(model, priors),
         },
-        dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3}
-        | {"friction": ["trial"], "assembly": ["setup"]}
-        | {name: ["trial"] for name in CONDITION if name in table},
-        coords=({"pulley": list(sizes)} if sizes else {})
-        | {"trial": table["trial"].to_numpy(), "setup": setups},
+        dims=_dims(posterior, table),
+        coords=_coords(model, table, setups),
         ensembles=stored.ensembles,
         attributes=flat_attributes(attributes),
-        units={**{p.name.partition("[")[0]: p.unit for p in model.parameters}},
+        units={p.name.partition("[")[0]: p.unit for p in model.parameters},
     )
 
 
-def _trials_and_setups(model: Model, prefixes: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
-    """Return the trials and assemblies of all rigs, a prefix of its own before each rig's ids."""
+def _coords(model: Model, table: pd.DataFrame, setups: list[str]) -> dict[str, Any]:
+    """Return the names of pulley sizes, trials and assemblies."""
+    sizes = sizes_of(model.names)
+    by_size = {"pulley": list(sizes)} if sizes else {}
+    return by_size | {"trial": table["trial"].to_numpy(), "setup": setups}
+
+
+def _dims(posterior: Mapping[str, Array], table: pd.DataFrame) -> dict[str, list[str]]:
+    """Return what variables are over, beside chain and draw."""
+    by_size = {name: ["pulley"] for name, values in posterior.items() if values.ndim == 3}
+    by_trial = {name: ["trial"] for name in CONDITION if name in table}
+    return by_size | {"friction": ["trial"], "assembly": ["setup"]} | by_trial
+
+
+def _trials_and_setups(model: Model, rigs: Sequence[str]) -> tuple[pd.DataFrame, list[str]]:
+    """Return the trials and assemblies of all rigs, a rig's name before ids where there are two."""
+    prefixes = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
     by_prefix = list(zip(prefixes, model.likelihoods, strict=True))
     table = pd.concat(
         likelihood.trials.assign(
@@ -192,6 +191,16 @@ def _log_likelihood(left_out: Mapping[str, LeftOut], whole: Array) -> dict[str, 
     setups = setups.reshape(*whole.shape, -1)
     parts = trials.sum(axis=-1) + setups.sum(axis=-1)
     return {"friction": trials, "assembly": setups, "overlap": whole - parts}
+
+
+def _predicted(model: Model, prior: Array, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return friction of the whole recording made anew by draws of the prior."""
+    named = model.by_name(prior)
+    anew = [
+        likelihood.draw_observed(named, likelihood.draw_scatter(named, rng, together=True), rng)
+        for likelihood in model.likelihoods
+    ]
+    return _single(np.concatenate(anew, axis=-1), (1, len(prior)))
 
 
 def _single(values: Array, shape: tuple[int, ...]) -> NDArray[np.float32]:

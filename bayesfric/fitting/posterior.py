@@ -29,7 +29,7 @@ from bayesfric.inference.sampling import Draws, Progress
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.joints import parted_by_joint
 from bayesfric.recording.tables import Recording
-from bayesfric.results import identified, provenance, recording_id
+from bayesfric.results import identified, provenance_of
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas.fit import WithoutExclusions
@@ -106,11 +106,7 @@ def _fit_rigs(
         data, law, analysis = opened(recording, analysis, rigs, baseline)
         model = model_of_law(data, analysis, law)
     # The analysis with the rigs' own priors, so that the file holds all priors that were used.
-    attributes = provenance(
-        recording=recording_id(recording),
-        analysis=analysis,
-        created=recording.created,
-    )
+    attributes = provenance_of(recording, analysis)
     joint = None if recording.axis is None else recording.axis.joint
     key = ",".join([*rigs, baseline, str(joint)]) + attributes.model_dump_json()
     with _timed(seconds, "draws"):

@@ -25,7 +25,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import FitFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.fit import DataQuality, SamplerSummary, WithoutExclusions
+from bayesfric.schemas.fit import DataQuality, PointEstimate, SamplerSummary, WithoutExclusions
 from bayesfric.schemas.parameter import ParameterSummary, StoredDraws
 
 COEFFICIENTS = ("c1", "c2", "c3")
@@ -73,10 +73,9 @@ def summarise(
     for name, moved in _sensitivity(model, draws, theta).items():
         entries[name] = entries[name].model_copy(update=moved)
     quality = _quality(recording, data)
-    converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes,
-        converged=converged,
+        converged=all(figures.converged for figures in convergence.values()),
         attention=(
             *of_fit(
                 convergence,
@@ -89,20 +88,8 @@ def summarise(
             ),
             *_not_followed(analysis, data, model),
         ),
-        pulleys=_by_pulley(entries),
-        scatter=_of_kind(model, entries, "scatter"),
-        noise=_of_kind(model, entries, "noise"),
-        parameters={
-            name: entry
-            for name, entry in _of_kind(model, entries, "coefficient").items()
-            if "[" not in name
-        }
-        | _of_kind(model, entries, "other"),
-        paper_estimator={
-            size: estimate
-            for trials in data.rigs
-            for size, estimate in trials.paper_estimates().items()
-        },
+        **_by_kind(model, entries),
+        paper_estimator=_paper_estimates(data),
         sampler=_sampler(draws, theta, min(figures.ess_bulk for figures in convergence.values())),
         data_quality=quality,
     )
@@ -174,6 +161,30 @@ def _by_pulley(entries: Mapping[str, Summary]) -> dict[str, dict[str, Summary]]:
     return {
         size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS if f"{c}[{size}]" in entries}
         for size in sizes_of(entries)
+    }
+
+
+def _by_kind(model: Model, entries: Mapping[str, ParameterSummary]) -> dict[str, Any]:
+    """Return the fields that hold the parameters."""
+    of_all_sizes = {
+        name: entry
+        for name, entry in _of_kind(model, entries, "coefficient").items()
+        if "[" not in name
+    }
+    return {
+        "pulleys": _by_pulley(entries),
+        "scatter": _of_kind(model, entries, "scatter"),
+        "noise": _of_kind(model, entries, "noise"),
+        "parameters": of_all_sizes | _of_kind(model, entries, "other"),
+    }
+
+
+def _paper_estimates(data: Data) -> dict[str, PointEstimate]:
+    """Return what the paper's own way gives, by pulley size."""
+    return {
+        size: estimate
+        for trials in data.rigs
+        for size, estimate in trials.paper_estimates().items()
     }
 
 

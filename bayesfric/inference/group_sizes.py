@@ -77,44 +77,55 @@ def drawn_in_groups(
     # The data as q readings of unit error.
     design = root[:, None] * (vectors[:, seen].T @ mixing)
     readings = vectors[:, seen].T @ slope / root
-    thin = [_thin(design[:, group.places]) for group in groups]
-    chosen = [0] * len(groups)
-    sd = np.empty(mixing.shape[1])
-    for group in groups:
-        sd[group.places] = group.sizes[0]
+    sizes = _Sizes(design, readings, groups)
+    for _ in range(BURN_IN):
+        sizes.sweep(rng)
+    draws = [np.empty((0, sizes.sd.size))]
+    for start in range(0, count, DRAWS_A_SWEEP):
+        sizes.sweep(rng)
+        shape = (min(DRAWS_A_SWEEP, count - start), sizes.sd.size)
+        prior = sizes.sd * rng.standard_normal(shape)
+        off = readings - prior @ design.T - rng.standard_normal((shape[0], readings.size))
+        draws.append(prior + sizes.sd**2 * (off @ sizes.whitening() @ design))
+    return np.concatenate(draws)
 
-    def whitening() -> Array:
-        wide = design * sd
-        return np.asarray(np.linalg.inv(np.eye(readings.size) + wide @ wide.T))
 
-    def sweep() -> None:
-        inverse = whitening()
-        for place in rng.permutation(len(groups)):
-            group, columns = groups[place], thin[place]
+class _Sizes:
+    """The sizes that a chain of Gibbs steps has come to, given q readings of unit error."""
+
+    def __init__(self, design: Array, readings: Array, groups: Sequence[Group]) -> None:
+        self._design = design
+        self._readings = readings
+        self._groups = groups
+        self._thin = [_thin(design[:, group.places]) for group in groups]
+        self._chosen = [0] * len(groups)
+        self.sd = np.empty(design.shape[1])
+        for group in groups:
+            self.sd[group.places] = group.sizes[0]
+
+    def whitening(self) -> Array:
+        """Return the inverse covariance of the readings, (q, q)."""
+        wide = self._design * self.sd
+        return np.asarray(np.linalg.inv(np.eye(self._readings.size) + wide @ wide.T))
+
+    def sweep(self, rng: np.random.Generator) -> None:
+        """Draw the size of each group anew, given those of the others."""
+        inverse = self.whitening()
+        for place in rng.permutation(len(self._groups)):
+            group, columns = self._groups[place], self._thin[place]
             moved = inverse @ columns
             information, axes = np.linalg.eigh(columns.T @ moved)
-            pull = axes.T @ (moved.T @ readings)
-            step = group.sizes**2 - group.sizes[chosen[place]] ** 2
+            pull = axes.T @ (moved.T @ self._readings)
+            step = group.sizes**2 - group.sizes[self._chosen[place]] ** 2
             spread = 1 + step[:, None] * information
             gain = (step[:, None] * pull**2 / spread - np.log(spread)).sum(axis=1)
             chances = softmax(group.log_weights + 0.5 * gain)
             number = int(rng.choice(chances.size, p=chances))
-            if number != chosen[place]:
-                chosen[place] = number
-                sd[group.places] = group.sizes[number]
+            if number != self._chosen[place]:
+                self._chosen[place] = number
+                self.sd[group.places] = group.sizes[number]
                 turned = moved @ axes
                 inverse -= (turned * (step[number] / spread[number])) @ turned.T
-
-    for _ in range(BURN_IN):
-        sweep()
-    draws = [np.empty((0, sd.size))]
-    for start in range(0, count, DRAWS_A_SWEEP):
-        sweep()
-        shape = (min(DRAWS_A_SWEEP, count - start), sd.size)
-        prior = sd * rng.standard_normal(shape)
-        off = readings - prior @ design.T - rng.standard_normal((shape[0], readings.size))
-        draws.append(prior + sd**2 * (off @ whitening() @ design))
-    return np.concatenate(draws)
 
 
 def _thin(columns: Array) -> Array:

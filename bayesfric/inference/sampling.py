@@ -29,8 +29,9 @@ from bayesfric.inference.proposals import (
 from bayesfric.inference.samplers import Ensembles, Sampler
 
 Progress = Callable[[int, int], None]
+Seed = np.random.SeedSequence
 
-PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to
+PILOTS = 3
 PIECE_STEPS = 50  # steps between two checkpoints
 LEAST_WALKERS = 40
 
@@ -77,8 +78,7 @@ def sample(
     Parameters
     ----------
     log_density : callable
-        Points of shape (W, D) to log densities of shape (W,); −inf where impossible,
-        never NaN.
+        Points of shape (W, D) to log densities (W,); −inf where impossible, never NaN.
     laplace : Laplace
         Normal approximation of the density.
     settings : Sampler
@@ -88,8 +88,7 @@ def sample(
     progress : callable or None
         Called with the steps done and the steps in all.
     checkpoint : Checkpoint or None
-        Keeps the draws on the way, so that a run that is killed goes on to the
-        same result.
+        Keeps the draws on the way: a run that is killed goes on to the same result.
     converged : callable or None
         Whether draws, as :attr:`Draws.z`, are good enough; else the ensembles are run
         on for new ones. None takes them as they are.
@@ -99,8 +98,7 @@ def sample(
     Returns
     -------
     Draws
-        Each `thin`-th step after burn-in; runs that are continued are thinned to the same
-        number.
+        Each `thin`-th step after burn-in; as many of runs that are continued.
 
     Raises
     ------
@@ -109,52 +107,74 @@ def sample(
     SamplingError
         Too few points around the mode have a finite density.
     """
-    size = laplace.mode.size
-    walkers = _walkers(settings, size)
+    walkers = _walkers(settings, laplace.mode.size)
     of_points, *of_pilots = np.random.SeedSequence(seed).spawn(1 + PILOTS + settings.ensembles)
     of_ensembles = of_pilots[PILOTS:]
-    total_steps = settings.burn + settings.steps  # of an ensemble
-    total = settings.ensembles * total_steps
-
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(done, total)
-
     keeping = checkpoint or Checkpoint(None, "")
     share = settings.independence_share
-    runs = _Runs(lambda step: Ensembles(log_density, walkers, share, step), keeping, report)
+    runs = _Runs(lambda step: Ensembles(log_density, walkers, share, step), keeping, progress)
+    runs.expect(settings.ensembles * (settings.burn + settings.steps))
+    proposal = _by_importance(log_density, laplace, chart, keeping, of_points)
+    if proposal is None:
+        proposal = _by_pilots(runs, laplace, settings.burn, chart, of_pilots)
+    return _by_ensembles(runs, proposal, settings, converged, chart, of_ensembles)
 
-    def by_importance() -> Arrays:
-        rng = np.random.RandomState(np.random.MT19937(of_points))
+
+def _by_importance(
+    log_density: LogDensity, laplace: Laplace, chart: Chart, keeping: Checkpoint, seed: Seed
+) -> Proposal | None:
+    """Return a proposal after an importance sample; None where its weights are not relied on."""
+
+    def compute() -> Arrays:
+        rng = np.random.RandomState(np.random.MT19937(seed))
         points = importance_points(log_density, laplace, chart, rng)
-        return {"points": np.empty((0, size)) if points is None else points}
+        return {"points": np.empty((0, laplace.mode.size)) if points is None else points}
 
-    points = keeping.piece("importance", by_importance)["points"]
-    if len(points):
-        proposal = Proposal.around(points, chart)
-    else:
-        # Pilots replace the curvature at the mode by the spread of the density itself.
-        total += (2**PILOTS - 1) * settings.burn
-        proposal, length = Proposal(StudentT(laplace.mode, laplace.covariance)), settings.burn
-        for stage in range(PILOTS):
-            chain = runs.run(f"pilot-{stage}", proposal, length, of_pilots[stage])["chain"]
-            points = chain[length // 2 :].reshape(-1, size)
-            proposal, length = Proposal.around(points, chart), 2 * length
+    points = keeping.piece("importance", compute)["points"]
+    return Proposal.around(points, chart) if len(points) else None
+
+
+def _by_pilots(
+    runs: "_Runs", laplace: Laplace, burn: int, chart: Chart, seeds: Sequence[Seed]
+) -> Proposal:
+    """Return a proposal after pilots, each twice as long, whose second half the next is fitted to.
+
+    They replace the curvature at the mode by the spread of the density itself.
+    """
+    runs.expect((2**PILOTS - 1) * burn)
+    proposal, length = Proposal(StudentT(laplace.mode, laplace.covariance)), burn
+    for stage in range(PILOTS):
+        chain = runs.run(f"pilot-{stage}", proposal, length, seeds[stage])["chain"]
+        points = chain[length // 2 :].reshape(-1, laplace.mode.size)
+        proposal, length = Proposal.around(points, chart), 2 * length
+    return proposal
+
+
+def _by_ensembles(
+    runs: "_Runs",
+    proposal: Proposal,
+    settings: Settings,
+    converged: Callable[[Array], bool] | None,
+    chart: Chart,
+    seeds: Sequence[Seed],
+) -> Draws:
+    """Return the draws of ensembles, which are run on until they have converged or may not."""
+    total_steps = settings.burn + settings.steps  # of an ensemble
     steps, thin, extensions = settings.steps, settings.thin, 0
     while True:
         ensembles = [
-            runs.run(f"ensemble-{place}", proposal, total_steps, child)
-            for place, child in enumerate(of_ensembles)
+            runs.run(f"ensemble-{place}", proposal, total_steps, seed)
+            for place, seed in enumerate(seeds)
         ]
         draws = _draws(ensembles, steps, thin, extensions)
         if extensions == settings.extensions or converged is None or converged(draws.z):
             return draws
-        proposal = Proposal.around(draws.z.reshape(-1, size), chart)
+        proposal = Proposal.around(draws.z.reshape(-1, draws.z.shape[-1]), chart)
         # Each run is as long as all before it, thinned to as many draws.
         steps, thin = settings.steps * 2**extensions, settings.thin * 2**extensions
         extensions += 1
         total_steps += steps
-        total += settings.ensembles * steps
+        runs.expect(settings.ensembles * steps)
 
 
 def _walkers(settings: Settings, size: int) -> int:
@@ -188,21 +208,27 @@ class _Runs:
         self,
         sampler_of: Callable[[Callable[[], None]], Sampler],
         checkpoint: Checkpoint,
-        report: Callable[[int], None],
+        progress: Progress | None,
     ) -> None:
         self._sampler = sampler_of(self._step)
         self._checkpoint = checkpoint
-        self._report = report
+        self._progress = progress
         self._pieces: dict[str, list[Arrays]] = {}
-        self._done = 0
+        self._done, self._total = 0, 0
+
+    def expect(self, steps: int) -> None:
+        """Count so many more steps among all that progress is told of."""
+        self._total += steps
 
     def _step(self) -> None:
-        self._done += 1
-        self._report(self._done)
+        self._report(self._done + 1)
 
-    def run(
-        self, name: str, proposal: Proposal, steps: int, seed: np.random.SeedSequence
-    ) -> Arrays:
+    def _report(self, done: int) -> None:
+        self._done = done
+        if self._progress is not None:
+            self._progress(done, self._total)
+
+    def run(self, name: str, proposal: Proposal, steps: int, seed: Seed) -> Arrays:
         """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,).
 
         A run of this name goes on from where it was left, with the steps that are missing.
@@ -219,8 +245,7 @@ class _Runs:
 
             pieces.append(self._checkpoint.piece(f"{name}-{start:06d}", compute))
             if self._done != before + stop:  # the piece was there already
-                self._done = before + stop
-                self._report(self._done)
+                self._report(before + stop)
         return {
             "chain": np.concatenate([piece["chain"] for piece in pieces]),
             "log_density": np.concatenate([piece["log_density"] for piece in pieces]),

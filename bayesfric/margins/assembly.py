@@ -146,19 +146,7 @@ def draw_assembly(
     InputError
         A pulley size of the loop is not in the draws.
     """
-    sizes = set(posterior.coefficients)
-    faults = [
-        Fault(
-            loop.name,
-            f"a size of the draws: {', '.join(sorted(sizes))}",
-            column=f"{key}.pulley_size",
-            value=run.pulley_size,
-        )
-        for key, run in loop.every_run
-        if run.pulley_size not in sizes
-    ]
-    if faults:
-        raise InputError(faults)
+    _refuse_sizes(loop, posterior)
     n = posterior.count
 
     def generator(key: str) -> np.random.Generator:
@@ -172,20 +160,19 @@ def draw_assembly(
         for size, law in posterior.coefficients.items()
     }
     rig = discrepancy.sd * generator("rig").standard_normal(n)
-    factor = tuple(
-        1
-        + posterior.omega[run.pulley_size][order]
-        * generator(f"assembly.{key.removeprefix('runs.')}").standard_normal(n)
-        + rig
-        for key, run in loop.every_run
-    )
-    own_intercept = tuple(
-        posterior.omega_intercept[run.pulley_size][order]
-        * generator(f"intercept.{key.removeprefix('runs.')}").standard_normal(n)
-        if run.pulley_size in posterior.omega_intercept
-        else np.zeros(n)
-        for key, run in loop.every_run
-    )
+
+    def scattered(kind: str, scatter: Mapping[str, Array]) -> list[Array]:
+        # of each run, the deviation of its assembly from the law
+        return [
+            scatter[run.pulley_size][order]
+            * generator(f"{kind}.{key.removeprefix('runs.')}").standard_normal(n)
+            if run.pulley_size in scatter
+            else np.zeros(n)
+            for key, run in loop.every_run
+        ]
+
+    factor = tuple(1 + own + rig for own in scattered("assembly", posterior.omega))
+    own_intercept = tuple(scattered("intercept", posterior.omega_intercept))
     numbers, uncertain = {}, []
     for key, value in _quantities(loop).items():
         if is_uncertain(value):
@@ -195,6 +182,23 @@ def draw_assembly(
             numbers[key] = np.full(n, central(value))  # type: ignore[arg-type]
     acting = tuple(effect.taken(order) for effect in posterior.acting)
     return Assembly(coefficients, factor, numbers, tuple(uncertain), acting, own_intercept)
+
+
+def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
+    """Raise for runs over pulleys of a size that is not in the draws."""
+    sizes = set(posterior.coefficients)
+    faults = [
+        Fault(
+            loop.name,
+            f"a size of the draws: {', '.join(sorted(sizes))}",
+            column=f"{key}.pulley_size",
+            value=run.pulley_size,
+        )
+        for key, run in loop.every_run
+        if run.pulley_size not in sizes
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:

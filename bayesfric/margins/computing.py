@@ -1,6 +1,6 @@
 """Loops and draws to ``margins.json``."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import needs_motion
 from bayesfric.margins.inputs import refused
-from bayesfric.margins.law_used import LawAsked, choose_law
+from bayesfric.margins.law_used import ChosenLaw, LawAsked, choose_law
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_margins import Asked, loop_margins
 from bayesfric.margins.loop_reading import read_loop
@@ -23,6 +23,7 @@ from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_draws
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.results import identified, provenance, read_json, replace_outputs
 from bayesfric.schemas import FitFile, MarginsFile
+from bayesfric.schemas.margins import LoopMargins
 
 if TYPE_CHECKING:
     import control
@@ -147,33 +148,48 @@ def compute_margins(
     Raises
     ------
     InputError
-        With every fault of the loop files; or the draws lack a pulley size, a loop is
-        unstable, or two have one name.
+        With every fault of the loop files; or the draws lack a pulley size, or a loop is unstable.
     """
-    analysis = Analysis() if analysis is None else analysis
+    analysis, path = Analysis() if analysis is None else analysis, Path(draws)
     read = _read_all([loops] if isinstance(loops, Path | str | Loop) else loops)
-    path = Path(draws)
     posterior, discrepancy = read_draws(path)
-    given = None if diagnosis is None else Path(diagnosis)
-    chosen = choose_law(path, posterior, given, law, analysis.seed)
-    posterior = chosen.posterior
+    chosen = choose_law(path, posterior, diagnosis, law, analysis.seed)
     for loop in read:
-        _refuse_unstable(loop, posterior, ensembles)
-    margins, loops_drawn = [], []
+        _refuse_unstable(loop, chosen.posterior, ensembles)
     asked = Asked(analysis.seed, verify, tune, ensembles, max(simulated, 2))
-    for place, loop in enumerate(read):
-        progress(place, len(read))
-        shaft, margins_of_loop = loop_margins(loop, posterior, discrepancy, chosen.beside, asked)
-        margins.append(margins_of_loop)
+    margins, drawn = zip(*_of_loops(read, chosen, discrepancy, asked, progress), strict=True)
+    summary = _summary(margins, chosen, discrepancy, analysis, _fit_of(path))
+    return Margins(identified(summary), drawn)
+
+
+def _of_loops(
+    loops: Sequence[Loop],
+    chosen: ChosenLaw,
+    discrepancy: RigDiscrepancy,
+    asked: Asked,
+    progress: Callable[[int, int], object],
+) -> Iterator[tuple[LoopMargins, Ensemble]]:
+    """Yield the margins of each loop, and the loop with its draws."""
+    posterior = chosen.posterior
+    for place, loop in enumerate(loops):
+        progress(place, len(loops))
+        shaft, margins = loop_margins(loop, posterior, discrepancy, chosen.beside, asked)
         nominal = at_shaft(loop, nominal_assembly(loop, posterior), float(shaft.estimate.mean()))
-        loops_drawn.append(Ensemble(nominal, shaft))
-    progress(len(read), len(read))
-    common = provenance(
-        recording=posterior.recording,
-        analysis=analysis,
-        created=posterior.created,
-    )
-    summary = MarginsFile(
+        yield margins, Ensemble(nominal, shaft)
+    progress(len(loops), len(loops))
+
+
+def _summary(
+    margins: tuple[LoopMargins, ...],
+    chosen: ChosenLaw,
+    discrepancy: RigDiscrepancy,
+    analysis: Analysis,
+    fit: FitFile | None,
+) -> MarginsFile:
+    """Return what ``margins.json`` says, without its id."""
+    posterior = chosen.posterior
+    common = provenance(recording=posterior.recording, analysis=analysis, created=posterior.created)
+    return MarginsFile(
         **common.model_dump(),
         draws=posterior.count,
         effective_draws=posterior.effective_draws,
@@ -181,10 +197,9 @@ def compute_margins(
         rig_discrepancy=discrepancy.sd,
         rig_discrepancy_source=discrepancy.source,
         law=chosen.used,
-        attention=of_margins(chosen.used, margins, _fit_of(path)),
-        loops=tuple(margins),
+        attention=of_margins(chosen.used, margins, fit),
+        loops=margins,
     )
-    return Margins(identified(summary), tuple(loops_drawn))
 
 
 def _fit_of(draws: Path) -> FitFile | None:

@@ -160,29 +160,17 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         peak = np.abs(errors).max(axis=0, where=judged, initial=0.0)
         shown = errors[np.minimum(at, errors.shape[0] - 1), :, np.arange(n)]
         by_signal[signal] = rms, peak, np.quantile(shown, SHOWN_QUANTILES, axis=1)
-    least = np.min([rms for rms, _, _ in by_signal.values()], axis=0)
-    trajectories = []
-    for row, (name, (_, words)) in enumerate(paths.items()):
-        alike = 1 + MARGIN_RULES.compensators_alike
-        compensators = tuple(
-            FollowedWith(
-                compensator=signal,
-                rms_m=interval_of(rms[row]),
-                peak_m=interval_of(peak[row]),
-                least=float((rms[row] <= alike * least[row]).mean()),
-                **dict(zip(("q05_m", "q50_m", "q95_m"), bands[:, :, row].tolist(), strict=True)),
-            )
-            for signal, (rms, peak, bands) in by_signal.items()
+    trajectories = [
+        _trajectory(
+            name,
+            words,
+            {
+                signal: (rms[row], peak[row], bands[:, :, row])
+                for signal, (rms, peak, bands) in by_signal.items()
+            },
         )
-        highest = max(compensator.least for compensator in compensators)
-        best = tuple(
-            compensator.compensator
-            for compensator in compensators
-            if compensator.least > highest - MARGIN_RULES.compensators_close
-        )
-        trajectories.append(
-            Trajectory(name=name, sentence=words, best=best, compensators=compensators)
-        )
+        for row, (name, (_, words)) in enumerate(paths.items())
+    ]
     return Following(
         draws=n,
         settling_s=rest,
@@ -192,6 +180,31 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         disturbance_cutoff_rad_s=float(np.median(CUTOFF * natural_frequency(some))),
         trajectories=tuple(trajectories),
     )
+
+
+def _trajectory(
+    name: str, words: str, errors: Mapping[Compensator, tuple[Array, Array, Array]]
+) -> Trajectory:
+    """Return one trajectory, of each compensator's rms, peak and quantiles over time of errors."""
+    least = np.min([rms for rms, _, _ in errors.values()], axis=0)
+    alike = 1 + MARGIN_RULES.compensators_alike
+    compensators = tuple(
+        FollowedWith(
+            compensator=signal,
+            rms_m=interval_of(rms),
+            peak_m=interval_of(peak),
+            least=float((rms <= alike * least).mean()),
+            **dict(zip(("q05_m", "q50_m", "q95_m"), bands.tolist(), strict=True)),
+        )
+        for signal, (rms, peak, bands) in errors.items()
+    )
+    highest = max(compensator.least for compensator in compensators)
+    best = tuple(
+        compensator.compensator
+        for compensator in compensators
+        if compensator.least > highest - MARGIN_RULES.compensators_close
+    )
+    return Trajectory(name=name, sentence=words, best=best, compensators=compensators)
 
 
 def _answer(trajectories: Sequence[Trajectory]) -> str:

@@ -14,7 +14,7 @@ moves so slowly that most samples read no motion, shafts slip and stick at γ be
 Only the simulation knows these.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -178,8 +178,7 @@ def hunting_threshold(
     loop : SampledLoop
         The loop; its own compensation gain is not used.
     kick : array_like
-        Position ahead of the reference at the beginning [rad], a scalar, (draws,), or
-        (conditions, draws).
+        Position ahead of the reference at first [rad], a scalar, (draws,), or (conditions, draws).
     reference_speed : array_like
         Speed of the reference [rad/s], likewise.
     gammas : sequence of float
@@ -189,8 +188,7 @@ def hunting_threshold(
     hunts_at : array_like
         γ at which each draw hunts in another condition, a scalar or (draws,): none above is tried.
     expected : int
-        Place in `gammas` by which most draws hunt, so that none beyond is tried along in vain;
-        what is found does not depend on it.
+        Place in `gammas` by which most draws hunt: the time depends on it, and no result.
 
     Returns
     -------
@@ -198,6 +196,33 @@ def hunting_threshold(
         Of each draw.
     """
     grid = np.asarray(gammas, dtype=np.float64)
+    hunts = _hunts(loop, kick, reference_speed)
+    threshold, below = np.full(loop.draws, np.inf), np.zeros(loop.draws)
+    condition = np.full(loop.draws, -1, dtype=np.intp)
+    most = np.broadcast_to(hunts_at, loop.draws)
+    before = np.concatenate([[-1.0], grid[:-1]])
+    for begin, end in _tried_together(grid.size, expected):
+        left = np.flatnonzero(np.isinf(threshold) & (before[begin] < most))
+        if not left.size:
+            break
+        some = np.minimum(grid[begin:end, None], most[left])
+        needed = before[begin:end, None] < most[left]
+        does = hunts(left[np.nonzero(needed)[1]], some[needed])
+        table = np.zeros((len(does), *some.shape), dtype=bool)
+        table[:, needed] = does
+        any_hunts = table.any(axis=0)
+        newly, at = any_hunts.any(axis=0), any_hunts.argmax(axis=0)
+        rows, first = left[newly], begin + at[newly]
+        threshold[rows] = np.minimum(grid[first], most[rows])
+        below[rows] = grid[np.maximum(first - 1, 0)]
+        condition[rows] = table[:, at[newly], np.flatnonzero(newly)].argmax(axis=0)
+    return _bisect(Thresholds(threshold, condition), below, hunts, tolerance)
+
+
+def _hunts(
+    loop: SampledLoop, kick: ArrayLike, reference_speed: ArrayLike
+) -> Callable[[Whole, Array], Flags]:
+    """Return a function of places of m draws and a gain for each: whether each condition hunts."""
     kicks, speeds = (
         np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (kick, reference_speed)
     )
@@ -211,28 +236,15 @@ def hunting_threshold(
         motion = after_a_kick(tried, kicks[:, index].ravel(), speeds[:, index].ravel())
         return motion.hunts.reshape(shape[0], index.size)
 
-    threshold, below = np.full(loop.draws, np.inf), np.zeros(loop.draws)
-    condition = np.full(loop.draws, -1, dtype=np.intp)
-    most = np.broadcast_to(hunts_at, loop.draws)
-    before = np.concatenate([[-1.0], grid[:-1]])
+    return hunts
+
+
+def _tried_together(count: int, expected: int) -> Iterable[tuple[int, int]]:
+    """Return where groups of gains begin and end, of so many, that are tried at once."""
     # a loop that hunts without compensation needs no more than the first
     first_group = 1 + min(max(expected, 1), TRIED_AT_ONCE)
-    begins = {0, min(1, grid.size - 1), *range(first_group, grid.size, TRIED_AT_ONCE)}
-    for begin, end in pairwise(sorted(begins | {grid.size})):
-        left = np.flatnonzero(np.isinf(threshold) & (before[begin] < most))
-        if not left.size:
-            break
-        some = np.minimum(grid[begin:end, None], most[left])
-        needed = before[begin:end, None] < most[left]
-        table = np.zeros((shape[0], *some.shape), dtype=bool)
-        table[:, needed] = hunts(left[np.nonzero(needed)[1]], some[needed])
-        any_hunts = table.any(axis=0)
-        newly, at = any_hunts.any(axis=0), any_hunts.argmax(axis=0)
-        rows, first = left[newly], begin + at[newly]
-        threshold[rows] = np.minimum(grid[first], most[rows])
-        below[rows] = grid[np.maximum(first - 1, 0)]
-        condition[rows] = table[:, at[newly], np.flatnonzero(newly)].argmax(axis=0)
-    return _bisect(Thresholds(threshold, condition), below, hunts, tolerance)
+    begins = {0, min(1, count - 1), *range(first_group, count, TRIED_AT_ONCE)}
+    return pairwise(sorted(begins | {count}))
 
 
 def _bisect(

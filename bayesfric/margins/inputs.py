@@ -73,8 +73,10 @@ def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) 
         share = losses(law, np.ones(given.draws), angles, clipped=False)
         negative = float((share < 0).any(axis=1).mean())
         if negative > 0:
-            sentences.append(f"in {negative:.1%} of the draws the law gives a pulley of {name} "
-                         "negative friction, taken as none: measure friction there")  # fmt: skip
+            sentences.append(
+                f"in {negative:.1%} of the draws the law gives a pulley of {name} negative "
+                "friction, taken as none: measure friction there"
+            )
     return tuple(sentences)
 
 

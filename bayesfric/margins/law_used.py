@@ -40,7 +40,7 @@ class ChosenLaw:
 def choose_law(
     draws: Path,
     posterior: Posterior,
-    diagnosis: Path | None,
+    diagnosis: Path | str | None,
     asked: LawAsked | None,
     seed: int,
 ) -> ChosenLaw:
@@ -52,7 +52,7 @@ def choose_law(
         ``draws.nc``; a ``diagnosis.json`` beside it is taken where none is given.
     posterior : Posterior
         What is in it.
-    diagnosis : Path or None
+    diagnosis : Path, str or None
         A ``diagnosis.json`` that was given.
     asked : {"fitted", "refitted"} or None
         The law that was asked for.
@@ -64,7 +64,7 @@ def choose_law(
     InputError
         The refitted law is asked for and there is no diagnosis, or a diagnosis is damaged.
     """
-    path = draws.parent / "diagnosis.json" if diagnosis is None else diagnosis
+    path = draws.parent / "diagnosis.json" if diagnosis is None else Path(diagnosis)
     if diagnosis is None and not path.is_file():
         if asked == "refitted":
             raise InputError([Fault(str(path), "a diagnosis, whose law is asked for")])

@@ -127,13 +127,12 @@ def loop_margins(
     asked : Asked
         What is computed.
     """
-    seed, simulated = asked.seed, asked.simulated
-    given = draw_assembly(loop, posterior, discrepancy, seed)
+    given = draw_assembly(loop, posterior, discrepancy, asked.seed)
     shaft = reflected(loop, given)
     allowed, draws = loop.spec.limit_cycle_probability_max, posterior.effective_draws
-    judged = Judged.of(shaft, loop.spec, simulated, draws)
-    hunting, safe = judged.hunting, judged.safe
-    shares = _variance_shares(loop, posterior, discrepancy, seed, shaft, given)
+    judged = Judged.of(shaft, loop.spec, asked.simulated, draws)
+    hunting = judged.hunting
+    shares = _variance_shares(loop, posterior, discrepancy, asked.seed, shaft, given)
     beyond = beyond_the_draws(shaft, given, posterior)
     together = meets_all_now(shaft, hunting)
     certificate, no_certificate = certify(shaft, hunting)
@@ -145,21 +144,16 @@ def loop_margins(
         plant=plant_of(shaft),
         compensation_signal=loop.compensation.signal,
         compensation_gain=float(np.median(shaft.gamma)),
-        metrics=judged.rows,
-        missed_specs=judged.missed,
+        **_by_the_spec(judged),
         violation_probability_max=loop.spec.violation_probability_max,
         limit_cycle_probability=limit_cycle_curve(hunting, draws),
         limit_cycle_probability_max=allowed,
         limit_cycle_method=hunting.method,
-        largest_safe_compensation_gain=safe.gamma,
-        largest_safe_compensation_gain_why=safe.why,
-        largest_safe_compensation_gain_se=safe.se,
+        largest_safe_compensation_gain_se=judged.safe.se,
         hunting_map=_map(hunting, shaft),
         not_examined=hunting.not_examined,
         variance_share=shares,
-        with_effects=None
-        if diagnosed is None or not diagnosed.finds_something
-        else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
+        with_effects=_with_effects(loop, diagnosed, discrepancy, asked),
         with_effects_why=_why_without(diagnosed, posterior),
         meets_all=together,
         certificate=certificate,
@@ -263,18 +257,27 @@ def _why_without(diagnosed: Diagnosed | None, posterior: Posterior) -> str | Non
 
 
 def _with_effects(
-    loop: Loop, diagnosed: Diagnosed, discrepancy: RigDiscrepancy, seed: int, simulated: int
-) -> WithEffects:
-    given = draw_assembly(loop, diagnosed.posterior, discrepancy, seed)
+    loop: Loop, diagnosed: Diagnosed | None, discrepancy: RigDiscrepancy, asked: Asked
+) -> WithEffects | None:
+    if diagnosed is None or not diagnosed.finds_something:
+        return None
+    given = draw_assembly(loop, diagnosed.posterior, discrepancy, asked.seed)
     after = reflected(loop, given)
-    judged = Judged.of(after, loop.spec, simulated, diagnosed.posterior.effective_draws)
+    judged = Judged.of(after, loop.spec, asked.simulated, diagnosed.posterior.effective_draws)
     return WithEffects(
         effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
         left_out=diagnosed.left_out,
         answer=f"{against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec)} "
         + which_gain(after, judged.hunting, judged.safe, loop.spec.limit_cycle_probability_max),
-        metrics=judged.rows,
-        missed_specs=judged.missed,
-        largest_safe_compensation_gain=judged.safe.gamma,
-        largest_safe_compensation_gain_why=judged.safe.why,
+        **_by_the_spec(judged),
     )
+
+
+def _by_the_spec(judged: Judged) -> dict[str, Any]:
+    """Return the fields that the margins have with and without effects."""
+    return {
+        "metrics": judged.rows,
+        "missed_specs": judged.missed,
+        "largest_safe_compensation_gain": judged.safe.gamma,
+        "largest_safe_compensation_gain_why": judged.safe.why,
+    }

@@ -109,9 +109,7 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
         The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
     """
     tree = read_tree(path) if tree is None else tree
-    fit = path.with_name("fit.json")
-    if fit.is_file():
-        refuse_mixed(read_json(FitFile, fit), fit)
+    _refuse_mixed_beside(path)
     fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
     if "posterior" not in tree.children:
         raise InputError([fault])
@@ -155,6 +153,13 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
         },
         omega_intercept=omega_intercept,
     )
+
+
+def _refuse_mixed_beside(path: Path) -> None:
+    """Raise where ``fit.json`` beside the draws is of another fit."""
+    fit = path.with_name("fit.json")
+    if fit.is_file():
+        refuse_mixed(read_json(FitFile, fit), fit)
 
 
 def _scatter_of_c2(
@@ -294,9 +299,7 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
     population = tree.children.get("posterior")
     if population is None or "board" not in population.sizes:
         return read_posterior(path, tree), rig_discrepancy(path.parent)
-    fit = path.with_name("fit.json")
-    if fit.is_file():
-        refuse_mixed(read_json(FitFile, fit), fit)
+    _refuse_mixed_beside(path)
     boards = [
         read_posterior(path.parent / "boards" / str(name) / "draws.nc")
         for name in population["board"].to_numpy()

@@ -1,16 +1,17 @@
 """A loop file and its numbers, reflected to the motor's shaft."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.margins.assembly import Assembly
-from bayesfric.margins.cable_stage import in_series, lost_motion, stages_of
+from bayesfric.margins.cable_stage import Stage, in_series, lost_motion, stages_of
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
-from bayesfric.margins.wrist import JointAtShaft, wrist_of
+from bayesfric.margins.wrist import JointAtShaft, Wrist, wrist_of
 
 
 def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
@@ -45,34 +46,23 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
     damping = sum(stage.damping * (stiffness / stage.stiffness) ** 2 for stage in stages)
     stiction = np.maximum(given["stiction_ratio"], 1.0)
     kp = _to_shaft(loop, given, ratio) * given["controller.kp_n_m_per_rad"]
-    pair = loop.runs[0].topology == "antagonist-pair"
-    efficiency = [np.ones(given.draws)] if pair else [run.efficiency for run in stages[0].runs]
-    tip = (given["tool.lever_m"] if revolute else 1.0) / ratio
     return LoopAtShaft(
         loop=loop,
         motor_inertia=motor_inertia,
-        load_inertia=joint.inertia,
         motor_viscous=given["drive.viscous_n_m_s"],
-        load_viscous=joint.viscous,
         stiffness=stiffness,
         damping=np.asarray(damping),
         friction=friction,
         drive_friction=drive,
         shaft_friction=shaft_friction,
-        joint_friction=joint.friction,
         shaft_inertia=shaft_inertia,
         stiction_ratio=stiction,
         falling=np.zeros(given.draws),
         falling_speed=np.ones(given.draws),
-        load_torque=joint.load,
-        net_load=joint.net_load,
-        peak_velocity=joint.peak_velocity,
-        peak_acceleration=joint.peak_acceleration,
-        efficiency=np.prod(efficiency, axis=0),
+        **_of_joint(joint),
+        efficiency=_efficiency(loop, stages, given.draws),
         cable_per_rad=rho,
-        tip_per_rad=tip
-        if wrist is None
-        else given["tool.lever_m"] * abs(wrist.own_row[wrist.axis]),
+        tip_per_rad=_tip_per_rad(loop, given, ratio, wrist),
         lost_motion=lost_motion(stages, shaft_friction, joint.friction),
         backlash=given["drive.backlash_rad"],
         kick=given["kick.over_stuck_band"] * stiction * friction / kp,
@@ -100,6 +90,36 @@ def _reflected_joint(loop: Loop, given: Assembly, ratio: Array) -> JointAtShaft:
         peak_velocity=speed * ratio,
         peak_acceleration=pull * ratio,
     )
+
+
+def _of_joint(joint: JointAtShaft) -> dict[str, Array]:
+    """Return the fields of a loop that are its joint's."""
+    return {
+        "load_inertia": joint.inertia,
+        "load_viscous": joint.viscous,
+        "joint_friction": joint.friction,
+        "load_torque": joint.load,
+        "net_load": joint.net_load,
+        "peak_velocity": joint.peak_velocity,
+        "peak_acceleration": joint.peak_acceleration,
+    }
+
+
+def _efficiency(loop: Loop, stages: Sequence[Stage], draws: int) -> Array:
+    """Return the share of a force that the first cable passes on; a pair under tension passes all.
+
+    [-], of shape (draws,).
+    """
+    if loop.runs[0].topology == "antagonist-pair":
+        return np.ones(draws)
+    return np.asarray(np.prod([run.efficiency for run in stages[0].runs], axis=0))
+
+
+def _tip_per_rad(loop: Loop, given: Assembly, ratio: Array, wrist: Wrist | None) -> Array:
+    """Return how far the tip moves for a turn of the motor [m/rad]."""
+    if wrist is not None:
+        return np.asarray(given["tool.lever_m"] * abs(wrist.own_row[wrist.axis]))
+    return (given["tool.lever_m"] if loop.joint.kind == "revolute" else 1.0) / ratio
 
 
 def _between_two_cables(loop: Loop, given: Assembly, rho: Array) -> tuple[Array, Array]:

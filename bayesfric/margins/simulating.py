@@ -91,6 +91,12 @@ def simulate(
         for values in (kick, reference_speed, duration, settling, lasts)
     )
     run = _Run(loop, begin, ConstantSpeed(reference), length, settled, kept, substeps)
+    _run_down(run, record)
+    return LoopMotion(**run.results)
+
+
+def _run_down(run: "_Run", record: Recorder | None) -> None:
+    """Advance a run until no draw is left; draws that are over are taken out, some at a time."""
     looks = 0
     while run.rows.size:
         run.advance(record)
@@ -104,7 +110,6 @@ def simulate(
             over = run.k >= run.swing.end
             if over.sum() > 0.1 * over.size or over.all():
                 run.retire(over)
-    return LoopMotion(**run.results)
 
 
 def follow(

@@ -79,14 +79,7 @@ def coefficients_relative_to_paper(
                 name = f"{coefficient}[{size}]"
                 look = grey if name in refitted else styles[size]
                 if name in uninformed:
-                    axes.text(
-                        1.0,
-                        row,
-                        "  not informed by this recording",
-                        color=NEUTRAL,
-                        fontsize=7,
-                        verticalalignment="center",
-                    )
+                    _not_informed(axes, row)
                 else:
                     _bar(axes, ratio[[0, 2, 4]], row, look)
                     axes.plot(ratio[[1, 3]], [row, row], color=look.color, linewidth=3.6)
@@ -103,6 +96,11 @@ def coefficients_relative_to_paper(
         axes.grid(visible=False, axis="y")
         axes.set_xlabel("posterior / the paper's value (thick: 50 %, thin: 90 %)")
         return fig
+
+
+def _not_informed(axes: Axes, row: float) -> None:
+    words, grey = "  not informed by this recording", NEUTRAL
+    axes.text(1.0, row, words, color=grey, fontsize=7, verticalalignment="center")
 
 
 def _bar(axes: Axes, quantiles: Array, row: float, look: SizeStyle) -> None:

@@ -1,6 +1,8 @@
 """Friction at constant speeds, as in the paper's Figs 4 to 7."""
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import ordered_sizes
@@ -13,6 +15,30 @@ VARIED = (
     ("n_pulleys", "n = {:g}", "pulleys"),
 )
 HEADROOM = 1.6  # above the data, for the legend
+
+
+def _condition(axes: Axes, runs: xr.Dataset, marker: str, color: str, label: str) -> None:
+    """Draw the runs of a condition, and the band of new runs."""
+    runs = runs.sortby("velocity_m_s")
+    speed, (low, _, high) = runs["velocity_m_s"].to_numpy(), runs["predicted_n"].to_numpy().T
+    axes.fill_between(speed, low, high, color=color, alpha=0.25, linewidth=0)
+    axes.plot(speed, runs["friction_n"], marker, color=color, markersize=2.4, label=label)
+
+
+def _legend(axes: Axes) -> None:
+    """Put the key above the data, and leave it room there."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(bottom=min(0.0, low), top=HEADROOM * high)
+    legend = axes.legend(
+        loc="upper left",
+        ncols=3,
+        fontsize=6,
+        columnspacing=0.5,
+        handletextpad=0.0,
+        handlelength=1.2,
+        borderpad=0.1,
+    )
+    legend.set_in_layout(False)
 
 
 def has_speeds(rig: RigTable) -> bool:
@@ -52,32 +78,9 @@ def friction_against_speed(rig: RigTable) -> Figure:
                         alike &= values == usual[name]
                 for place, value in enumerate(np.unique(columns[varied][alike])):
                     some = runs.isel({rig.id: np.flatnonzero(alike & (columns[varied] == value))})
-                    some = some.sortby("velocity_m_s")
-                    speed = some["velocity_m_s"].to_numpy()
-                    low, _, high = some["predicted_n"].to_numpy().T
-                    axes.fill_between(
-                        speed, low, high, color=styles[size].color, alpha=0.25, linewidth=0
-                    )
-                    axes.plot(
-                        speed,
-                        some["friction_n"],
-                        MARKERS[place % len(MARKERS)],
-                        color=styles[size].color,
-                        markersize=2.4,
-                        label=text.format(value),
-                    )
-                low_end, high_end = axes.get_ylim()
-                axes.set_ylim(bottom=min(0.0, low_end), top=HEADROOM * high_end)
-                legend = axes.legend(
-                    loc="upper left",
-                    ncols=3,
-                    fontsize=6,
-                    columnspacing=0.5,
-                    handletextpad=0.0,
-                    handlelength=1.2,
-                    borderpad=0.1,
-                )
-                legend.set_in_layout(False)
+                    marker = MARKERS[place % len(MARKERS)]
+                    _condition(axes, some, marker, styles[size].color, text.format(value))
+                _legend(axes)
                 if row == 0:
                     axes.set_title(size)
                 if row == len(VARIED) - 1:

@@ -41,6 +41,11 @@ class Predictive:
     remade: Remade
     rng: np.random.Generator
 
+    @property
+    def medians(self) -> dict[str, Array]:
+        """Of each parameter, of shape (1,)."""
+        return {name: np.median(draws, keepdims=True) for name, draws in self.named.items()}
+
 
 @dataclass(frozen=True)
 class Resting:

@@ -5,6 +5,9 @@ from typing import Annotated, Literal
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
+INERTIAS = ("inertia", "armature", "mass")
+"""What the number of a joint's law may be called that its acceleration is multiplied by."""
+
 
 class EffectNumber(Interval):
     """A parameter of an effect, given that the effect acts.

@@ -72,12 +72,24 @@ def simulate_recording(
     if isinstance(protocol, str) and protocol in designs:
         if rigs is not None:
             raise ValueError(f"rigs is {rigs!r}; the protocol {protocol} has one of its own")
-        return _of_design(designs[protocol], seed, truth, name, created, effects or {})
+        fields = _of_design(designs[protocol], seed, truth, effects or {})
+    else:
+        fields = _of_boards(protocol, seed, truth, rigs, effects or {})
+    return Recording(name=name, created=created, **fields)
+
+
+def _of_boards(
+    protocol: str | Protocol,
+    seed: int,
+    truth: Truth | None,
+    rigs: Collection[str] | None,
+    effects: Mapping[str, float],
+) -> dict[str, Any]:
+    """Simulate boards of the paper's by one of its protocols, or by a design."""
     rigs_by_name = paper_rigs()
     rigs = tuple(rigs_by_name) if rigs is None else rigs
     if not rigs or set(rigs) - set(rigs_by_name):
         raise ValueError(f"rigs is {rigs!r}; it holds one or more of {', '.join(rigs_by_name)}")
-    truth = Truth() if truth is None else truth
     label = protocol if isinstance(protocol, str) else "custom"
     design = PROTOCOLS[protocol] if isinstance(protocol, str) else protocol
     board = paper()["board"]
@@ -89,68 +101,60 @@ def simulate_recording(
         capstan_radius_m=CAPSTAN_RADIUS_M,
         limits={"travel_m": [0.0, TRAVEL_M]},
     )
-    if effects:
-        added = [
-            at_strength(effect, size, design, constants, truth) for effect, size in effects.items()
-        ]
-        truth = replace(truth, effects=(*truth.effects, *added))
+    truth = _with_effects(Truth() if truth is None else truth, effects, design, constants)
     recorded = [
-        rigs_by_name[rig].simulate(design, constants, truth, seed)
-        for rig in rigs_by_name
-        if rig in rigs
+        rig.simulate(design, constants, truth, seed)
+        for name, rig in rigs_by_name.items()
+        if name in rigs
     ]
-    tables = {name: table for simulated in recorded for name, table in simulated.tables.items()}
     title = f"Synthetic pulley-board recording, protocol {label}, seed {seed}"
-    return _recording(name, title, constants, tables, created, label, seed, truth, recorded)
+    return _fields(title, constants, label, seed, truth, recorded)
 
 
 def _of_design(
-    design: OwnDesign,
-    seed: int,
-    truth: Truth | None,
-    name: str,
-    created: str | None,
-    effects: Mapping[str, float],
-) -> Recording:
+    design: OwnDesign, seed: int, truth: Truth | None, effects: Mapping[str, float]
+) -> dict[str, Any]:
     """Simulate a rig that no protocol of the paper's lays out."""
     constants = design.constants
     truth = Truth(coefficients=design.coefficients) if truth is None else truth
+    truth = _with_effects(truth, effects, design, constants)
+    title = f"Synthetic: {design.title}, seed {seed}"
+    simulated = design.simulate(constants, truth, seed)
+    return _fields(title, constants, design.name, seed, truth, [simulated])
+
+
+def _with_effects(
+    truth: Truth,
+    effects: Mapping[str, float],
+    design: Protocol | OwnDesign,
+    constants: RigConstants,
+) -> Truth:
+    """Return a truth with effects of these strengths, each by itself, beside its own."""
     added = [
         at_strength(effect, size, design, constants, truth) for effect, size in effects.items()
     ]
-    truth = replace(truth, effects=(*truth.effects, *added))
-    simulated = design.simulate(constants, truth, seed)
-    title = f"Synthetic: {design.title}, seed {seed}"
-    return _recording(
-        name, title, constants, simulated.tables, created, design.name, seed, truth, [simulated]
-    )
+    return replace(truth, effects=(*truth.effects, *added))
 
 
-def _recording(
-    name: str,
+def _fields(
     title: str,
     constants: RigConstants,
-    tables: Mapping[str, Any],
-    created: str | None,
     label: str,
     seed: int,
     truth: Truth,
     recorded: Sequence[Simulated],
-) -> Recording:
-    return Recording(
-        name=name,
-        title=title,
-        rig=constants,
-        **tables,
-        created=created,
-        metadata={
-            "sources": [{"title": "Simulated by bayesfric; no board was measured"}],
-            "licenses": [{"name": "CC0-1.0"}],
-            "simulation": {
-                "protocol": label,
-                "seed": seed,
-                "truth": truth.as_json(),
-                "stalled": [trial for simulated in recorded for trial in simulated.stalled],
-            },
-        },
-    )
+) -> dict[str, Any]:
+    """Return what a recording holds beside its name and its date."""
+    tables = {name: table for simulated in recorded for name, table in simulated.tables.items()}
+    simulation = {
+        "protocol": label,
+        "seed": seed,
+        "truth": truth.as_json(),
+        "stalled": [trial for simulated in recorded for trial in simulated.stalled],
+    }
+    metadata = {
+        "sources": [{"title": "Simulated by bayesfric; no board was measured"}],
+        "licenses": [{"name": "CC0-1.0"}],
+        "simulation": simulation,
+    }
+    return {"title": title, "rig": constants, "metadata": metadata, **tables}

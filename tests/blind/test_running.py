@@ -164,7 +164,7 @@ def test_every_campaign_is_logged(engine, tmp_path):
     running.run_blind(tmp_path, number=3)
     lines = (tmp_path / "blind" / "log.jsonl").read_text().splitlines()
     entries = [json.loads(line) for line in lines]
-    assert [(e["seed"], e["number"], e["scoring"]) for e in entries] == [
+    assert [(e["seed"], e["planned"], e["scoring"]) for e in entries] == [
         (3, 2, False),
         (10_000, 3, True),
     ]

@@ -6,7 +6,7 @@ from blind.scored import scored
 
 from bayesfric.analysis import Analysis
 from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
-from bayesfric.blind.scorecard import BELOW_PRACTICAL, scorecard_of
+from bayesfric.blind.scorecard import BELOW_PRACTICAL, Campaign, scorecard_of
 from bayesfric.schemas.scorecard import Target
 
 FOREIGN = {"own": False}
@@ -39,9 +39,7 @@ def card():
 
 
 def card_of(cases):
-    return scorecard_of(
-        cases, analysis=Analysis(), engine="reference", design="quick", seed=10_000, planned=16
-    )
+    return scorecard_of(cases, Campaign("reference", "quick", "design", 10_000, 16), Analysis())
 
 
 def counts(rate):
@@ -230,8 +228,7 @@ def test_the_best_test_stands_beside_ours_where_setups_limit():
         scored("effect", **wrap, oracle_power=0.7, **FALSE),
         scored("effect"),
     ]
-    given = {"engine": "reference", "design": "quick", "seed": 10_000, "planned": 3}
-    (one,) = scorecard_of(cases, analysis=Analysis(), **given).oracle
+    (one,) = card_of(cases).oracle
     assert (one.effect, one.strength, one.power) == ("wrap-intercept", 0.3, pytest.approx(0.6))
     assert counts(one.named) == (1, 2)
 

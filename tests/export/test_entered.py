@@ -1,25 +1,15 @@
 """Numbers to enter as words: digits by the error, what is lost, and what cannot be entered."""
 
+from export.entered import number
+
 from bayesfric.attention.diagnosis import why_untrusted
 from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.content import BulletList, Notice, Strong, Table
-from bayesfric.robots.fields import fields_of
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import LawNumber
-from bayesfric.schemas.diagnosis import Enter, SimulatorField
 from bayesfric.schemas.gap import Gap
-
-
-def number(parameter, mean, sd, unit="N·m", **more):
-    value = Interval(mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd)
-    fields = {
-        name: None if field is None else SimulatorField(**field._asdict())
-        for name, field in fields_of(parameter, turns=True).items()
-    }
-    return Enter(parameter=parameter, unit=unit, value=value, fields=fields, **more)
-
 
 COULOMB = number("coulomb", 0.61234, 0.0213, in_your_simulator=0.7, lost_without=0.61234)
 SHARE = number("load-friction.share", 0.12, 0.02, "1", lost_without=0.34, snippet="load_friction")

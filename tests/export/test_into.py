@@ -10,6 +10,7 @@ from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
+from export.entered import number
 from export.hinge import Hinge, drawn_hinge, recording
 from typer.testing import CliRunner
 
@@ -20,10 +21,7 @@ from bayesfric.export.joints import ExportedJoint, joints_of
 from bayesfric.export.of_joints import TEXTS_OF_JOINTS, draws_table
 from bayesfric.export.own_numbers import own_numbers
 from bayesfric.export.snippets import load_friction_text
-from bayesfric.robots.fields import fields_of
 from bayesfric.robots.setting import model_text
-from bayesfric.schemas.base import Interval
-from bayesfric.schemas.diagnosis import Enter, SimulatorField
 
 mujoco = pytest.importorskip("mujoco")
 OWN = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)  # what the user's simulator has
@@ -44,15 +42,6 @@ def exported(folder, *arguments):
     done = CliRunner().invoke(app, ["export", str(folder / "out"), *map(str, arguments)])
     assert done.exit_code == 0, done.output
     return done.stdout
-
-
-def number(parameter, mean, sd, unit="N·m", **more):
-    value = Interval(mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd)
-    fields = {
-        name: None if field is None else SimulatorField(**field._asdict())
-        for name, field in fields_of(parameter, turns=True).items()
-    }
-    return Enter(parameter=parameter, unit=unit, value=value, fields=fields, **more)
 
 
 def joint(*numbers, name="elbow", in_model=None, turns=True, draws=None):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from fingerprint import access
+from fingerprint import access_diagnosis as access
 from fingerprint.numbers import Number, closed, drawn, integrated
 from fingerprint.points import NOISE
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from fingerprint import access
+from fingerprint import access_margins as access
 from fingerprint.numbers import Number, closed, integrated, text
 
 LOOPS = ("raven-elbow", "raven-grasp", "raven-insertion", "raven-tool-rotation")

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from fingerprint import access
+from fingerprint import access, access_diagnosis
 from fingerprint.numbers import Number, drawn, integrated, text
 
 
@@ -21,10 +21,10 @@ def of_fit(rig: str) -> dict[str, Number]:
 
 def of_diagnosis(rig: str) -> dict[str, Number]:
     """Return probabilities, verdict, gap, causes and strengths."""
-    rows = dict(_of_diagnosis(access.diagnosis(rig)))
+    rows = dict(_of_diagnosis(access_diagnosis.diagnosis(rig)))
     if rig == "points":
-        for name, recorded in access.with_more_friction().items():
-            numbers = _of_diagnosis(access.diagnosis(rig, recorded))
+        for name, recorded in access_diagnosis.with_more_friction().items():
+            numbers = _of_diagnosis(access_diagnosis.diagnosis(rig, recorded))
             rows |= {f"{name}: {number}": value for number, value in numbers}
     return rows
 

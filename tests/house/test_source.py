@@ -20,11 +20,25 @@ from house.source import (
 # How many variables of a room are still named by a word that says nothing; how many functions
 # are too long; and which files import each other in a circle.
 NOT_YET_NAMED: dict[str, int] = {}
-NOT_YET_SHORT: set[str] = set()
+NOT_YET_SHORT: set[str] = {
+    "diagnosis/concluded.py conclude",
+    "diagnosis/diagnosing.py diagnose",
+    "diagnosis/joints.py diagnosed_together",
+    "diagnosis/stored.py gap_of",
+    "diagnosis/unknown.py unknown_force",
+    "diagnosis/weighing.py weigh",
+    "diagnosis/widening.py by_parts",
+    "rigs/gravity_board/hall_events.py reduce_events",
+    "rigs/gravity_board/residual_motion.py runs_of",
+    "rigs/single_axis/entering.py entering",
+    "rigs/single_axis/instruments.py compared",
+    "rigs/single_axis/readings.py readings_of",
+    "rigs/single_axis/rows.py state_of",
+    "rigs/single_axis/simulated.py linearised",
+}
 NOT_YET_STRAIGHT: list[set[str]] = []
 # Files of more than 400 lines.
 NOT_YET_SMALL: set[str] = {
-    "diagnosis/model.py",
     "rigs/single_axis/trials.py",
 }
 # End of what is not yet held.
@@ -113,9 +127,9 @@ def test_a_name_that_only_holds_such_a_word_is_let_be():
     assert empty_names(source, "x.py") == []
 
 
-@pytest.mark.parametrize(("statements", "is_long"), [(59, False), (60, True)])
+@pytest.mark.parametrize(("statements", "is_long"), [(55, False), (56, True)])
 def test_a_long_function_is_noticed(statements, is_long):
-    source = 'def f():\n    """A docstring.\n\n    Does not count.\n    """\n'
+    source = 'def f():\n    """A docstring.\n\n    Counts too.\n    """\n'
     source += "    x = 1\n" * statements
     assert bool(long_functions(source, "x.py")) == is_long
 

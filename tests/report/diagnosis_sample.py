@@ -2,11 +2,12 @@
 
 import numpy as np
 import xarray as xr
+from report.told import plain as words
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.report.chapters.diagnosis import diagnosis as chapter
 from bayesfric.report.chapters.diagnosis_details import appendix
-from bayesfric.report.content import BulletList, Figure, Notice, Paragraph, Table, inlines
+from bayesfric.report.content import BulletList, Figure, Notice, Paragraph, Table
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -296,10 +297,6 @@ def without_gap() -> StoredDiagnosis:
         next_experiment=(),
         next_experiment_why="no two hypotheses are left to separate",
     )
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 def blocks_of(stored):

@@ -1,12 +1,15 @@
 """The scorecard in the report: from scorecard.json alone, every number where it is said."""
 
+from dataclasses import replace
+
 import pytest
 import xarray as xr
 from blind.scored import scored
 from matplotlib.lines import Line2D
+from report.told import plain as words
 
 from bayesfric.analysis import Analysis
-from bayesfric.blind.scorecard import scorecard_of
+from bayesfric.blind.scorecard import Campaign, scorecard_of
 from bayesfric.errors import InputError
 from bayesfric.plots.scorecard import (
     confusion_matrix,
@@ -16,7 +19,7 @@ from bayesfric.plots.scorecard import (
 from bayesfric.plots.style import to_svg
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
-from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table, inlines
+from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import StoredClaims, StoredResults
@@ -30,8 +33,8 @@ WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_
 
 
 def card_of(cases, **changes):
-    given = {"engine": "reference", "design": "quick", "seed": 10_000, "planned": 630}
-    return scorecard_of(cases, analysis=Analysis(), **(given | changes))
+    campaign = Campaign("reference", "quick", "design", 10_000, 630)
+    return scorecard_of(cases, replace(campaign, **changes), Analysis())
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +43,6 @@ def card():
     effects = [scored("effect")] * 19 + [scored("effect", **WRONG)]
     weak = [scored("effect", strength={"viscous": 0.3}, own=False, **WRONG)] * 2
     return card_of([*nulls, *effects, *weak])
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 @pytest.fixture(scope="module")

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from report.told import plain as words
 
 from bayesfric.analysis import Analysis
 from bayesfric.calibration.running import calibration_of
 from bayesfric.plots.ranks import rank_differences
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.calibration import calibration, calibration_line
-from bayesfric.report.content import Notice, Table, inlines
+from bayesfric.report.content import Notice, Table
 from bayesfric.report.html import render_html
 from bayesfric.report.stored import read_stored
 from bayesfric.report.writing import write_report
@@ -28,10 +29,6 @@ def found():
         for k in range(200)
     ]
     return calibration_of(cases, Analysis(), planned=500)
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 def test_what_is_not_uniform_is_said_on_page_one_and_in_the_table(found):

@@ -4,11 +4,12 @@ import json
 import shutil
 
 import pytest
+from report.told import plain as words
 
 from bayesfric.comparing import compare
 from bayesfric.errors import InputError
 from bayesfric.report.chapters.comparison import comparison, comparison_line
-from bayesfric.report.content import Table, inlines
+from bayesfric.report.content import Table
 from bayesfric.report.writing import write_report
 from bayesfric.resources import reference_folder
 
@@ -28,10 +29,6 @@ def runs(tmp_path):
     content["seed"] += 1
     path.write_text(json.dumps(content))
     return tmp_path, flipped["id"], moved["id"]
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 def test_flips_settings_and_shifts_are_those_of_the_comparison(runs):

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from pypdf import PdfReader
 from report.diagnosis_sample import diagnosis
+from report.told import plain as words
 
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
@@ -20,7 +21,6 @@ from bayesfric.report.content import (
     Listing,
     Notice,
     Table,
-    inlines,
 )
 from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import (
@@ -43,10 +43,6 @@ def stored(small_fit):
 
 def changed(stored, **changes):
     return dataclasses.replace(stored, fit=stored.fit.model_copy(update=changes))
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 def test_page_one_says_what_friction_to_expect(stored):

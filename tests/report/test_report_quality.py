@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import xarray as xr
+from report.told import plain as words
 
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import checks, data_quality, predictions, summary
@@ -33,10 +34,6 @@ def shown(stored):
 def checked(stored):
     """The chapter of checks, its figures drawn once."""
     return list(checks.checks(stored))
-
-
-def words(text):
-    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
 def paragraphs(blocks):

@@ -62,21 +62,11 @@ def axis(tmp_path_factory):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(
-    ("force", "length"),
-    [(1e-9, 1.0), (1e3, 1.0), (1.0, 1e3), (1e-9, 1e3)],
-    ids=["nN", "mN", "mm", "nN and mm"],
+    ("name", "force", "length"),
+    [("stribeck", *units) for units in [(1e3, 1.0), (1.0, 1e3), (1e-9, 1e3)]]
+    + [(name, *units) for name in MACHINES for units in [(1e-9, 1.0), (1e4, 1e-3), (1e-12, 1e3)]],
 )
-@pytest.mark.parametrize("name", ["stribeck"])
 def test_an_axis_in_other_units_is_diagnosed_alike(axis, name, force, length):
-    first = axis(name)
-    assert first.verdict == MACHINES[name][1]
-    alike(first, axis(name, force, length), force)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("force", "length"), [(1e-9, 1.0), (1e4, 1e-3), (1e-12, 1e3)])
-@pytest.mark.parametrize("name", MACHINES)
-def test_any_axis_in_other_units_is_diagnosed_alike(axis, name, force, length):
     first = axis(name)
     assert first.verdict == MACHINES[name][1]
     alike(first, axis(name, force, length), force)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bayesfric.blind.engines.boards import SPACING_M, board_of, motor_state
 from bayesfric.blind.engines.catalogue import EFFECTS, OUTSIDERS_BY_NAME, drawn, forms_of
-from bayesfric.blind.engines.design import TRAVEL_M, Trials, bench_of, trials_of, unbalanced
+from bayesfric.blind.engines.design import TRAVEL_M, Bench, Trials, bench_of, trials_of, unbalanced
 from bayesfric.blind.engines.law import SIZES, TYPICAL, Nature, draw_nature
 from bayesfric.blind.engines.motion import move
 from bayesfric.blind.engines.nuisances import (
@@ -28,12 +28,13 @@ from bayesfric.blind.engines.nuisances import (
     spoiled,
 )
 from bayesfric.blind.engines.recorder import (
+    Table,
     event_trains,
     gravity_tables,
     motor_tables,
     recorded,
 )
-from bayesfric.blind.engines.state import Array, Form, ImposedEffect
+from bayesfric.blind.engines.state import Array, BoardState, Form, ImposedEffect
 from bayesfric.blind.engines.strength import CleanDesign, scaled
 from bayesfric.recording import Recording
 
@@ -144,25 +145,72 @@ def make(
         If `withheld` or `design` names something that there is not.
     """
     _check(withheld, design)
-    nature = draw_nature(stream(seed, NATURE))
-    kinds = [(EFFECTS | OUTSIDERS_BY_NAME)[name] for name, _ in withheld.effects]
-    awkward = draw_awkward(stream(seed, AWKWARD), {kind.needs for kind in kinds}, background)
-    trials = trials_of(stream(seed, TRIALS))
-    if awkward.unbalanced:
-        trials = _rows(trials, unbalanced(trials, stream(seed, AWKWARD, 1)))
-    bench = bench_of(stream(seed, BENCH)) if awkward.motor_board else None
-    phases = _phases(seed, awkward.sensors, len(trials))
-    board = board_of(nature, trials)
-    runs = None if bench is None else motor_state(nature, bench)
-    clean = CleanDesign.of(board, move(board, ()), phases, runs)
-    effects = [
-        scaled(drawn(kind, strength, withheld.form, len(trials), stream(seed, WITHHELD, i)), clean)
-        for i, (kind, (_, strength)) in enumerate(zip(kinds, withheld.effects, strict=True))
-    ]
-    small = background_of(kinds, awkward, len(trials), stream(seed, BACKGROUND))
-    other = [scaled(effect, clean) for effect in small if background and beside]
-    acting = effects + other
-    factor, motor_factor = _scatter(nature, trials, bench, background, seed)
+    world = _World.draw(withheld, seed, background=background, beside=beside)
+    factor, motor_factor = _scatter(world.nature, world.trials, world.bench, background, seed)
+    tables, truth = _gravity(world, factor, seed, background=background, noise=noise, beside=beside)
+    if world.bench is not None and world.runs is not None:
+        scatter = motor_factor if noise else np.ones((len(world.bench), 1))
+        currents = stream(seed, CURRENTS) if noise else None
+        tables |= motor_tables(
+            world.bench, world.runs, world.acting, scatter, world.nature, currents
+        )
+    return Made(recorded(tables), _truth(world, withheld) | truth)
+
+
+@dataclass(frozen=True)
+class _World:
+    """Boards without noise, what acts on them, and where their magnets stand."""
+
+    nature: Nature
+    awkward: Awkward
+    trials: Trials
+    bench: Bench | None
+    runs: BoardState | None
+    phases: dict[bool, Array]
+    withheld: list[ImposedEffect]
+    background: list[ImposedEffect]
+
+    @classmethod
+    def draw(cls, withheld: Withheld, seed: int, *, background: bool, beside: bool) -> "_World":
+        """Draw the boards, and effects as strong on them as they are to be."""
+        nature = draw_nature(stream(seed, NATURE))
+        kinds = [(EFFECTS | OUTSIDERS_BY_NAME)[name] for name, _ in withheld.effects]
+        awkward = draw_awkward(stream(seed, AWKWARD), {kind.needs for kind in kinds}, background)
+        trials = trials_of(stream(seed, TRIALS))
+        if awkward.unbalanced:
+            trials = _rows(trials, unbalanced(trials, stream(seed, AWKWARD, 1)))
+        bench = bench_of(stream(seed, BENCH)) if awkward.motor_board else None
+        phases = _phases(seed, awkward.sensors, len(trials))
+        board = board_of(nature, trials)
+        runs = None if bench is None else motor_state(nature, bench)
+        clean = CleanDesign.of(board, move(board, ()), phases, runs)
+        own = [
+            drawn(kind, strength, withheld.form, len(trials), stream(seed, WITHHELD, i))
+            for i, (kind, (_, strength)) in enumerate(zip(kinds, withheld.effects, strict=True))
+        ]
+        small = background_of(kinds, awkward, len(trials), stream(seed, BACKGROUND))
+        return cls(
+            nature,
+            awkward,
+            trials,
+            bench,
+            runs,
+            phases,
+            [scaled(effect, clean) for effect in own],
+            [scaled(effect, clean) for effect in small if background and beside],
+        )
+
+    @property
+    def acting(self) -> list[ImposedEffect]:
+        """All effects, those withheld first."""
+        return self.withheld + self.background
+
+
+def _gravity(
+    world: _World, factor: Array, seed: int, *, background: bool, noise: bool, beside: bool
+) -> tuple[dict[str, Table], dict[str, Any]]:
+    """Return the tables of the gravity board, and the truth of its nuisances and odd trials."""
+    nature, trials, awkward, acting = world.nature, world.trials, world.awkward, world.acting
     if noise and background:
         slow, trials = nearly_stalling(nature, trials, acting, stream(seed, AWKWARD, 2))
         awkward = replace(awkward, nearly_stalls=slow)
@@ -170,30 +218,24 @@ def make(
     nuisances = Nuisances()
     if background and (noise or beside):
         # Where the ends differ by what is withheld, they differ by nothing beside it.
-        ends = beside and "end-asymmetry" not in {kind.name for kind in kinds}
+        ends = beside and "end-asymmetry" not in {effect.kind.name for effect in world.withheld}
         nuisances = _nuisances(seed, noise=noise, ends=ends)
         board = disturbed(board, trials, nuisances, stream(seed, NUISANCES, 1))
     clock_start = stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     motion = move(board, acting)
     noise_of = nature if noise else None
     trains = event_trains(
-        board, motion, acting, phases, clock_start, noise_of, stream(seed, EVENTS)
+        board, motion, acting, world.phases, clock_start, noise_of, stream(seed, EVENTS)
     )
     if noise and background:
         disturb_rng = stream(seed, NUISANCES, 2)
         trains = disturbed_trains(trains, board, clock_start, nuisances, disturb_rng)
         trains, awkward = spoiled(trains, awkward, stream(seed, AWKWARD, 3))
     tables, lost = gravity_tables(trials, trains, ticks=noise)
-    if bench is not None and runs is not None:
-        scatter = motor_factor if noise else np.ones((len(bench), 1))
-        currents = stream(seed, CURRENTS) if noise else None
-        tables |= motor_tables(bench, runs, acting, scatter, nature, currents)
-    truth = _truth(nature, withheld, effects, other, awkward)
-    truth["nuisances"] = nuisances.as_json()
     stalled = np.flatnonzero(np.isfinite(motion.stall_m) & (motion.stall_m < TRAVEL_M))
-    truth["awkward"]["stalled"] = [f"g{i + 1:04d}" for i in stalled]
-    truth["awkward"]["left_out"] = [f"g{i + 1:04d}" for i in lost]
-    return Made(recorded(tables), truth)
+    odd = {"stalled": stalled.tolist(), "left_out": lost}
+    named = {name: [f"g{i + 1:04d}" for i in rows] for name, rows in odd.items()}
+    return tables, {"awkward": vars(awkward) | named, "nuisances": nuisances.as_json()}
 
 
 def _phases(seed: int, sensors: str, trials: int) -> dict[bool, Array]:
@@ -243,7 +285,7 @@ def _rows(trials: Trials, stays: NDArray[np.intp]) -> Trials:
 
 
 def _scatter(
-    nature: Nature, trials: Trials, bench: Any, heavy: bool, seed: int
+    nature: Nature, trials: Trials, bench: Bench | None, heavy: bool, seed: int
 ) -> tuple[Array, Array]:
     """Draw the factors of friction, of the trials and, (runs, 1), of the motor board."""
 
@@ -276,13 +318,8 @@ def coefficients_of(nature: Nature) -> dict[str, dict[str, float]]:
     }
 
 
-def _truth(
-    nature: Nature,
-    withheld: Withheld,
-    effects: list[ImposedEffect],
-    background: list[ImposedEffect],
-    awkward: Awkward,
-) -> dict[str, Any]:
+def _truth(world: _World, withheld: Withheld) -> dict[str, Any]:
+    nature = world.nature
     return {
         "coefficients": coefficients_of(nature),
         "scatter": {
@@ -290,9 +327,8 @@ def _truth(
             "idle_current": [float(value) for value in nature.idle],
         },
         "kind": withheld.kind,
-        "withheld": [_effect_truth(effect) for effect in effects],
-        "background": [_effect_truth(effect) for effect in background],
-        "awkward": dict(vars(awkward)),
+        "withheld": [_effect_truth(effect) for effect in world.withheld],
+        "background": [_effect_truth(effect) for effect in world.background],
     }
 
 

@@ -16,12 +16,12 @@ from bayesfric.fitting.predictive.coverage import CELL, coverage
 from bayesfric.fitting.predictive.left_out import LeftOut, scores, uniformity
 from bayesfric.fitting.predictive.parameters import coefficients, densities, ranks
 from bayesfric.fitting.predictive.prior import PRIOR_DRAWS, friction_of_prior
-from bayesfric.inference.model import Model, RigLikelihood
+from bayesfric.inference.model import Model
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.bands import QUANTILES, bands
-from bayesfric.rigs.base import Predictive, RigTrials
+from bayesfric.rigs.base import Predictive, Rig, RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.remaking import Remade, remake
+from bayesfric.rigs.remaking import remake
 from bayesfric.stored_names import tree_of
 
 __all__ = ["QUANTILES", "covered", "predict"]
@@ -45,13 +45,11 @@ def predict(
     data : Data
         Trials that entered.
     model : Model
-        Of the fit; its likelihoods are those of the rigs of `data`.
+        Of the fit, with a likelihood of each rig of `data`.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         Posterior draws in the parameters' units.
-    left_out : mapping of str to LeftOut
-        What the fit predicts of trials that it has not seen, by rig.
-    assemblies : mapping of str to Assemblies or None
-        What it predicts of assemblies that it has not seen, by rig.
+    left_out, assemblies : mapping of str to LeftOut, and to Assemblies or None
+        What the fit predicts of trials and of assemblies that it has not seen, by rig.
     analysis : Analysis
         For the seed and the form of the scatter.
     baseline : FrictionLaw
@@ -63,14 +61,12 @@ def predict(
         ``coefficients``: quantiles, and their ratio to Table I for its sizes.
         ``densities``: of each parameter, prior and posterior.
         ``ranks``: how the draws of each ensemble rank among all.
-        Of each rig a group that is called as its trials are (``trials``, ``runs``), with
-        the attributes ``rig``, ``title``, ``trial``, ``trials`` and ``id`` (its dimension):
-        friction observed, and predicted
-        for a new trial on a new assembly, with z and coverage; ``loo_pit``, the
-        probability of less friction had the trial been left out, and ``pareto_k`` of its
-        weights. Of each rig ``trial_checks`` (``run_checks``): how far these are from
-        uniform, and coverage by condition; ``trial_assemblies`` (``run_assemblies``): the
-        same of assemblies left out. Beside it what the rig alone can show.
+        Of each rig a group that is called as its trials are (``trials``, ``runs``), with its words
+        as attributes: friction observed, and predicted for a new trial on a new assembly, with z
+        and coverage; ``loo_pit``, the probability of less friction had the trial been left out,
+        and ``pareto_k`` of its weights. ``trial_checks`` (``run_checks``): how far these are from
+        uniform, and coverage by condition; ``trial_assemblies`` (``run_assemblies``): the same of
+        assemblies left out. Beside it what the rig alone can show.
         ``prior``: friction that the priors alone imply, of the first rig.
     """
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 1]))
@@ -84,23 +80,11 @@ def predict(
         "ranks": ranks(model, theta),
     }
     for trials, likelihood in zip(data.rigs, model.likelihoods, strict=True):
-        rig, words = trials.rig, trials.rig.words
         factor = 1 + likelihood.draw_scatter(named, rng)
         remade = remake(likelihood, named, factor - 1, checks)
         view = Predictive(likelihood, baseline, named, factor, remade, checks)
-        table = trials.predicted(view).assign_attrs(
-            rig=rig.name,
-            title=words.rig,
-            trial=words.trial,
-            trials=words.trials,
-            group=words.group,
-            id=words.trial,
-        )
-        groups[words.trials], groups[f"{words.trial}_checks"] = _checked(
-            trials, table, likelihood, left_out[rig.name], remade
-        )
-        if (left := assemblies[rig.name]) is not None:
-            groups[f"{words.trial}_assemblies"] = left.table(likelihood.trials)
+        name, table = trials.rig.name, _with_words(trials.predicted(view), trials.rig)
+        groups |= _checked(trials, table, view, left_out[name], assemblies[name])
         if "prior" not in groups and any("[" in p.name for p in likelihood.parameters):
             groups["prior"] = _prior(trials, table, model, named, analysis, baseline)
         groups |= trials.figures(view)
@@ -126,23 +110,45 @@ def covered(predictive: xr.DataTree) -> tuple[Coverage, ...]:
     return tuple(coverages)
 
 
-def _checked(
-    trials: RigTrials, table: xr.Dataset, likelihood: RigLikelihood, left: LeftOut, remade: Remade
-) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return the table of trials with their leave-one-out figures, and checks over all trials."""
-    observed = table["friction_n"].to_numpy()
-    checks = coverage(likelihood.trials, likelihood.sizes, trials.loads, remade, observed)
-    if left.trials is None:
-        return table, checks
-    trial = trials.rig.words.trial
-    table = table.assign(loo_pit=(trial, left.pit), pareto_k=(trial, left.trials.pareto_k))
-    uniform = uniformity(left.pit, left.again)
-    return table, checks.assign_coords(probability=uniform.grid).assign(
-        pit_difference=("probability", uniform.difference),
-        pit_band=(("end", "probability"), np.stack([uniform.low, uniform.high])),
-        score=("rank", np.sort(scores(left.pit))),
-        score_expected=(("rank", "quantile"), bands(np.sort(scores(left.again), axis=-1))),
+def _with_words(table: xr.Dataset, rig: Rig) -> xr.Dataset:
+    """Return a rig's table of trials with what its words are."""
+    words = rig.words
+    return table.assign_attrs(
+        rig=rig.name,
+        title=words.rig,
+        trial=words.trial,
+        trials=words.trials,
+        group=words.group,
+        id=words.trial,
     )
+
+
+def _checked(
+    trials: RigTrials,
+    table: xr.Dataset,
+    view: Predictive,
+    left: LeftOut,
+    assemblies: Assemblies | None,
+) -> dict[str, xr.Dataset]:
+    """Return the table of trials with their leave-one-out figures, and checks over all trials."""
+    words, likelihood = trials.rig.words, view.likelihood
+    observed = table["friction_n"].to_numpy()
+    checks = coverage(likelihood.trials, likelihood.sizes, trials.loads, view.remade, observed)
+    if left.trials is not None:
+        table = table.assign(
+            loo_pit=(words.trial, left.pit), pareto_k=(words.trial, left.trials.pareto_k)
+        )
+        uniform = uniformity(left.pit, left.again)
+        checks = checks.assign_coords(probability=uniform.grid).assign(
+            pit_difference=("probability", uniform.difference),
+            pit_band=(("end", "probability"), np.stack([uniform.low, uniform.high])),
+            score=("rank", np.sort(scores(left.pit))),
+            score_expected=(("rank", "quantile"), bands(np.sort(scores(left.again), axis=-1))),
+        )
+    checked = {words.trials: table, f"{words.trial}_checks": checks}
+    if assemblies is not None:
+        checked[f"{words.trial}_assemblies"] = assemblies.table(likelihood.trials)
+    return checked
 
 
 def _prior(

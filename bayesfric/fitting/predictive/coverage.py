@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.remaking import Remade
 
@@ -43,16 +43,7 @@ def coverage(
         ``…_share``, of trials inside, by level; ``…_expected``, 5, 50 and 95 % quantile of
         that share if the recording were made again; ``…_trials``, how many there are.
     """
-    tails = np.array([(1 - level) / 2 for level in LEVELS])
-    low = np.quantile(remade.apart, tails, axis=0)
-    high = np.quantile(remade.apart, 1 - tails, axis=0)
-    inside = (low <= observed) & (observed <= high)  # (level, N)
-    again = np.stack(
-        [
-            (bottom <= remade.together) & (remade.together <= top)
-            for bottom, top in zip(low, high, strict=True)
-        ]
-    )
+    inside, again = _inside(remade, observed)
     columns = [*CELL, *loads]
     ranked = table.assign(rank=table["pulley_size"].map(list(sizes).index))
     groups = {
@@ -79,3 +70,18 @@ def coverage(
         for name in columns if of == "condition" else CELL:
             variables[f"{of}_{name}"] = (of, rows[name].to_numpy())
     return xr.Dataset(variables, coords={"level": list(LEVELS), "quantile": list(QUANTILES)})
+
+
+def _inside(remade: Remade, observed: Array) -> tuple[Flags, Flags]:
+    """Return which trials are inside, (level, N), and which if made again, (level, W, N)."""
+    tails = np.array([(1 - level) / 2 for level in LEVELS])
+    low = np.quantile(remade.apart, tails, axis=0)
+    high = np.quantile(remade.apart, 1 - tails, axis=0)
+    inside = (low <= observed) & (observed <= high)
+    again = np.stack(
+        [
+            (bottom <= remade.together) & (remade.together <= top)
+            for bottom, top in zip(low, high, strict=True)
+        ]
+    )
+    return inside, again

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.observation.coefficients import law_of
@@ -47,48 +48,58 @@ def friction_of_prior(
         move; ``…_stuck_somewhere``, of draws that leave some condition at rest;
         ``prior_negative``, the share of draws and conditions whose friction would push.
     """
-    sizes = [str(size) for size in dict.fromkeys(conditions["pulley_size"])]
-    count, quantiles = len(conditions), len(PRIOR_QUANTILES)
+    rows_of = {
+        str(size): np.flatnonzero(conditions["pulley_size"].to_numpy() == size)
+        for size in dict.fromkeys(conditions["pulley_size"])
+    }
+    measured = conditions["friction_n"].to_numpy()
+    extremes = [[measured[rows].min(), measured[rows].max()] for rows in rows_of.values()]
     variables: dict[str, object] = {
         name: ("condition", conditions[name].to_numpy())
         for name in ("pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n")
     }
-    variables["measured_n"] = ("condition", conditions["friction_n"].to_numpy())
-    variables["measured_range_n"] = (("pulley", "end"), np.empty((len(sizes), 2)))
+    variables["measured_n"] = ("condition", measured)
+    variables["measured_range_n"] = (("pulley", "end"), extremes)
     if resting is not None:
         variables["drive_n"] = ("condition", resting.drive_n)
-    by_condition = {name: np.empty((count, quantiles)) for name in ("prior", "posterior")}
-    pooled = {name: np.empty((len(sizes), quantiles)) for name in by_condition}
-    stuck = {name: np.zeros(len(sizes)) for name in by_condition}
-    somewhere = {name: np.zeros(len(sizes)) for name in by_condition}
-    negative, extremes = np.empty(len(sizes)), np.empty((len(sizes), 2))
-    for place, size in enumerate(sizes):
-        at_size = np.flatnonzero(conditions["pulley_size"].to_numpy() == size)
-        rows = conditions.iloc[at_size]
-        n, wrap, tension, measured = (
-            rows[name].to_numpy(dtype=np.float64)
-            for name in ("n_pulleys", "wrap_angle_deg", "tension_n", "friction_n")
-        )
-        extremes[place] = measured.min(), measured.max()
-        for name, draws in (("prior", prior), ("posterior", posterior)):
-            law = Coefficients(*(np.asarray(c)[:, None] for c in law_of(draws, size)))
-            friction = baseline.at_tension(law, n, wrap, tension)
-            by_condition[name][at_size] = np.quantile(friction, PRIOR_QUANTILES, axis=0).T
-            pooled[name][place] = np.quantile(friction, PRIOR_QUANTILES)
-            if name == "prior":
-                negative[place] = (friction < 0).mean()
-            if resting is not None:
-                # At rest both sides hang still: the tension is higher than in motion.
-                holds = baseline.at_tension(law, n, wrap, resting.tension_n[at_size])
-                rests = holds >= resting.drive_n[at_size]
-                stuck[name][place] = rests.mean()
-                somewhere[name][place] = rests.any(axis=1).mean()
-    variables["measured_range_n"] = (("pulley", "end"), extremes)
-    variables["prior_negative"] = ("pulley", negative)
-    for name in by_condition:
-        variables[f"{name}_n"] = (("condition", "level"), by_condition[name])
-        variables[f"{name}_pooled_n"] = (("pulley", "level"), pooled[name])
+    for name, draws in (("prior", prior), ("posterior", posterior)):
+        implied = _implied(conditions, rows_of, resting, draws, baseline)
+        if name == "posterior":
+            del implied["negative"]  # the data have ruled it out
+        variables |= {f"{name}_{quantity}": values for quantity, values in implied.items()}
+    return xr.Dataset(variables, coords={"pulley": list(rows_of), "level": list(PRIOR_QUANTILES)})
+
+
+def _implied(
+    conditions: pd.DataFrame,
+    rows_of: Mapping[str, NDArray[np.intp]],
+    resting: Resting | None,
+    draws: Mapping[str, Array],
+    baseline: FrictionLaw,
+) -> dict[str, object]:
+    """Return what draws imply: the variables without ``prior_`` or ``posterior_``."""
+    sizes, quantiles = len(rows_of), len(PRIOR_QUANTILES)
+    by_condition, pooled = np.empty((len(conditions), quantiles)), np.empty((sizes, quantiles))
+    negative, stuck, somewhere = np.empty(sizes), np.empty(sizes), np.empty(sizes)
+    columns = ("n_pulleys", "wrap_angle_deg", "tension_n")
+    for place, (size, rows) in enumerate(rows_of.items()):
+        n, wrap, tension = conditions[[*columns]].to_numpy(dtype=np.float64)[rows].T
+        law = Coefficients(*(np.asarray(c)[:, None] for c in law_of(draws, size)))
+        friction = baseline.at_tension(law, n, wrap, tension)
+        by_condition[rows] = np.quantile(friction, PRIOR_QUANTILES, axis=0).T
+        pooled[place] = np.quantile(friction, PRIOR_QUANTILES)
+        negative[place] = (friction < 0).mean()
         if resting is not None:
-            variables[f"{name}_stuck"] = ("pulley", stuck[name])
-            variables[f"{name}_stuck_somewhere"] = ("pulley", somewhere[name])
-    return xr.Dataset(variables, coords={"pulley": sizes, "level": list(PRIOR_QUANTILES)})
+            # At rest both sides hang still: the tension is higher than in motion.
+            friction_at_rest = baseline.at_tension(law, n, wrap, resting.tension_n[rows])
+            rests = friction_at_rest >= resting.drive_n[rows]
+            stuck[place] = rests.mean()
+            somewhere[place] = rests.any(axis=1).mean()
+    implied: dict[str, object] = {
+        "n": (("condition", "level"), by_condition),
+        "pooled_n": (("pulley", "level"), pooled),
+        "negative": ("pulley", negative),
+    }
+    if resting is not None:
+        implied |= {"stuck": ("pulley", stuck), "stuck_somewhere": ("pulley", somewhere)}
+    return implied

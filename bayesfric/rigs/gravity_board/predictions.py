@@ -35,9 +35,8 @@ def trials(model: GravityModel, recorded: pd.DataFrame, view: Predictive) -> xr.
     view : Predictive
         The fit.
     """
-    table, named = model.trials, view.named
-    middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
-    friction, variance, _ = (values[0] for values in model.observed(middle))
+    table = model.trials
+    friction, variance, _ = (values[0] for values in model.observed(view.medians))
     condition = model.condition
     acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
     observed = {
@@ -48,7 +47,7 @@ def trials(model: GravityModel, recorded: pd.DataFrame, view: Predictive) -> xr.
     observed["acceleration_m_s2"] = acceleration
     observed["friction_n"] = friction
     observed["friction_sd_n"] = np.sqrt(variance)
-    return beside_predicted("trial", table, observed, model.law(named), recorded, view)
+    return beside_predicted("trial", table, observed, model.law(view.named), recorded, view)
 
 
 def curves(model: GravityModel, named: dict[str, Array], baseline: FrictionLaw) -> xr.Dataset:

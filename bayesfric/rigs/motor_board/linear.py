@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.observation.coefficients import intercept_of, law_of_rows
 from bayesfric.observation.linear import NoiseParameter, noise_parameter, rank
@@ -55,13 +57,6 @@ def motor_rows(
     speed = np.asarray(condition.velocity_m_s, dtype=np.float64)
     load = load_current(condition, signed, torque, radius)
     radii = pulley_radii(list(sizes.unique()), constants)
-    idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
-    both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
-    idle = idle_basis(idle_speed, both_ways=both_ways)
-    idle_current = motor.idle["current_a"].to_numpy(dtype=np.float64)
-    fit = np.linalg.lstsq(idle, idle_current, rcond=None)[0]
-    rough_a = max(float((idle_current - idle @ fit).std()), 1e-4)
-
     per_newton = np.sign(speed) * radius / torque
     return LinearReadings(
         name="motor",
@@ -84,14 +79,27 @@ def motor_rows(
         reading=runs["current_a"].to_numpy(dtype=np.float64) - load,
         per_newton=per_newton,
         errors=(np.ones(len(runs)), load),
-        noise=partial(_noise, rough_a),
-        curve=idle_basis(speed, both_ways=both_ways),
-        still_curve=idle,
-        still=idle_current,
-        curve_sd=lambda priors: (priors.idle_current_sd,) * idle.shape[1],
         direct="current",
         intercept=per_newton * np.asarray(condition.n_pulleys) * intercept_of(law),
+        **_idle(motor, speed),
     )
+
+
+def _idle(motor: Motor, speed: Array) -> dict[str, Any]:
+    """Return the fields of the idle motor's curve, at these speeds of runs [m/s]."""
+    idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
+    both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
+    idle = idle_basis(idle_speed, both_ways=both_ways)
+    idle_current = motor.idle["current_a"].to_numpy(dtype=np.float64)
+    fit = np.linalg.lstsq(idle, idle_current, rcond=None)[0]
+    rough_a = max(float((idle_current - idle @ fit).std()), 1e-4)
+    return {
+        "noise": partial(_noise, rough_a),
+        "curve": idle_basis(speed, both_ways=both_ways),
+        "still_curve": idle,
+        "still": idle_current,
+        "curve_sd": lambda priors: (priors.idle_current_sd,) * idle.shape[1],
+    }
 
 
 def _noise(rough_a: float, priors: Priors) -> tuple[NoiseParameter, ...]:

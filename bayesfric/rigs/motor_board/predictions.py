@@ -1,6 +1,5 @@
 """Runs of the motor board."""
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -22,13 +21,12 @@ def runs(model: MotorModel, recorded: pd.DataFrame, view: Predictive) -> xr.Data
     view : Predictive
         The fit.
     """
-    table, named = model.trials, view.named
-    middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
-    friction = model.observed(middle)[0]
+    table = model.trials
+    friction = model.observed(view.medians)[0]
     condition = ("pulley_size", "setup", "n_pulleys", "wrap_angle_deg")
     observed = {
         name: table[name].to_numpy() for name in (*condition, "hanging_mass_kg", "velocity_m_s")
     }
     observed["tension_n"] = nominal_tension(model.condition, friction)
     observed["friction_n"] = friction
-    return beside_predicted("run", table, observed, model.law(named), recorded, view)
+    return beside_predicted("run", table, observed, model.law(view.named), recorded, view)

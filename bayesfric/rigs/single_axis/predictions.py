@@ -1,6 +1,5 @@
 """Runs of an axis: friction as it was seen, and predicted."""
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -21,9 +20,6 @@ def runs(model: AxisModel, recorded: pd.DataFrame, view: Predictive) -> xr.Datas
     view : Predictive
         The fit.
     """
-    law = model.law(view.named)
-    middle = {name: np.median(values, keepdims=True) for name, values in view.named.items()}
-    friction = model.observed(middle)[0]
-    table = model.trials
+    table, friction = model.trials, model.observed(view.medians)[0]
     observed = {"setup": table["setup"].to_numpy(), "friction_n": friction}
-    return beside_predicted("run", table, observed, law, recorded, view)
+    return beside_predicted("run", table, observed, model.law(view.named), recorded, view)
