@@ -316,9 +316,11 @@ def test_a_number_that_the_motion_does_not_show_takes_no_error_from_another():
     )
 
     def factors(coulomb):
-        tiny = {"mass": 0.06, "idle": 1.0, "coulomb": coulomb}
-        told = {name: interval(mean, 1e-4) for name, mean in tiny.items()}
-        numbers = {name: LawNumber(unit="1", before=one, after=one) for name, one in told.items()}
+        means = {"mass": 0.06, "idle": 1.0, "coulomb": coulomb}
+        sure = {name: interval(mean, 1e-4) for name, mean in means.items()}
+        numbers = {
+            name: LawNumber(unit="1", before=number, after=number) for name, number in sure.items()
+        }
         return by_parts(numbers, model, turns=True)
 
     assert factors(0.2)["idle"] == (1.0, 1.0)
