@@ -39,7 +39,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 CLAIM = Claim(
     name="nominal-tension",
     place=13,
-    statement="Table I and a weight of 1.5 kg give the nominal tensions that are quoted.",
+    statement="The paper's Table I and a weight of 1.5 kg give the quoted nominal tensions.",
     paper="15.8, 15.1 and 15.0 N for small, medium and large pulleys, n = 9, 85° (Fig. 5).",
     judge=_judge,
     about_these_data=False,

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from bayesfric.attention.diagnosis import is_by_instrument, why_untrusted
 from bayesfric.export.digits import by_error
+from bayesfric.probabilities import two_digits
 from bayesfric.rigs.rotary import is_relative
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.diagnosis import Enter
@@ -172,7 +173,8 @@ def _lost(force: float, enter: Sequence[Enter]) -> str:
     """Return a force beside Coulomb friction, so that a reader sees whether it matters."""
     words = f"{force:.2g} {_force_unit(enter)} rms"
     coulomb = next((number.value.q50 for number in enter if number.parameter == "coulomb"), 0.0)
-    return f"{words} ({force / coulomb:.2g} times Coulomb friction)" if coulomb > force else words
+    share = f"{two_digits(100 * force / coulomb)}% of Coulomb friction" if coulomb > force else ""
+    return f"{words} ({share})" if share else words
 
 
 def _value(number: Enter) -> str:

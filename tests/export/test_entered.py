@@ -32,7 +32,7 @@ def test_what_a_simulator_lacks_is_named_with_its_force():
     ]
     assert list(entered_remarks([COULOMB, SHARE]))[1] == (
         "No simulator has a field for load-friction.share, which is 0.120 ± 0.033: without it the "
-        "simulation stays off by 0.34 N·m rms (0.56 times Coulomb friction). "
+        "simulation stays off by 0.34 N·m rms (56% of Coulomb friction). "
         "`bayesfric export --to mjcf` writes a callback for it, load_friction.py."
     )
 
@@ -157,6 +157,6 @@ def test_what_two_joints_lack_alike_is_said_once():
         "0.61 N·m rms at shoulder and 0.61 N·m rms at elbow.",
         "No simulator has a field for offset (a constant force, as of a sensor's zero), which is "
         "0.0135 ± 0.0066 N·m at shoulder and 0.0135 ± 0.0066 N·m at elbow: without it the "
-        "simulation stays off by 0.013 N·m rms (0.021 times Coulomb friction) at shoulder and "
-        "0.013 N·m rms (0.021 times Coulomb friction) at elbow.",
+        "simulation stays off by 0.013 N·m rms (2.1% of Coulomb friction) at shoulder and "
+        "0.013 N·m rms (2.1% of Coulomb friction) at elbow.",
     ]
