@@ -34,6 +34,7 @@ from bayesfric.results import (
     replace_outputs,
     write_netcdf,
 )
+from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import ClaimsFile
 from bayesfric.schemas.claims import ClaimResult, PulleyEvidence, SelfContradiction
 
@@ -155,6 +156,7 @@ def check_claims(
     analysis = Analysis() if analysis is None else analysis
     claims = [claim for claim in registered() if only is None or claim.name in only]
     entered = Entered.of(recording, rigs, baseline)
+    analysis = with_own_priors(analysis, [entered.trials(name) for name in entered.rigs])
     effects = rival_effects(analysis)
     attributes = provenance(
         recording=recording_id(recording),
