@@ -27,6 +27,7 @@ from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
 from bayesfric.results import Output, identified, provenance_of, replace_outputs, write_netcdf
+from bayesfric.rigs.opening import with_own_priors
 from bayesfric.schemas import ClaimsFile
 from bayesfric.schemas.base import Provenance
 from bayesfric.schemas.claims import ClaimResult, PulleyEvidence, SelfContradiction
@@ -147,6 +148,7 @@ def check_claims(
     analysis = Analysis() if analysis is None else analysis
     claims = [claim for claim in registered() if only is None or claim.name in only]
     entered = Entered.of(recording, rigs, baseline)
+    analysis = with_own_priors(analysis, [entered.trials(name) for name in entered.rigs])
     effects = rival_effects(analysis)
     attributes = provenance_of(recording, analysis)
     inputs = (entered.rigs, baseline, recording.metadata)

@@ -1,6 +1,7 @@
 """A claim against its rivals: Bayes factor, size of the effect, prediction, verdict."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.special import logsumexp
 from bayesfric.analysis import ClaimRules
 from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.effect_sizes import suited_effects
 from bayesfric.claims.odds import odds, share
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import LawWithEffects
@@ -61,6 +63,7 @@ def _against_rivals(
 ) -> Finding:
     """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
     rules = case.analysis.claims
+    case = replace(case, effects=suited_effects(case.entered.data[name], case.effects))
     own = case.studied[Task(name, case.entered.claimed)]
     factors = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
     studies = list(weighed.values())

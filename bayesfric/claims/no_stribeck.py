@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import compare
-from bayesfric.claims.studies import slowest_speed
+from bayesfric.claims.effect_sizes import slowest_speed
 from bayesfric.fitting.hypothesis import LawWithEffects
 
 

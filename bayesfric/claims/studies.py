@@ -15,7 +15,8 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.apart import ApartModel
-from bayesfric.effects import Effect, State
+from bayesfric.claims.effect_sizes import size_at_edge, suited_effects
+from bayesfric.effects import Effect
 from bayesfric.fitting.drawing import bounded_mode
 from bayesfric.fitting.hypothesis import LawWithEffects, chart_of, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
@@ -28,7 +29,6 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.proposals import POINTS as FITTED_TO
 from bayesfric.inference.sampling import sample
-from bayesfric.observation.coefficients import law_of
 from bayesfric.physics.laws import RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
@@ -37,7 +37,6 @@ WALKERS = 60  # at least: many walkers and few steps are quicker than the other 
 POINTS = 2000  # of an importance sample; half as many where the evidence alone is asked for
 POINTS_APART = 4000  # of two rigs that differ: their 26 numbers scattered the weights of 2000
 POINTWISE_DRAWS = 1000
-MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
 SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
 """Places to climb from, as normal quantiles of the prior."""
@@ -228,6 +227,7 @@ def _study(
     # The seed depends on what is studied, not on how many studies there are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
+    effects = suited_effects(data, effects)
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
         if task.apart:
@@ -270,7 +270,7 @@ def _study(
         named,
         leave_setups_out(densities),
         _over_widths(named, task.hypothesis, effects),
-        _size_at_edge(data, named, task.hypothesis, effects),
+        size_at_edge(data, named, task.hypothesis, effects),
         kept,
     )
 
@@ -372,29 +372,3 @@ def _over_widths(
     ratios = prior_ratios(theta, hypothesis, effects)
     top = ratios.max(axis=1)
     return np.asarray(top + np.log(np.mean(np.exp(ratios - top[:, None]), axis=1)))
-
-
-def _size_at_edge(
-    data: Data,
-    theta: Mapping[str, Array],
-    hypothesis: LawWithEffects,
-    effects: dict[str, Effect],
-) -> Array:
-    """Return the share of friction that the effect makes where it matters most, shape (S,)."""
-    if not hypothesis.effects:
-        return np.empty(0)
-    (name, law), effect = hypothesis.effects[0], effects[hypothesis.effects[0][0]]
-    values = {p.name: theta[f"{name}.{p.name}"] for p in effect.parameters}
-    place = MIDDLE | dict(effect.edge)
-    place["speed_m_s"] = max(place["speed_m_s"], slowest_speed(data))
-    shares = []
-    for size in data.sizes:
-        state = State.of(law_of(theta, size), **place)
-        shares.append(np.abs(effect.laws[law](values, state) / state.friction_n))
-    return np.asarray(np.max(shares, axis=0))
-
-
-def slowest_speed(data: Data) -> float:
-    """Return the least speed at which anything was measured [m/s]."""
-    speeds = [trials.slowest_speed_m_s for trials in data.rigs]
-    return min((speed for speed in speeds if np.isfinite(speed)), default=0.0)

@@ -79,7 +79,7 @@ def dense(motor, values, idle_sd=1.0):
     speed = np.concatenate([motor.runs["velocity_m_s"], motor.idle["velocity_m_s"]])
     sign = np.sign(speed)
     basis = np.column_stack([sign, sign * np.abs(speed), sign * speed**2])
-    if (motor.idle["velocity_m_s"] < 0).any():
+    if (speed < 0).any() and (speed > 0).any():
         basis = np.column_stack([basis, np.ones_like(sign)])
     size, runs = speed.size, len(motor.runs)
     covariance = idle_sd**2 * basis @ basis.T + values["sigma_current"] ** 2 * np.eye(size)

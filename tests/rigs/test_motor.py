@@ -1,6 +1,7 @@
 """The likelihood of motor currents against one dense normal, and what it recovers."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from benchmark.kernels import timed
 from rigs.hall import gravity_likelihood
@@ -24,6 +25,7 @@ from bayesfric.inference.model import Model
 from bayesfric.physics.motor import motor_friction
 from bayesfric.recording.tables import Motor
 from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 GRAVITY = ("tau", "omega", "omega_intercept", "wander", "wander_length", "sigma_x", "sigma_t")
@@ -351,3 +353,29 @@ def test_an_ensemble_of_walkers_takes_a_few_milliseconds(benchmark):
     name = "likelihood of the motor board at 64 points"
     found = timed(benchmark, name, likelihood.log_likelihood, ensemble, within_s=0.003)
     assert np.ptp(found) == 0
+
+
+def test_a_sensor_zero_is_told_by_runs_where_the_idle_motor_ran_one_way():
+    """The zero that the idle curve holds one way has the other sign against the other."""
+    speeds, zero_a = (-0.8, -0.2, 0.2, 0.8), 0.1
+    cells = [(n, mass, v) for n in (5, 9, 15) for mass in (0.5, 3.0) for v in speeds]
+    columns = ("n_pulleys", "hanging_mass_kg", "velocity_m_s")
+    runs = pd.DataFrame(cells, columns=columns).assign(
+        run=[f"r{place}" for place in range(len(cells))],
+        pulley_size="medium",
+        wrap_angle_deg=85.0,
+    )
+    runs["setup"] = runs["n_pulleys"].astype(str)
+    condition = run_condition(runs, RIG)
+    force = condition.weight_n + motor_friction(table1_coefficients()["medium"], condition)
+    noise = np.random.default_rng(4).normal(0, 0.003, len(runs))
+    idle = 0.05 * np.sign(runs["velocity_m_s"])
+    runs["current_a"] = zero_a + idle + force * 0.0065 / 0.0259 + noise
+    still = pd.DataFrame({"velocity_m_s": [0.2, 0.4, 0.8] * 3})
+    still["current_a"] = zero_a + 0.05 + np.random.default_rng(5).normal(0, 0.003, len(still))
+    model = Model([motor_likelihood(Motor(runs, still), RIG, Analysis())])
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    found = dict(zip(model.names, model.natural(laplace.mode), strict=True))
+    truth = table1_coefficients()["medium"]
+    assert found["c1[medium]"] == pytest.approx(truth.c1, rel=0.1)
+    assert found["c2[medium]"] == pytest.approx(truth.c2, rel=0.2)

@@ -36,20 +36,25 @@ SCATTER = ("tau_motor", "omega_motor", "omega_intercept_motor")
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 
 
+def is_both_ways(velocity_m_s: Array) -> bool:
+    """Return whether signed speeds go both ways."""
+    return bool((velocity_m_s > 0).any() and (velocity_m_s < 0).any())
+
+
 def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
     """Return the columns of the idle curve.
 
     The idle current carries the sign of the torque, so it is an odd curve of the
     signed speed, with a step at standstill: sign(v) [1, |v|, v²]. What makes the two
     directions differ, a zero error of the sensor or brushes off centre, is one
-    constant more, where the idle motor was run in both.
+    constant more, where the motor was run in both, with the cable or without.
 
     Parameters
     ----------
     velocity_m_s : ndarray, shape (M,)
         Signed speed, never 0 [m/s].
     both_ways : bool
-        Whether the idle motor was measured in both directions.
+        Whether the motor was run in both directions.
 
     Returns
     -------
@@ -120,8 +125,9 @@ class MotorModel(ExactModel):
             [runs["current_a"].to_numpy(), motor.idle["current_a"].to_numpy()], dtype=np.float64
         )
         priors = analysis.priors
-        both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
-        self._columns = idle_basis(speed, both_ways=both_ways) * priors.idle_current_sd
+        self._columns = idle_basis(speed, both_ways=is_both_ways(speed)) * priors.idle_current_sd
+        # Of an idle motor that ran one way alone, the other is taken to be alike.
+        self._by_idle = idle_basis(speed, both_ways=is_both_ways(idle_speed))
         self.coefficients = coefficient_parameters(self._size.sizes, analysis, baseline.without)
         self.scatter = ScatterLevels(
             SCATTER,
@@ -212,8 +218,8 @@ class MotorModel(ExactModel):
     def _beyond_idle(self) -> Array:
         """Return currents less the idle curve of the idle measurements, shape (M,)."""
         idle = slice(self._runs, None)
-        curve = np.linalg.lstsq(self._columns[idle], self._current[idle], rcond=None)[0]
-        return np.asarray(self._current - self._columns @ curve)
+        curve = np.linalg.lstsq(self._by_idle[idle], self._current[idle], rcond=None)[0]
+        return np.asarray(self._current - self._by_idle @ curve)
 
     def _torque(self, theta: Mapping[str, Array]) -> Array:
         """Return the torque constant k_t [N·m/A], shape (W, 1)."""

@@ -20,7 +20,7 @@ from bayesfric.physics.motor import (
     tension_feedback,
 )
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.motor_board.likelihood import idle_basis
+from bayesfric.rigs.motor_board.likelihood import idle_basis, is_both_ways
 from bayesfric.rigs.motor_board.places import run_condition
 from bayesfric.rigs.pulley_radii import pulley_radii
 
@@ -88,7 +88,7 @@ def motor_rows(
 def _idle(motor: Motor, speed: Array) -> dict[str, Any]:
     """Return the fields of the idle motor's curve, at these speeds of runs [m/s]."""
     idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
-    both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
+    both_ways = is_both_ways(np.concatenate([speed, idle_speed]))
     idle = idle_basis(idle_speed, both_ways=both_ways)
     idle_current = motor.idle["current_a"].to_numpy(dtype=np.float64)
     fit = np.linalg.lstsq(idle, idle_current, rcond=None)[0]

@@ -81,7 +81,16 @@ class Scale:
             amplitude=amplitude,
             shape=None if shape is None else self._parameter(shape, 1.0, rotary=rotary),
             laws={name: self._law(law, effect) for name, law in effect.laws.items()},
+            edge=self._places(effect.edge),
         )
+
+    def _places(self, edge: Mapping[str, float]) -> dict[str, float]:
+        """Return where an effect matters most, in the middle of the machine elsewhere."""
+        middle = {"tension_n": self.reference_tension_n, "speed_m_s": self.paper_speed_m_s / 2}
+        scales = {"tension_n": self.tension, "speed_m_s": self.speed}
+        return {
+            name: value * scales.get(name, 1.0) for name, value in (middle | dict(edge)).items()
+        }
 
     def _law(self, law: Law, effect: Effect) -> Law:
         units = {parameter.name: self._unit(parameter.unit) for parameter in effect.parameters}

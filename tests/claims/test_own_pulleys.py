@@ -1,0 +1,28 @@
+"""Claims on a bench of a user's own pulleys, which rub more than the paper's by far."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bayesfric.analysis import Analysis
+from bayesfric.claims import check_claims
+from bayesfric.physics.friction import Coefficients, coulomb_friction
+from bayesfric.rigs.base import CONDITION
+from bayesfric.simulate import simulate_recording
+
+LARGER = 50.0  # times the friction of a pulley of the paper, at five times the tension
+
+
+def test_a_law_that_holds_is_not_refuted_where_friction_is_large():
+    """No prior of the paper's pulleys, of a tenth of a newton, holds for a winch."""
+    points = simulate_recording("points", seed=1)
+    steady = points.steady.drop(columns="friction_sd_n").assign(pulley_size="drum")
+    steady["tension_n"] *= 5
+    condition = (steady[name].to_numpy(dtype=np.float64) for name in CONDITION)
+    law = Coefficients(0.05, 0.0165 * LARGER, 1e-4)
+    scatter = 1 + 0.02 * np.random.default_rng(2).standard_normal(len(steady))
+    steady["friction_n"] = coulomb_friction(law, *condition) * scatter
+    winch = replace(points, steady=steady)
+    found = check_claims(winch, Analysis(seed=1), only=["no-viscous-motor"]).summary.claims[0]
+    assert found.verdict == "supported"
+    assert found.figures["effect_upper_bound_95"] < 0.05
