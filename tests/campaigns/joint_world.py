@@ -31,8 +31,11 @@ MOVES = {
     "direction-asymmetry": {"offset"},
     "gravity-torque": {"offset", "gravity"},
     "spring": {"offset", "gravity"},
+    "thermal": {"coulomb", "viscous"},
 }
-"""Numbers of the law that an effect is a part of: their truth is not what was drawn for them."""
+"""Numbers of the law that an effect is a part of: their truth is not what was drawn for them.
+
+Of warmth they are those at half of the way to the warmest, and of a law at the mean of a log."""
 
 
 def is_sealed(name):

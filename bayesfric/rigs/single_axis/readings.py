@@ -238,9 +238,7 @@ def readings_of(
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
     whole["place"] = np.arange(joined["way"].size)
-    if logs[0].known_to_a_share:
-        joined["beside"] = _parted_share(joined)
-    joined["beside"], mixing = leading(joined["beside"], joined["force"])
+    joined["beside"], mixing = leading(_parted(joined, logs[0]), joined["force"])
     return Readings(
         **whole,
         **joined,
@@ -254,7 +252,7 @@ def readings_of(
     )
 
 
-def _parted_share(joined: dict[str, Array]) -> Array:
+def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
     """Return forces beside the law, the share of a known force in two: of the law's form, and not.
 
     The known force of a joint alone is an inertia times the acceleration, but for errors of the
@@ -264,9 +262,13 @@ def _parted_share(joined: dict[str, Array]) -> Array:
     Parameters
     ----------
     joined : dict of str to ndarray
-        Fields of W rows; the first of ``beside`` is that share.
+        Fields of W rows.
+    log : EvenLog
+        Any of the runs, which says whether the first of ``beside`` is that share.
     """
     way, beside = joined["way"], joined["beside"]
+    if not log.known_to_a_share:
+        return beside
     speed = joined["speed"] @ node_weights()[1]
     law = np.column_stack([joined["acceleration"], np.ones(way.size), speed, way])
     share = beside[:, 0]
