@@ -193,12 +193,12 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
     scaled, size, prior = _with_amounts(columns, force, amounts)
     freed = _least_squares(scaled, force, prior) / size
     reference = np.asarray(next(iter(model.laws.values())))[np.flatnonzero(seen)]
-    told = dict(zip(names, reference + freed[: reference.size], strict=False))
-    if MASS in told:
-        told |= dict.fromkeys((INERTIA, ARMATURE), told[MASS])
+    law_numbers = dict(zip(names, reference + freed[: reference.size], strict=False))
+    if MASS in law_numbers:
+        law_numbers |= dict.fromkeys((INERTIA, ARMATURE), law_numbers[MASS])
     bends: dict[str, float] = {}
     for name, number in law.items():
-        apart = abs(told.get(name, number.after.mean) - number.after.mean)
+        apart = abs(law_numbers.get(name, number.after.mean) - number.after.mean)
         is_bent = not levers and apart > SURELY_APART * by_name.get(name, 0.0)
         bends[name] = apart if is_bent else 0.0
 
