@@ -110,12 +110,9 @@ def weigh(
     names : sequence of str
         Effects.
     starts : sequence of ndarray
-        Logarithms of the noise to climb from, the amplitudes of phases not among them; the
-        best is climbed from.
-    inverse : ndarray
-        Of the curvature of the noise, of another hypothesis.
-    volume : float
-        Log Laplace volume of the noise, of that hypothesis.
+        Logarithms of the noise, without amplitudes of phases; the best is climbed from.
+    inverse, volume : ndarray, float
+        Inverse curvature and log Laplace volume of the noise, of another hypothesis.
     shapes : mapping of str to float, or None
         A shape of each law to begin with.
     forms : sequence of FormShare
@@ -134,9 +131,7 @@ def weigh(
         before = acting, form
         psi = at.psi
         model = model.reweighted(psi, acting, None, dict.fromkeys(names, form))
-        shapes_known |= {
-            f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)
-        }
+        shapes_known |= _shapes_of(acting)
         moved = not any(np.array_equal(psi, point) for point in points)
         results = _chosen(model, free, phases, psi, shapes_known, forms, only_these=moved)
         weights = np.array([result.total for result in results])
@@ -147,14 +142,20 @@ def weigh(
     share = dict.fromkeys(names, form)
     # What follows is measured from the value of these laws, shapes and forms, and no others.
     at = replace(chosen.at(), at_mode=at.at_mode)
-    prior, _ = model.log_prior(psi, acting)
-    total = float(logsumexp(weights) - np.log(len(forms))) + prior
+    total = float(logsumexp(weights) - np.log(len(forms))) + model.log_prior(psi, acting)[0]
     total += over_amplitudes(model, at, acting, share) + model.weight_volume
     curvature = curvature_at(model, at, acting, share) if own_volume else None
     choices, bound = tuple(chosen.choices), not at.at_mode
     weighed = Weighed(names, total, curvature, acting, at, choices, form, bound=bound)
     own = weighed.volume
     return replace(weighed, log_evidence=total + (volume if own is None else own))
+
+
+def _shapes_of(acting: Acting) -> dict[str, float]:
+    return {
+        f"{law.effect}:{law.law}": shape
+        for law, shape in zip(acting.laws, acting.shapes, strict=True)
+    }
 
 
 def _start(

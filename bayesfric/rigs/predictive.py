@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
+if TYPE_CHECKING:
     from bayesfric.arrays import Array
     from bayesfric.inference.model import RigLikelihood
     from bayesfric.physics.laws import FrictionLaw

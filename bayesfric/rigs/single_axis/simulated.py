@@ -268,12 +268,11 @@ def linearised(
     _check_pull(calls, runs[0], guides[0], theta, PROBE * measures.friction)
     for left in reversed(range(rounds)):
         forces = _needed(calls, runs, guides, theta, steps)
-        at_steps = readings(
-            [
-                replace(log, forces=own, further={}, is_known=log.is_known & guide.followed)
-                for log, own, guide in zip(logs, forces, guides, strict=True)
-            ]
-        )
+        stepped = [
+            replace(log, forces=own, further={}, is_known=log.is_known & guide.followed)
+            for log, own, guide in zip(logs, forces, guides, strict=True)
+        ]
+        at_steps = readings(stepped)
         if left:
             theta = _best(at_steps, parameters, theta, fits)
     centre = tuple(float(value) for value in theta)
