@@ -40,7 +40,7 @@ def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
     white = np.linalg.solve(root, np.diag(rounding))
     off = np.linalg.solve(root, draws.mean(axis=0) - point)
     nearest = scipy.optimize.lsq_linear(white, off, bounds=(-1, 1))
-    return float(scipy.stats.chi2(point.size).sf(2 * nearest.cost))
+    return float(scipy.special.chdtrc(point.size, 2 * nearest.cost))
 
 
 def largest_difference(theta: Mapping[str, Array], sizes: list[str]) -> Array:

@@ -17,7 +17,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed, log_volume
-from bayesfric.inference.diagnostics import smooth_weights
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.proposals import StudentT
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
+from scipy.special import ndtri, stdtrit
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
@@ -43,7 +43,7 @@ class RunScatter:
         With the model's own normal scatter its 90 % interval is that of Student's t, of friction,
         (S,).
         """
-        student, normal = scipy.stats.t(self.runs - 1).ppf(0.95), scipy.stats.norm.ppf(0.95)
+        student, normal = stdtrit(self.runs - 1, 0.95), ndtri(0.95)
         beyond2 = max(self.share**2 - (self.modelled * normal / student) ** 2, 0.0)
         drawn = rng.standard_t(self.runs - 1, count)
         return np.asarray(np.sqrt(beyond2 / self.runs) * drawn)

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
+from scipy.special import log_ndtr, ndtri_exp
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
@@ -245,9 +245,8 @@ def _made_positive(
         if below.any():
             mean, variance = at.mean[place], at.covariance[place, place]
             sd = np.sqrt(variance)
-            again = scipy.stats.truncnorm.rvs(
-                -mean / sd, np.inf, mean, sd, size=int(below.sum()), random_state=rng
-            )
+            beyond = np.log1p(-rng.uniform(size=int(below.sum()))) + log_ndtr(mean / sd)
+            again = mean - sd * ndtri_exp(beyond)
             # What hangs together with it moves along.
             moved = again - drawn[below, place]
             drawn[below] += moved[:, None] * at.covariance[place] / variance

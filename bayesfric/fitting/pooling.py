@@ -8,9 +8,9 @@ import numpy as np
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.fitting.drawing import draw_posterior
-from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.hierarchy import NormalBoard, second_stage
 from bayesfric.inference.model import Model
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.priors import Parameter, quantile
 from bayesfric.inference.sampling import Progress
 

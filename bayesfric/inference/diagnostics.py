@@ -26,7 +26,6 @@ from bayesfric.arrays import Array
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 BATCHES = 10  # of an ensemble
-LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
 POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
 
 
@@ -264,53 +263,6 @@ def multivariate_r_hat(chains: Array) -> float:
     except LinAlgError:
         return float("inf")
     return float(np.sqrt((half - 1) / half + (1 + 0.5 / count) * largest))
-
-
-def smooth_weights(log_weights: Array) -> tuple[Array, float]:
-    """Smooth the largest importance weights by a Pareto distribution fitted to them.
-
-    Parameters
-    ----------
-    log_weights : ndarray, shape (N,)
-        Unnormalised; −inf is a weight of zero.
-
-    Returns
-    -------
-    log_weights : ndarray, shape (N,)
-        Smoothed, on the scale of those given.
-    pareto_k : float
-        Shape of the tail: above 0.7 (`SamplingRules.pareto_k`) the weights are not to be relied on.
-        0 where the largest weights are all the same, inf where fewer than 25 are not zero or
-        where a quarter of the tail is one and the same draw or nothing beside the largest.
-
-    References
-    ----------
-    A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
-    sampling", Journal of Machine Learning Research 25 (2024).
-    """
-    finite = np.isfinite(log_weights)
-    weights = log_weights[finite]
-    ordered = np.sort(weights)
-    if ordered.size < LEAST_WEIGHTS:
-        return log_weights, float("inf")
-    if ordered[-1] - ordered[-5] < 1e-12:
-        return log_weights, 0.0  # no tail to fit
-    tail = int(np.ceil(min(ordered.size / 5, 3 * np.sqrt(ordered.size))))
-    if ordered[tail // 4 - tail] == ordered[-tail]:
-        return log_weights, float("inf")  # a quarter of the tail is one draw
-    beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
-    if beside[int(tail / 4 + 0.5)] == beside[0]:
-        return log_weights, float("inf")  # a quarter of the tail vanishes beside its largest
-    # Quantiles of a tail that spans the range of doubles overflow; they are cut to the largest.
-    with np.errstate(over="ignore", invalid="ignore"):
-        normalised, k = _of_arrays().psislw(-weights, r_eff=1.0)
-    if not (np.isfinite(k) and np.isfinite(normalised).all()):
-        return log_weights, float("inf")
-    # The library normalises the weights: undo it by the smallest, which smoothing leaves.
-    smallest = np.argmin(weights)
-    smoothed = log_weights.copy()
-    smoothed[finite] = normalised + (weights[smallest] - normalised[smallest])
-    return smoothed, float(k)
 
 
 def power_scaling(values: Array, log_component: Array) -> Array:

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.laplace import LogDensity as LogDensity
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 Random = np.random.RandomState | np.random.Generator  # emcee has the former

@@ -13,8 +13,8 @@ import numpy as np
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.drawing import draw_posterior
-from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.proposals import StudentT
 
 INDEPENDENT = 40_000

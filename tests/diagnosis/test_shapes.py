@@ -28,6 +28,12 @@ def test_apart_it_is_a_product_and_together_it_is_not():
     assert log_orthant(np.zeros(2), tied) < 2 * log_ndtr(0.0) - 0.5
 
 
+@pytest.mark.parametrize("mean", [(1.0, 1.0), (0.0, 0.0), (-0.3, 2.0)])
+def test_two_that_are_as_good_as_tied_are_one(mean):
+    covariance = np.array([[1.0, 1.0], [1.0, 1.0]])
+    assert log_orthant(np.array(mean), covariance) == pytest.approx(log_ndtr(min(mean)))
+
+
 def test_far_out_it_has_a_logarithm():
     value = log_orthant(np.array([-60.0, 1.0]), np.eye(2))
     assert value == pytest.approx(log_ndtr(-60.0) + log_ndtr(1.0), rel=1e-6)

@@ -14,7 +14,7 @@ from fingerprint.numbers import Number, closed, drawn, integrated
 from fingerprint.points import points_of
 
 from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.inference import diagnostics, power
+from bayesfric.inference import diagnostics, pareto, power
 from bayesfric.inference.evidence import bridge, importance, leave_out
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.proposals import StudentT
@@ -97,7 +97,7 @@ def _of_draws() -> Iterator[tuple[str, Number]]:
         "draws: R-hat of several",
         closed(diagnostics.multivariate_r_hat(draws(400).reshape(4, 100, 3))),
     )
-    weights, k = diagnostics.smooth_weights(2 * rng.standard_normal(500))
+    weights, k = pareto.smooth_weights(2 * rng.standard_normal(500))
     yield "weights: Pareto k", integrated(k)
     yield "weights: largest", integrated(np.sort(weights)[-20:])
 

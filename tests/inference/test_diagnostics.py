@@ -4,6 +4,7 @@ import arviz_base
 import arviz_stats
 import numpy as np
 import pytest
+from arviz_stats.base.array import array_stats
 
 from bayesfric.inference.diagnostics import (
     batch_means_ess,
@@ -12,9 +13,9 @@ from bayesfric.inference.diagnostics import (
     multivariate_r_hat,
     power_scaling,
     rank_counts,
-    smooth_weights,
     walkers_r_hat,
 )
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 
 
@@ -165,6 +166,16 @@ def test_pareto_shape_of_pareto_weights(shape):
     assert np.logaddexp.reduce(smoothed) == pytest.approx(
         np.logaddexp.reduce(log_weights + 1000.0), abs=0.1 if shape < 0.9 else 1.0
     )
+
+
+@pytest.mark.parametrize("count", [40, 224, 3000])
+@pytest.mark.parametrize("shape", [-0.3, 0.4, 1.2])
+def test_weights_are_smoothed_as_arviz_smooths_them(count, shape):
+    log_weights = -shape * np.log(np.random.default_rng(count).uniform(size=count)) - 900.0
+    smoothed, k = smooth_weights(log_weights)
+    theirs, their_k = array_stats.psislw(-log_weights, r_eff=1.0)
+    assert k == pytest.approx(float(their_k), rel=1e-9)
+    assert np.diff(smoothed - theirs) == pytest.approx(0.0, abs=1e-9)  # but for their scale
 
 
 def test_weights_of_zero_and_equal_weights():

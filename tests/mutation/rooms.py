@@ -21,6 +21,7 @@ ROOMS: dict[ModuleType, dict[str, str]] = {
     },
     inference: {
         "diagnostics": "inference/test_diagnostics",
+        "pareto": "inference/test_diagnostics",
         "evidence/bridge": (
             "inference/test_conjugate inference/test_bridge inference/test_leave_out"
         ),

@@ -22,9 +22,9 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.proposals import (
     LEAST_EFFECTIVE,
     POINTS,

@@ -46,10 +46,10 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import NoModeError, laplace_approximation
+from bayesfric.inference.pareto import smooth_weights
 from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 

@@ -39,6 +39,7 @@ from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 
 _Sizes = tuple[OneSize, ...]
+KEPT = 8  # effects of a hypothesis whose sums are kept: those of all candidates are large
 
 
 class GravityPart(LinearRig):
@@ -182,8 +183,8 @@ class GravityPart(LinearRig):
             )
 
         view = tuple(of_size(size) for size in range(len(layout.sizes)))
-        if trials is None:
-            self._views = {key: view}  # one alone: those of all candidates are large
+        if trials is None and mixing.shape[1] <= KEPT:
+            self._views = {key: view}
         return view
 
     def evaluate(

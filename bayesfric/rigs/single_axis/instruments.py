@@ -318,7 +318,7 @@ def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[floa
     count = asked.shape[1]
     own = numbers[:count]
     statistic = float(own @ np.linalg.pinv(covariance[:count, :count]) @ own) / count
-    return statistic, float(scipy.stats.f.sf(statistic, count, groups.max()))
+    return statistic, float(scipy.special.fdtrc(count, groups.max(), statistic))
 
 
 def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
