@@ -231,7 +231,8 @@ def _study(
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
         if task.apart:
-            model = ApartModel(*model.likelihoods, analysis.priors)
+            first, second = model.likelihoods
+            model = ApartModel(first, second, analysis.priors)
         try:
             start = model.start() if task.apart else _start(model, task.hypothesis, effects, near)
             laplace = bounded_mode(model, start)
