@@ -58,12 +58,8 @@ PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy",
 
 def recording_id(recording: Recording) -> RecordingId:
     """Return which recording results rest on: its tables and its rig."""
-    return RecordingId(
-        name=recording.name,
-        title=recording.title,
-        sha256=recording.sha256,
-        rig_sha256=rig_sha256(recording.rig),
-    )
+    own = {name: getattr(recording, name) for name in ("name", "title", "sha256")}
+    return RecordingId(**own, rig_sha256=rig_sha256(recording.rig))
 
 
 def provenance(
