@@ -51,6 +51,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     if own.evidence is None or not weighed:
         why = own.why or "; ".join(lacking)
         return Finding("undecided", f"No evidence can be had: {why}.", why=why)
+    case = replace(case, effects=suited_effects(case.entered.data[name], case.effects))
     return _against_rivals(claim, case, name, weighed, lacking)
 
 
@@ -63,7 +64,6 @@ def _against_rivals(
 ) -> Finding:
     """Judge a claim against rivals that have an evidence; `lacking` says why others have none."""
     rules = case.analysis.claims
-    case = replace(case, effects=suited_effects(case.entered.data[name], case.effects))
     own = case.studied[Task(name, case.entered.claimed)]
     factors = {rival.label: bayes_factor(own, [studied]) for rival, studied in weighed.items()}
     studies = list(weighed.values())

@@ -37,11 +37,11 @@ def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> 
         return "nothing varied along which a force could show"
     better = search.unknown.log_evidence - search.best().log_evidence
     if better > -RULES.unknown_less_likely:
-        told = "favour an unknown force over none"
+        words = "favour an unknown force over none"
         if better < RULES.unknown_less_likely:
-            told = "do not tell an unknown force from none"
+            words = "do not tell an unknown force from none"
         factor = np.exp(min(better, LARGEST))
-        return f"{windows_told(residuals)} {told} (Bayes factor {factor:.2g})"
+        return f"{windows_told(residuals)} {words} (Bayes factor {factor:.2g})"
     return None
 
 
