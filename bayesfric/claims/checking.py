@@ -119,10 +119,9 @@ def check_claims(
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     posterior : mapping of str to mapping of str to ndarray of shape (S,), or None
-        Draws of the law by parameter name given the data of one rig alone, by the name of
-        the rig, from a fit of the same recording and analysis; others are drawn anew.
+        By rig, draws given it alone, from a fit of this recording and analysis; others are drawn.
     executor : Executor or None
-        Where hypotheses are studied; None is here, one by one. The result is the same.
+        Where hypotheses are studied; None is here, one by one.
     only : sequence of str or None
         Ids of the claims to judge; None is all.
     rigs : sequence of str or None
@@ -151,14 +150,14 @@ def check_claims(
     analysis = with_own_priors(analysis, [entered.trials(name) for name in entered.rigs])
     effects = rival_effects(analysis)
     attributes = provenance_of(recording, analysis)
-    inputs = (entered.rigs, baseline, recording.metadata)
-    keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
+    key = f"{(entered.rigs, baseline, recording.metadata)} {attributes.model_dump_json()}"
+    keeping = Checkpoint(checkpoint, key)
     studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
     case = Case(recording, analysis, entered, studied, effects, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
     groups = _curves(findings) | models_kept(studied, _compared(claims, entered, studied))
-    summary, curves = _summary(findings, case, attributes), xr.DataTree.from_dict(groups)
-    return Checked(identified(summary), curves, time.perf_counter() - began)
+    summary = identified(_summary(findings, case, attributes))
+    return Checked(summary, xr.DataTree.from_dict(groups), time.perf_counter() - began)
 
 
 def _summary(

@@ -35,19 +35,19 @@ class Squares:
     as_shipped, before, after, floor : ndarray or None
         In the unit squared; the mean of `before` and `after` is the floor for a law that
         is right.
-    setup : ndarray of int
-        Assembly of each.
+    unit : ndarray of int
+        Of each, by :func:`units_of`.
     """
 
     as_shipped: Array | None
     before: Array
     after: Array
     floor: Array
-    setup: Whole
+    unit: Whole
 
-    def by_setup(self, values: Array) -> Array:
-        """Return the sums of values, (R,), over each assembly that there is."""
-        _, inverse = np.unique(self.setup, return_inverse=True)
+    def by_unit(self, values: Array) -> Array:
+        """Return the sums of values, (R,), over each unit that there is."""
+        _, inverse = np.unique(self.unit, return_inverse=True)
         return np.asarray(np.bincount(inverse, values), dtype=np.float64)
 
     def of(self, rows: Flags, weight: float) -> "Squares":
@@ -56,7 +56,7 @@ class Squares:
         before, after, floor = (
             squares[rows] / weight for squares in (self.before, self.after, self.floor)
         )
-        return Squares(shipped, before, after, floor, self.setup[rows])
+        return Squares(shipped, before, after, floor, self.unit[rows])
 
 
 @dataclass(frozen=True)
@@ -155,16 +155,24 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     )
 
 
-def folds_of(residuals: Residuals, rng: np.random.Generator) -> Whole:
-    """Return the fold of each window, (R,), so that no fold has all windows of a pulley size.
+def units_of(residuals: Residuals) -> Whole:
+    """Return what is held out as a whole and drawn again by a bootstrap, of each window, (R,).
 
-    Assemblies are held out. A size with a single one has its trials held out, and one with a
-    single trial is in no fold: a law without any data would be that of the prior.
+    It is an assembly; of a pulley size with a single one, a trial.
     """
     units, size = residuals.setup.copy(), residuals.size
     for own in (size == place for place in np.unique(size)):
         if np.unique(units[own]).size == 1:
             units[own] = residuals.setup.max() + 1 + residuals.trial[own]
+    return units
+
+
+def folds_of(residuals: Residuals, rng: np.random.Generator) -> Whole:
+    """Return the fold of each window, (R,), so that no fold has all windows of a pulley size.
+
+    A size with a single trial is in no fold: a law without any data would be that of the prior.
+    """
+    units, size = units_of(residuals), residuals.size
     names, first, unit = np.unique(units, return_index=True, return_inverse=True)
     number = min(FOLDS, names.size)
     order = rng.permutation(names.size)
@@ -235,7 +243,7 @@ def _squares(
     scatter2 = residuals.friction_n**2 * residuals.spread2
     first, before, after = residuals.weight * (left**2 - np.asarray(chance2) + scatter2)
     floor = residuals.weight * scatter2
-    return Squares(first if shipped else None, before, after, floor, residuals.setup)
+    return Squares(first if shipped else None, before, after, floor, units_of(residuals))
 
 
 def _free_running(
@@ -271,7 +279,7 @@ def _free_running(
             before,
             after,
             floor * weight,
-            residuals.setup[first[trials]],
+            units_of(residuals)[first[trials]],
         ),
         tuple((residuals.names[trial], runs[int(trial)]) for trial in chosen),
     )
@@ -298,14 +306,14 @@ def gap_row(
     shipped_why : str
         Why nothing was shipped.
     rng : Generator
-        For the bootstrap over assemblies.
+        For the bootstrap over units.
     """
-    setups = np.unique(squares.setup).size
-    count = rng.multinomial(setups, np.full(setups, 1 / setups), DRAWS)
+    units = np.unique(squares.unit).size
+    count = rng.multinomial(units, np.full(units, 1 / units), DRAWS)
     floor2 = _floor_draws(squares, DRAWS, rng)
 
     def draws(values: Array) -> Array:
-        return np.asarray(count @ squares.by_setup(values))
+        return np.asarray(count @ squares.by_unit(values))
 
     before2, after2 = draws(squares.before), draws(squares.after)
     gap2 = before2 - floor2
@@ -347,9 +355,9 @@ def _floor_draws(squares: Squares, count: int, rng: np.random.Generator) -> Arra
     F. E. Satterthwaite, "An approximate distribution of estimates of variance
     components", Biometrics Bulletin 2 (1946): degrees of freedom of a sum of squares.
     """
-    by_setup = squares.by_setup(squares.floor)
-    freedom = by_setup.sum() ** 2 / max((by_setup**2).sum(), 1e-300)
-    return np.asarray(by_setup.sum() * rng.chisquare(freedom, count) / freedom)
+    by_unit = squares.by_unit(squares.floor)
+    freedom = by_unit.sum() ** 2 / max((by_unit**2).sum(), 1e-300)
+    return np.asarray(by_unit.sum() * rng.chisquare(freedom, count) / freedom)
 
 
 def _root(values: Array) -> Array:

@@ -10,7 +10,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate
 from bayesfric.errors import InputError
-from bayesfric.fitting.drawing import _mode
+from bayesfric.fitting.drawing import bounded_mode
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import to_normal
 from bayesfric.recording import read_recording, write_recording
@@ -113,7 +113,7 @@ def test_a_fit_takes_clocks_that_differ_either_way(seed):
     """At these seeds the clocks' difference is found below and above 0: neither is a noise of 0."""
     trials = DESIGNS["axis"].trials(simulate_recording("axis", seed=seed))
     model = Model([trials.likelihood(Analysis())])
-    mode = model.natural(_mode(model, "axis").mode)
+    mode = model.natural(bounded_mode(model, model.start()).mode)
     found = dict(zip((one.name for one in model.parameters), mode, strict=True))
     assert abs(found["latency"]) < 5e-4
     assert (found["mass"], found["coulomb"]) == pytest.approx((2.0, 1.5), rel=0.04)
