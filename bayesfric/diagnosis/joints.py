@@ -45,18 +45,7 @@ def diagnosed_together(
     InputError
         No joint can be diagnosed: why, of each.
     """
-    by_joint: dict[str, Diagnosed] = {}
-    faults: list[Fault] = []
-    left_out: list[str] = []
-    for place, (joint, recording) in enumerate(parted.items()):
-        folder = None if checkpoint is None else checkpoint / f"joint-{place + 1}"
-        try:
-            by_joint[joint] = diagnosed(recording, folder)
-        except InputError as error:
-            faults += error.faults
-            left_out.append(f"The joint {joint} is not diagnosed: {error.faults[-1]}")
-    if not by_joint:
-        raise InputError(faults)
+    by_joint, left_out = _by_joint(parted, diagnosed, checkpoint)
     decides = min(by_joint, key=lambda joint: ORDER.index(by_joint[joint].summary.verdict))
     amounts = [result.amounts for result in by_joint.values() if result.amounts is not None]
     errors = model_errors(amounts)
@@ -66,6 +55,9 @@ def diagnosed_together(
     words = "; ".join(
         f"{IN_WORDS[verdict]} at {_listed(names)}" for verdict, names in alike.items()
     )
+    remarks = [
+        f"{joint}: {line}" for joint, own in by_joint.items() for line in own.summary.attention
+    ]
     first = by_joint[decides]
     said = first.own_sentence[:1].lower() + first.own_sentence[1:]
     summary = first.summary.model_copy(
@@ -74,14 +66,7 @@ def diagnosed_together(
             "joints_why": None,
             "sentence": f"{words[:1].upper()}{words[1:]}. At {decides}: {said}"
             f"{model_error_words(errors)}",
-            "attention": (
-                *left_out,
-                *(
-                    f"{joint}: {line}"
-                    for joint, result in by_joint.items()
-                    for line in result.summary.attention
-                ),
-            ),
+            "attention": (*left_out, *remarks),
             "model_error": errors,
             "model_error_why": first.summary.model_error_why if not errors else None,
         }
@@ -96,6 +81,27 @@ def diagnosed_together(
         curves=xr.DataTree(children=curves),
         seconds=sum(result.seconds for result in by_joint.values()),
     )
+
+
+def _by_joint(
+    parted: Mapping[str, Recording],
+    diagnosed: Callable[[Recording, Path | None], Diagnosed],
+    checkpoint: Path | None,
+) -> tuple[dict[str, Diagnosed], list[str]]:
+    """Return the diagnosis of each joint that has one, and why others have none."""
+    by_joint: dict[str, Diagnosed] = {}
+    faults: list[Fault] = []
+    left_out: list[str] = []
+    for place, (joint, recording) in enumerate(parted.items()):
+        folder = None if checkpoint is None else checkpoint / f"joint-{place + 1}"
+        try:
+            by_joint[joint] = diagnosed(recording, folder)
+        except InputError as error:
+            faults += error.faults
+            left_out.append(f"The joint {joint} is not diagnosed: {error.faults[-1]}")
+    if not by_joint:
+        raise InputError(faults)
+    return by_joint, left_out
 
 
 def _listed(names: Sequence[str]) -> str:

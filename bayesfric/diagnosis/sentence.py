@@ -194,7 +194,7 @@ def _no_gap(statement: Statement) -> str:
     if statement.present and not statement.causes:
         absorbed = f" {statement.beside}, {_below(statement, 'with less than that', 'make')}."
     off = f"less than {statement.share:.1%} of friction {statement.chance}; "
-    off += f"its median is {statement.size}."
+    off += f"the median estimate is {statement.size}."
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
         off += f"since {statement.gap.no_share}."

@@ -162,7 +162,8 @@ def shares_of(
     def relative(values: Array) -> Array:
         return np.where(there & (values > ROUNDING * scale2), values / scale2, 0.0)
 
-    share, alone = ({name: relative(v) for name, v in part.items()} for part in (share, alone))
+    share = {name: relative(values) for name, values in share.items()}
+    alone = {name: relative(values) for name, values in alone.items()}
     explained = sum(share.values(), np.zeros(taken.size))
     over = np.maximum(explained, 1.0)  # by rounding
     return Shares(

@@ -196,23 +196,22 @@ def by_parts(law: Mapping[str, LawNumber], model: LinearModel, turns: bool) -> F
     unweighted = dict(zip(names, reference + freed[: reference.size], strict=False))
     if MASS in unweighted:
         unweighted |= dict.fromkeys((INERTIA, ARMATURE), unweighted[MASS])
-    bends: dict[str, float] = {}
+    factors = {}
     for name, number in law.items():
-        apart = abs(unweighted.get(name, number.after.mean) - number.after.mean)
-        is_bent = not levers and apart > SURELY_APART * by_name.get(name, 0.0)
-        bends[name] = apart if is_bent else 0.0
+        error = float(by_name.get(name, 0.0))
+        bend = abs(unweighted.get(name, number.after.mean) - number.after.mean)
+        is_bent = not levers and bend > SURELY_APART * error
+        after = float(np.hypot(error, bend)) if is_bent else error
+        factors[name] = _wider(number.before, name, error), _wider(number.after, name, after)
+    return factors
 
-    def factor(number: Interval, name: str, bend: float = 0.0) -> float:
-        sd = number.sd
-        if _is_squeezed(number, name):
-            sd = normal_cut_to(number.mean, sd, 0.0)[1]
-        error = float(np.hypot(by_name.get(name, 0.0), bend))
-        return max(1.0, error / sd) if sd > 0 else 1.0
 
-    return {
-        name: (factor(number.before, name), factor(number.after, name, bends.get(name, 0.0)))
-        for name, number in law.items()
-    }
+def _wider(number: Interval, name: str, error: float) -> float:
+    """Return how many times wider a number has to be for its sd to reach an error."""
+    sd = number.sd
+    if _is_squeezed(number, name):
+        sd = normal_cut_to(number.mean, sd, 0.0)[1]
+    return max(1.0, error / sd) if sd > 0 else 1.0
 
 
 def block_errors(columns: Array, force: Array, amounts: int = 0) -> Array:

@@ -23,6 +23,6 @@ def test_a_law_that_holds_is_not_refuted_where_friction_is_large():
     scatter = 1 + 0.02 * np.random.default_rng(2).standard_normal(len(steady))
     steady["friction_n"] = coulomb_friction(law, *condition) * scatter
     winch = replace(points, steady=steady)
-    found = check_claims(winch, Analysis(seed=1), only=["no-viscous-motor"]).summary.claims[0]
-    assert found.verdict == "supported"
-    assert found.figures["effect_upper_bound_95"] < 0.05
+    result = check_claims(winch, Analysis(seed=1), only=["no-viscous-motor"]).summary.claims[0]
+    assert result.verdict == "supported"
+    assert result.figures["effect_upper_bound_95"] < 0.05

@@ -18,7 +18,7 @@ def test_points_that_fit_exactly_leave_claims_undecided():
     condition = (steady[name].to_numpy(dtype=np.float64) for name in CONDITION)
     steady["friction_n"] = coulomb_friction(table1_coefficients()["medium"], *condition)
     exact = replace(points, steady=steady)
-    found = check_claims(exact, Analysis(seed=1), only=["linear-in-tension", "coefficients"])
-    for claim in found.summary.claims:
+    checked = check_claims(exact, Analysis(seed=1), only=["linear-in-tension", "coefficients"])
+    for claim in checked.summary.claims:
         assert claim.verdict == "undecided"
         assert "these fit it exactly" in claim.reason

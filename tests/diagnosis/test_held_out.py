@@ -119,17 +119,17 @@ def few_runs(runs_of_each):
 
 
 def test_a_size_with_one_assembly_is_not_missed_by_all_of_its_friction():
-    found = few_runs(12)
-    (row,) = (row for row in found.gap.held_out if row.name == "folds over assemblies")
-    assert found.gap.friction_rms < 5  # N: of one load, whose tension differs by friction alone
-    assert row.before.q50 < 0.2 * found.gap.friction_rms
-    assert found.gap.floor_disagreement is None
+    summary = few_runs(12)
+    (row,) = (row for row in summary.gap.held_out if row.name == "folds over assemblies")
+    assert summary.gap.friction_rms < 5  # N: of one load, whose tension differs by friction alone
+    assert row.before.q50 < 0.2 * summary.gap.friction_rms
+    assert summary.gap.floor_disagreement is None
 
 
 def test_nothing_is_held_out_of_one_run_of_each_size():
-    found = few_runs(1)
-    assert found.gap.held_out == ()
-    assert "No data could be held out" in found.sentence
+    summary = few_runs(1)
+    assert summary.gap.held_out == ()
+    assert "No data could be held out" in summary.sentence
 
 
 def squares(before, after, floor, count=60):

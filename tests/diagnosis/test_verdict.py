@@ -149,7 +149,7 @@ def test_a_gap_of_nothing_has_no_figure():
     gap = diagnosis().gap
     nothing = gap.systematic.model_copy(update={"q50": 1e-19})
     gap = gap.model_copy(update={"systematic": nothing})
-    assert told("no-gap", gap, 0.02).endswith("its median is less than 0.1% of friction.")
+    assert told("no-gap", gap, 0.02).endswith("the median estimate is less than 0.1% of friction.")
 
 
 def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():

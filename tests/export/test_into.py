@@ -165,9 +165,9 @@ def test_drag_of_the_file_is_not_lost_without_a_word(tmp_path):
     filled = filled_model(tmp_path / "one.xml", "mjcf", [joint(VISCOUS, name="hinge")], {})
     compiled = mujoco.MjModel.from_xml_string(filled.content.decode())
     assert (compiled.dof_damping[0], *compiled.dof_dampingpoly[0]) == (0.3, 0.0, 0.0)
-    told = " ".join(filled.remarks)
-    assert "air-drag.coefficient of this file, 0.02, is set to 0" in told
-    assert "cubic-drag.coefficient of this file, 0.003, is set to 0" in told
+    remarks = " ".join(filled.remarks)
+    assert "air-drag.coefficient of this file, 0.02, is set to 0" in remarks
+    assert "cubic-drag.coefficient of this file, 0.003, is set to 0" in remarks
 
 
 def test_mujoco_loads_the_users_model_with_the_numbers(hinge):

@@ -23,15 +23,11 @@ NOT_YET_NAMED: dict[str, int] = {}
 NOT_YET_SHORT: set[str] = {
     "diagnosis/concluded.py conclude",
     "diagnosis/diagnosing.py diagnose",
-    "diagnosis/joints.py diagnosed_together",
     "diagnosis/stored.py gap_of",
     "diagnosis/unknown.py unknown_force",
-    "diagnosis/widening.py by_parts",
     "rigs/gravity_board/hall_events.py reduce_events",
-    "rigs/gravity_board/residual_motion.py runs_of",
     "rigs/single_axis/entering.py entering",
     "rigs/single_axis/instruments.py compared",
-    "rigs/single_axis/readings.py readings_of",
     "rigs/single_axis/rows.py state_of",
 }
 NOT_YET_STRAIGHT: list[set[str]] = []

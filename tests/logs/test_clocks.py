@@ -98,14 +98,14 @@ def test_a_known_force_is_neither_bridged_nor_held_beyond_what_was_logged(tmp_pa
     """Positions and forces every 5 ms; the model speaks from 0.3 s, and not from 0.8 to 1.2 s."""
     spoken = TIME + 0.3
     spoken[100:] += 0.4
-    found = imported(tmp_path, TIME, t2=spoken, model=3 * spoken, more=KNOWN)
-    seen = times(found) - TIME[0]
+    made = imported(tmp_path, TIME, t2=spoken, model=3 * spoken, more=KNOWN)
+    seen = times(made) - TIME[0]
     expected = TIME[(TIME >= 0.2999) & ((TIME < 0.796) | (TIME > 1.199))]
     assert seen == pytest.approx(expected, abs=1e-9)
-    model = found.recording.axis.samples["known_force_n"].to_numpy()
+    model = made.recording.axis.samples["known_force_n"].to_numpy()
     assert model == pytest.approx(3 * expected, abs=1e-8)
     assert any(
-        "80 samples in which no known force was logged left out" in note for note in found.notes
+        "80 samples in which no known force was logged left out" in note for note in made.notes
     )
 
 
@@ -116,12 +116,12 @@ def test_a_known_force_of_another_time_is_refused(tmp_path):
 
 def test_a_temperature_is_said_to_be_held_beyond_its_samples(tmp_path):
     warm = KNOWN.replace("known_force", "temperature").replace("N·m", "degC")
-    found = imported(tmp_path, TIME, t2=TIME / 2 + 0.4, model=20 + TIME, more=warm)
-    held = found.recording.axis.samples["temperature_c"]
+    made = imported(tmp_path, TIME, t2=TIME / 2 + 0.4, model=20 + TIME, more=warm)
+    held = made.recording.axis.samples["temperature_c"]
     assert held.iloc[0] == 20
     assert held.iloc[-1] == pytest.approx(20 + TIME[-1])
     assert any(
-        "before its first and after its last, for up to 0.5975 s" in note for note in found.notes
+        "before its first and after its last, for up to 0.5975 s" in note for note in made.notes
     )
 
 

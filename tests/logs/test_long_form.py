@@ -43,14 +43,14 @@ def made(folder, mapping=MAPPING, joint="all", log=None):
 
 def test_each_joint_has_its_own_rows(tmp_path):
     time, position, torque = motion()
-    found = made(tmp_path)
-    samples = found.recording.axis.samples
+    imported = made(tmp_path)
+    samples = imported.recording.axis.samples
     for place, joint in enumerate(JOINTS):
         own = samples[samples["joint"] == joint]
         assert np.array_equal(own["time_s"], time.round(9))
         assert np.array_equal(own["position_m"], position[:, place].round(9))
         assert np.array_equal(own["force_n"], torque[:, place].round(9))
-    assert "Rows are of the joints that name names: shoulder, elbow." in found.notes
+    assert "Rows are of the joints that name names: shoulder, elbow." in imported.notes
 
 
 def test_one_joint_by_numbers_of_columns_with_a_sign_of_its_own(tmp_path):
@@ -104,8 +104,8 @@ def test_two_readings_of_one_joint_at_a_time_are_no_two_joints(tmp_path):
     log = tmp_path / "log.csv"
     rows = "".join(f"{k // 2 / 100},a,{float(np.sin(k / 20))!r},1\n" for k in range(200))
     log.write_text(f"time,name,position,effort\n{rows}", encoding="utf-8")
-    found = made(tmp_path, MAPPING.replace('joint_column = "name"\n', ""), None, log)
-    assert len(found.recording.axis.samples) == 100
+    imported = made(tmp_path, MAPPING.replace('joint_column = "name"\n', ""), None, log)
+    assert len(imported.recording.axis.samples) == 100
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
 
 
 def test_a_simulator_that_is_off_today_is_said_first_and_not_in_green():
-    """1.6 of 2.25 N·m are 71 %; enter the numbers, and no gap is left."""
+    """1.6 of 2.25 N·m are 71 %; with the numbers to enter no gap is left."""
     from export.test_entered import COULOMB
 
     gap = stored().record.gap.model_copy(
@@ -145,8 +145,8 @@ def test_a_simulator_that_is_off_today_is_said_first_and_not_in_green():
     notice = verdict_line(block)
     assert notice.kind == "attention"
     assert words(notice.text).startswith(
-        "Your simulator is off by 1.6\u202fN·m rms (71\u202f% of friction) at elbow: "
-        "enter the numbers below, and no gap is left. "
+        "Your simulator, as it is, is off by 1.6\u202fN·m rms (71\u202f% of friction) at elbow. "
+        "With the numbers below it has the right law: "
     )
     untrusted = gap.model_copy(update={"held_out_excess": 1.0})
     said = words(verdict_line(block.model_copy(update={"gap": untrusted})).text)

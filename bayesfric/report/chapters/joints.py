@@ -45,7 +45,7 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
                 for error in diagnosis.model_error
             ],
             label="model-error",
-            note="Mean ± standard deviation. Clearly off: by more than models usually are.",
+            note="Median ± half of the 90 % interval. Clearly off: by more than is usual.",
         )
     yield Paragraph(
         [
@@ -61,8 +61,8 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
 
 
 def _with_error(number: Interval, unit: str) -> str:
-    mean, error = error_cells(number.mean, number.sd)
-    return f"{mean} ± {error}{THIN}{format_unit(unit)}"
+    middle, error = error_cells(number.q50, (number.q95 - number.q05) / 2)
+    return f"{middle} ± {error}{THIN}{format_unit(unit)}"
 
 
 def _of_model(value: float, error: Interval, unit: str) -> str:

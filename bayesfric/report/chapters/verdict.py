@@ -27,7 +27,8 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     begun: list[Inline] = [verdict, " "]
     said = _with_meanings(record)
     if off and _nothing_left(record):
-        begun = [Strong(off), " "]
+        begun = [Strong(f"{off} With the numbers below it has the right law:"), " "]
+        said = said[:1].lower() + said[1:]
     elif off:
         begun = [Strong(off), " ", *begun]
     return Notice(
@@ -100,8 +101,7 @@ def _off_today(record: DiagnosisFile) -> str:
         said.append(f"{format_number(now.q50, 2, unit=gap.unit)} rms{share}{at}")
     if not said:
         return ""
-    left = ": enter the numbers below, and no gap is left" if _nothing_left(record) else ""
-    return f"Your simulator is off by {' and '.join(said)}{left}."
+    return f"Your simulator, as it is, is off by {' and '.join(said)}."
 
 
 def _nothing_left(record: DiagnosisFile) -> bool:

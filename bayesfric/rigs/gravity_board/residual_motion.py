@@ -123,9 +123,9 @@ def runs_of(
     numbers : ndarray, shape (A, N, q)
         Local numbers of each arm, trial by trial.
     """
-    runs = {}
-    spread2 = scatter.sum(axis=1)
     wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], travel_m)[0]
+    spread2 = scatter.sum(axis=1)
+    runs = {}
     for trial, rows in enumerate(board.rows_of_trials()):
         nuisance = board.events.regressors[:3, rows]
         first = np.zeros(nuisance.shape[1], dtype=bool)
@@ -134,32 +134,29 @@ def runs_of(
         seen = (nuisance != 0).any(axis=1)
         if first.all() or not seen[2]:
             continue
-        design = nuisance[seen].T
-        carry = design[~first] @ np.linalg.pinv(design[first])
         variance = noise["kappa"] * board.variance[rows]
         left = board.clock_residual[rows] - numbers[:, trial] @ columns[rows].T
         left = _on_one_clock(board, rows, left)
-        off = left[:, ~first] - left[:, first] @ carry.T
-        free = random[rows]
-        moved = free[~first] - carry @ free[first]
+        design = nuisance[seen].T @ np.linalg.pinv(nuisance[seen].T[first])
+        carry = design[~first]
+        moved = random[rows][~first] - carry @ random[rows][first]
         floor = spread2[trial] * (moved[:, TRIAL] ** 2).mean()
         floor += (moved[:, WANDER] ** 2 @ wander).mean()
         error = variance[~first] + carry**2 @ variance[first]
+        later = columns[rows][~first] - carry @ columns[rows][first]
         sensors = nuisance[:2] != 0
         shown = sensors[0] if sensors[0].any() else sensors[1]
         measured = board.events.displacement[rows]
-        start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
         tau = board.events.tau[rows][shown]
-        later = columns[rows][~first] - carry @ columns[rows][first]
         runs[trial] = Run(
             trial,
-            off,
+            left[:, ~first] - left[:, first] @ carry.T,
             float(error.mean()),
             float(floor),
             later.T @ later / len(later),
             tau - tau[0],
             measured[shown],
-            (measured - (left - start))[:, shown],
+            (measured - (left - left[:, first] @ design.T))[:, shown],
         )
     return runs
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -39,10 +38,8 @@ def motor_rows(
 
     Parameters
     ----------
-    motor : Motor
-        Runs and idle measurements.
-    constants : RigConstants
-        The board.
+    motor, constants : Motor, RigConstants
+        Runs and idle measurements, and the board.
     laws : mapping of str to Coefficients
         Coefficients of each pulley size.
     baseline : FrictionLaw
@@ -56,7 +53,9 @@ def motor_rows(
     signed = baseline.motor(law, condition)
     speed = np.asarray(condition.velocity_m_s, dtype=np.float64)
     load = load_current(condition, signed, torque, radius)
-    radii = pulley_radii(list(sizes.unique()), constants)
+    idle_speed, idle_current = motor.idle[["velocity_m_s", "current_a"]].to_numpy(np.float64).T
+    both_ways = is_both_ways(np.concatenate([speed, idle_speed]))
+    idle = idle_basis(idle_speed, both_ways=both_ways)
     per_newton = np.sign(speed) * radius / torque
     return LinearReadings(
         name="motor",
@@ -69,7 +68,7 @@ def motor_rows(
             nominal_tension(condition, signed),
             np.abs(speed),
             load,
-            radius_m=np.array([radii[size] for size in sizes]),
+            radius_m=sizes.map(pulley_radii(list(sizes.unique()), constants)).to_numpy(np.float64),
             order=rank(runs),
             gravity_m_s2=constants.gravity_m_s2,
             steady=True,
@@ -81,25 +80,18 @@ def motor_rows(
         errors=(np.ones(len(runs)), load),
         direct="current",
         intercept=per_newton * np.asarray(condition.n_pulleys) * intercept_of(law),
-        **_idle(motor, speed),
+        noise=partial(_noise, _scatter_of(idle, idle_current)),
+        curve=idle_basis(speed, both_ways=both_ways),
+        still_curve=idle,
+        still=idle_current,
+        curve_sd=lambda priors: (priors.idle_current_sd,) * idle.shape[1],
     )
 
 
-def _idle(motor: Motor, speed: Array) -> dict[str, Any]:
-    """Return the fields of the idle motor's curve, at these speeds of runs [m/s]."""
-    idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
-    both_ways = is_both_ways(np.concatenate([speed, idle_speed]))
-    idle = idle_basis(idle_speed, both_ways=both_ways)
-    idle_current = motor.idle["current_a"].to_numpy(dtype=np.float64)
-    fit = np.linalg.lstsq(idle, idle_current, rcond=None)[0]
-    rough_a = max(float((idle_current - idle @ fit).std()), 1e-4)
-    return {
-        "noise": partial(_noise, rough_a),
-        "curve": idle_basis(speed, both_ways=both_ways),
-        "still_curve": idle,
-        "still": idle_current,
-        "curve_sd": lambda priors: (priors.idle_current_sd,) * idle.shape[1],
-    }
+def _scatter_of(columns: Array, current_a: Array) -> float:
+    """Return the scatter of idle readings about their curve, by least squares [A]."""
+    curve = np.linalg.lstsq(columns, current_a, rcond=None)[0]
+    return max(float((current_a - columns @ curve).std()), 1e-4)
 
 
 def _noise(rough_a: float, priors: Priors) -> tuple[NoiseParameter, ...]:

@@ -200,19 +200,11 @@ def readings_of(
     """
     stroke = max(float(np.ptp(run_log.position)) for run_log in logs)
     if like is None:
-        noise = position_sd(logs, resolution)
-        half_s, hop = window_width(logs, noise, stroke)
-        if _count(logs, half_s, noise, stroke) < SPARSE:
-            half = half_samples(half_s, logs[0])
-            hop *= max(1, round(CLOSER * half)) / half
-        late_s = 0.0
-        if all(log.sent is None for log in logs):  # what a servo is late by is known beforehand
-            late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
+        noise, half_s, hop, late_s = _windows_of(logs, resolution, stroke, limit)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
-    paths = []
-    trials = pieces = 0
+    paths, trials, pieces = [], 0, 0
     for log, begin in zip(logs, starts, strict=True):
         half = half_samples(half_s, log)
         step = max(1, round(hop * half))
@@ -227,13 +219,7 @@ def readings_of(
         trials += begin.size
         pieces = int(part["piece"].max()) + 1 if part["piece"].size else pieces
         parts.append(part)
-    widest = max(part["position_lag"].shape[1] for part in parts)
-    for part in parts:
-        for name in ("position_lag", "force_lag"):
-            short = widest - part[name].shape[1]
-            nothing = np.zeros((len(part[name]), short))
-            part[name] = np.concatenate([part[name], nothing], axis=1)
-    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    joined = _joined(parts)
     if not joined["way"].size:
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
@@ -250,6 +236,32 @@ def readings_of(
         known_inertia=float(np.mean([log.known_inertia for log in logs])),
         mixing=mixing,
     )
+
+
+def _windows_of(
+    logs: Sequence[EvenLog], resolution: float | None, stroke: float, limit: float
+) -> tuple[float, float, float, float]:
+    """Return the error of positions, half a window [s], its hop, and what a force is late [s]."""
+    noise = position_sd(logs, resolution)
+    half_s, hop = window_width(logs, noise, stroke)
+    if _count(logs, half_s, noise, stroke) < SPARSE:
+        half = half_samples(half_s, logs[0])
+        hop *= max(1, round(CLOSER * half)) / half
+    late_s = 0.0
+    if all(log.sent is None for log in logs):  # what a servo is late by is known beforehand
+        late_s = late_by([given(run_log, limit) for run_log in logs], half_s, noise, stroke)
+    return noise, half_s, hop, late_s
+
+
+def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the rows of all runs, whose correlations with neighbours reach equally far."""
+    widest = max(part["position_lag"].shape[1] for part in parts)
+    for part in parts:
+        for name in ("position_lag", "force_lag"):
+            short = widest - part[name].shape[1]
+            nothing = np.zeros((len(part[name]), short))
+            part[name] = np.concatenate([part[name], nothing], axis=1)
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
