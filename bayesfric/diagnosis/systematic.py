@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, ndtri_exp
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
@@ -29,6 +28,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.effects.candidates import is_positive
 from bayesfric.hypothesis import UNKNOWN, Hypothesis
+from bayesfric.inference.truncated import drawn_above_zero
 from bayesfric.observation.layout import COEFFICIENTS
 from bayesfric.probabilities import total
 
@@ -244,9 +244,7 @@ def _made_positive(
         below = drawn[:, place] <= 0
         if below.any():
             mean, variance = at.mean[place], at.covariance[place, place]
-            sd = np.sqrt(variance)
-            beyond = np.log1p(-rng.uniform(size=int(below.sum()))) + log_ndtr(mean / sd)
-            again = mean - sd * ndtri_exp(beyond)
+            again = drawn_above_zero(mean, np.sqrt(variance), int(below.sum()), rng)
             # What hangs together with it moves along.
             moved = again - drawn[below, place]
             drawn[below] += moved[:, None] * at.covariance[place] / variance

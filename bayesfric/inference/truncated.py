@@ -7,7 +7,7 @@ number's own standard deviation says nothing of that: it is widened until the bo
 
 import numpy as np
 import scipy
-from scipy.special import log_ndtr, ndtr, ndtri
+from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
 
 from bayesfric.arrays import Array
 
@@ -48,6 +48,26 @@ def drawn_above(draws: Array, least: Array) -> Array:
         # Beyond `start`, by the upper tail: a density far below its bound has little above it.
         drawn[(below, *place)] = mean - sd * ndtri(share * ndtr(-start))
     return np.maximum(drawn, bound)
+
+
+def drawn_above_zero(mean: float, sd: float, count: int, rng: np.random.Generator) -> Array:
+    """Return draws of a normal density that is cut off at 0, however far below it the mean is.
+
+    Parameters
+    ----------
+    mean, sd : float
+        Without the cut.
+    count : int
+        S.
+    rng : Generator
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray, shape (S,)
+    """
+    log_tail = np.log1p(-rng.uniform(size=count)) + log_ndtr(mean / sd)
+    return np.asarray(mean - sd * ndtri_exp(log_tail))
 
 
 def normal_above(mean: float, sd: float, least: float) -> tuple[float, float, Array]:

@@ -12,6 +12,7 @@ from rigs.joints import Joint, recording_of
 from rigs.loaded_joints import LoadedJoint
 
 import bayesfric as bf
+from bayesfric.diagnosis import answer
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.errors import InputError
@@ -300,3 +301,14 @@ LADDER = {
 def test_the_rung_that_made_it_is_named(machine, expected):
     found = bf.diagnose(LoadedJoint(**machine).recording()).summary
     assert set(causes_of(found)) == {"gravity-torque"} | expected
+
+
+def test_numbers_are_as_wide_as_parts_of_the_log_where_nothing_is_decided(monkeypatch):
+    """However likely a gap is: three seconds with much noise show none, and tell no number well."""
+    joint = Joint(seconds=3.0, gravity=0.0, noise=0.1)
+    as_it_is = bf.diagnose(joint.recording()).summary
+    assert as_it_is.verdict == "undecided"
+    assert as_it_is.gap.probability_above_practical < 0.5
+    monkeypatch.setattr(answer, "by_parts", lambda law, *_: dict.fromkeys(law, (7.0, 7.0)))
+    wide = bf.diagnose(joint.recording()).summary.law["viscous"].after.sd
+    assert wide == pytest.approx(7 * as_it_is.law["viscous"].after.sd, rel=0.02)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.stats import truncnorm
+from scipy.stats import kstest, truncnorm
 
-from bayesfric.inference.truncated import drawn_above, normal_above
+from bayesfric.inference.truncated import drawn_above, drawn_above_zero, normal_above
 
 
 @pytest.mark.parametrize("mean", [2.0, 0.3, -0.7, -3.0])
@@ -40,3 +40,10 @@ def test_without_a_bound_and_above_it_nothing_changes():
 
 def test_draws_that_are_alike_are_clipped():
     assert (drawn_above(np.full((4, 1), -1.0), np.array([0.5])) == 0.5).all()
+
+
+@pytest.mark.parametrize("mean", [1.0, -0.5, -60.0])
+def test_draws_above_zero_are_those_of_the_truncated_normal(mean):
+    """At sixty standard deviations the part above zero underflows; its logarithm does not."""
+    draws = drawn_above_zero(mean, 2.0, 2000, np.random.default_rng(3))
+    assert kstest(draws, truncnorm(-mean / 2.0, np.inf, mean, 2.0).cdf).pvalue > 0.001

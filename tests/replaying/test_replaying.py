@@ -30,9 +30,8 @@ TRUTH = Hinge()
 WRONG = Hinge(frictionloss=0.2, damping=0.05, armature=0.01)
 
 
-def proposing(hinge):
-    """Return a joint with the numbers of a hinge to enter."""
-    values = {"coulomb": hinge.frictionloss, "viscous": hinge.damping, "armature": hinge.armature}
+def hinge_with(values):
+    """Return a joint with values to enter."""
     numbers = {
         name: Enter(
             parameter=name,
@@ -43,6 +42,12 @@ def proposing(hinge):
         for name, mean in values.items()
     }
     return ExportedJoint("", "hinge", True, numbers, {})
+
+
+def proposing(hinge):
+    """Return a joint with the numbers of a hinge to enter."""
+    values = {"coulomb": hinge.frictionloss, "viscous": hinge.damping, "armature": hinge.armature}
+    return hinge_with(values)
 
 
 def replayed_hinge(model, proposed):
@@ -129,16 +134,8 @@ def test_a_spring_pulls_to_where_it_is_at_rest():
         held = SimulatedJoint(0.0, 0.05, stiffness=4.0, spring_rest=rest)
         pulls = inverse_torques(robot, [held], motion) - inverse_torques(robot, [loose], motion)
         assert pulls == pytest.approx(4.0 * (0.7 - rest), rel=1e-6)
-    spring = {
-        name: Enter(
-            parameter=name,
-            unit="1",
-            value=Interval(mean=mean, sd=0.01, q05=mean, q50=mean, q95=mean),
-            fields={},
-        )
-        for name, mean in (("spring.stiffness", 3.0), ("spring.rest", -0.25))
-    }
-    proposed = _proposed(ExportedJoint("", "hinge", True, spring, {}), own)
+    spring = hinge_with({"spring.stiffness": 3.0, "spring.rest": -0.25})
+    proposed = _proposed(spring, own)
     assert (proposed.stiffness, proposed.spring_rest) == (3.0, -0.25)
 
 

@@ -32,12 +32,9 @@ def every_clock_drawn(monkeypatch):
 
 def events_table(recording):
     gravity = recording.gravity
-    return reduce_events(
-        gravity.events,
-        gravity.trials["trial"],
-        spacing_m=SPACING,
-        tick_s=TICK,
-    ).with_first_speed(1.0)
+    ids = gravity.trials["trial"]
+    reduced = reduce_events(gravity.events, ids, spacing_m=SPACING, tick_s=TICK)
+    return reduced.with_first_speed(1.0)
 
 
 def law_friction(row, values):
