@@ -1,9 +1,10 @@
 """Joints as their logs are, diagnosed: drawn joints, arms, servos and the ladder of friction.
 
 ``joints`` are moved by MuJoCo, with counts, ripple, jitter, holds and a loop: a third has nothing
-beside its law, the others an effect at 10 % or 3 % of friction, a pair, or an outsider. ``arms``
-have joints that move and are not in the log. Of ``servos`` commands alone are logged. ``ladder``
-are joints with friction of M1 to M6; every fifth lifts one load one way, so that nobody can tell.
+beside its law, the others an effect at 10 % or 3 % of friction, a pair, or an outsider. ``perfect``
+are such joints too, logged without counts, ripple, jitter or holds. ``arms`` have joints that move
+and are not in the log. Of ``servos`` commands alone are logged. ``ladder`` are joints with friction
+of M1 to M6; every fifth lifts one load one way, so that nobody can tell.
 
 ``python -m campaigns.joint_rounds PART FIRST LAST`` plays places FIRST to LAST − 1 of one part,
 and writes the evidence of all that is done; ``python -m campaigns.release joint_rounds`` plays all
@@ -34,9 +35,9 @@ from bayesfric.effects import all_effects
 from bayesfric.errors import InputError
 
 FINGERPRINT = ("effects", "likelihood.axis", "diagnosis.axis", "whole.axis")
-BASES = {"joints": 25000, "arms": 26000, "servos": 27000, "ladder": 28000}
+BASES = {"joints": 25000, "arms": 26000, "servos": 27000, "ladder": 28000, "perfect": 29000}
 NUMBER = 60  # of each part
-REAL = "real"
+REAL, PERFECT = "real", "perfect"
 ACTING = 20  # joints with something beside the law, of which these are other than one effect:
 WEAK, OUTSIDE, PAIRS, APART = (3, 9, 14, 18), (6, 16), (11,), 7
 NUMBERS = ("coulomb", "viscous", "inertia", "armature", "gravity", "offset")
@@ -70,10 +71,15 @@ def withheld_of(place, base):
     return "effect", ((effect, joint_world.FULL),)
 
 
-def joint(place, base):
+def joint(place, base, design=REAL):
     """Diagnose a joint that MuJoCo moves."""
     kind, effects = withheld_of(place, base)
-    return joint_world.case((kind, effects, base + place, REAL))
+    return joint_world.case((kind, effects, base + place, design))
+
+
+def perfect(place, base):
+    """Diagnose a joint that MuJoCo moves, of which signals are logged as they are."""
+    return joint(place, base, PERFECT)
 
 
 def arm(place, base):
@@ -141,7 +147,7 @@ def rung(place, base):
     }
 
 
-PARTS = {"joints": joint, "arms": arm, "servos": servo, "ladder": rung}
+PARTS = {"joints": joint, "perfect": perfect, "arms": arm, "servos": servo, "ladder": rung}
 
 
 def case(given):
@@ -258,7 +264,13 @@ def of_ladder(done):
     }
 
 
-FIGURES = {"joints": of_joints, "arms": of_arms, "servos": of_servos, "ladder": of_ladder}
+FIGURES = {
+    "joints": of_joints,
+    "perfect": of_joints,
+    "arms": of_arms,
+    "servos": of_servos,
+    "ladder": of_ladder,
+}
 
 
 def figures(done):
@@ -294,6 +306,10 @@ def promises(figures):
         ("joints", "empty_named"): ("an empty joint has something named", None, 0),
         ("joints", "outsiders_named"): ("an outsider is named as an effect", None, 0),
         ("joints", "contradicted"): ("held-out data contradict what is named", None, 0.02),
+        ("perfect", "exact"): ("perfect signals: at 10 % it is named, and nothing else", 0.95, None),
+        ("perfect", "weak_named_or_possible"): ("at 3 % it is named or possible", 0.85, None),
+        ("perfect", "empty_named"): ("an empty joint has something named", None, 0),
+        ("perfect", "outsiders_named"): ("an outsider is named as an effect", None, 0),
         ("arms", "wrongly_named"): ("beside joints that nobody logged: a wrong cause", None, 0),
         ("servos", "relative"): ("without a payload all is over K", 1, None),
         ("servos", "absolute"): ("with one all is in newton metres", 1, None),
@@ -306,7 +322,7 @@ def promises(figures):
         of_part = figures.get(part, {}).get(name, {"of": 0})
         if of_part["of"]:
             outcomes.append(rate(words, of_part["hits"], of_part["of"], least=least, most=most))
-    for part in ("joints", "servos"):
+    for part in ("joints", "perfect", "servos"):
         for name, of_part in figures.get(part, {}).get("numbers", {}).items():
             if of_part["of"]:
                 words = f"{part}: truths of {name} in 90 % intervals"

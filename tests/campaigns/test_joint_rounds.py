@@ -22,9 +22,10 @@ def test_a_third_of_the_joints_is_empty_and_all_else_comes():
     assert len(effects) > 15
 
 
-def test_all_cases_are_of_sixty_joints_arms_servos_and_rungs():
+def test_all_cases_are_sixty_of_each_part():
     names = joint_rounds.everything()
-    assert len(names) == 240
+    assert len(names) == 300
+    assert names["perfect-29000-000"] == ("perfect", 0, 29000)
     assert names["arms-26000-059"] == ("arms", 59, 26000)
     assert list(joint_rounds.cases("servos", 3, 5, 7)) == ["servos-7-003", "servos-7-004"]
 
