@@ -214,7 +214,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             axes.yaxis.set_label_coords(-0.38, 0.5)
         fig.subplots_adjust(left=0.15, bottom=0.17, right=0.98, top=0.98, wspace=0.1, hspace=0.1)
         fig.legend(
-            handles=_keys(color, shown, marks),
+            handles=_keys(color, list(printed), shown, marks),
             loc="upper right",
             bbox_to_anchor=(0.98, 0.98),
             title=f"{plain(size)} pulley",
@@ -268,14 +268,16 @@ def _range(draws: np.ndarray, mark: float | None) -> tuple[float, float]:
     return low, high
 
 
-def _keys(color: str, shown: list[float | None], marks: list[float | None]) -> list[Artist]:
+def _keys(
+    color: str, names: list[str], shown: list[float | None], marks: list[float | None]
+) -> list[Artist]:
     keys: list[Artist] = [
         Patch(color=color, alpha=0.8, label="holds 39 % of the draws"),
         Patch(color=color, alpha=0.4, label="holds 86 % of the draws"),
     ]
     if any(mark is not None for mark in shown):
         keys.append(line_key("paper", color=COLORS["black"], linewidth=0.9, linestyle="--"))
-    for name, seen, mark in zip(PRINTED, shown, marks, strict=True):
+    for name, seen, mark in zip(names, shown, marks, strict=True):
         if mark is not None and seen is None:
             text = f"paper beyond the panel: {parameter_label(name)} = {mark:.4g}"
             keys.append(Patch(color="none", label=text))

@@ -84,6 +84,14 @@ def test_table_1_far_from_the_draws_is_named_and_does_not_squeeze_them(small_fit
     assert not fig.axes[0].lines
 
 
+def test_of_two_coefficients_the_one_far_from_the_draws_is_named(small_fit):
+    two = xr.DataTree(small_fit.draws["posterior"].to_dataset().drop_vars("c3"))
+    draws = xr.DataTree(children={"posterior": two})
+    fig = coefficient_pairs(draws, "medium", {"c1": 0.4, "c2": 0.0165, "c3": 1.02e-5})
+    assert "paper beyond the panel: $c_1$ = 400" in legend_texts(fig)
+    assert not any("c_3" in text for text in legend_texts(fig))
+
+
 def test_a_row_that_the_data_do_not_inform_says_so(small_fit):
     (axes,) = coefficients_relative_to_paper(small_fit.predictive, ["c3[small]"]).axes
     labels = [text.get_text() for text in axes.get_yticklabels()]
