@@ -115,6 +115,11 @@ def percent(share: float) -> str:
     return f"{100 * share:.3g} %"
 
 
+def three_digits(value: float) -> str:
+    """Return a number to three significant digits, zeros at its end among them: 0.00240."""
+    return f"{value:#.3g}".removesuffix(".")
+
+
 def two_digits(value: float) -> str:
     """Return a number to two significant digits, without a power of ten."""
     return f"{float(f'{value:.2g}'):g}"

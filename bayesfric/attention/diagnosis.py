@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Mapping
 
 from bayesfric.observation.coefficients import PAPER_SIZES
-from bayesfric.probabilities import two_digits
+from bayesfric.probabilities import three_digits, two_digits
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import INERTIAS, Cause, LawNumber
+from bayesfric.schemas.causes import IMPLAUSIBLE, INERTIAS, Cause, LawNumber
 
 FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
 FAR_FROM_FRICTION = 0.5  # of friction, the same
@@ -71,14 +71,15 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
         return None
     is_share = gap.no_share is None and friction > 0
     is_far = left > FAR_FROM_SCATTER * scatter or (is_share and left > FAR_FROM_FRICTION * friction)
-    share = f"{_of_friction(left / friction)}; " if is_share else ""
+    force = f"{two_digits(left)} {gap.unit} rms"
+    size = f"{_of_friction(left / friction)} ({force})" if is_share else force
     advice = NOT_YET if is_far else "Enter these numbers with care"
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
     whose = "those of least squares" if is_by_instrument(diagnosis) else "them"
     return (
         f"{advice}{of}: the law with {whose} misses data that the fit has not seen by "
-        f"{two_digits(left)} {gap.unit} rms more than scatter explains ({share}scatter "
-        f"makes {two_digits(scatter)} {gap.unit}). Something acts that they do not describe"
+        f"{size} more than scatter explains, which is {two_digits(scatter)} {gap.unit}. Something "
+        "acts that they do not describe"
     )
 
 
@@ -135,9 +136,9 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     others = sorted((name for name in biased if name != worst), key=_place)
     more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
-        f"Without {causes} the fit gives {worst} as {number.before.mean:.3g}{unit} instead of "
-        f"{_refitted(number).mean:.3g}{unit}.{more} {OF_BIASED_LAW}: use the numbers that were "
-        f"refitted with {causes}"
+        f"Without {causes} the fit gives {worst} as {three_digits(number.before.mean)}{unit} "
+        f"instead of {three_digits(_refitted(number).mean)}{unit}.{more} {OF_BIASED_LAW}: use "
+        f"the numbers that were refitted with {causes}"
     )
 
 
@@ -158,9 +159,13 @@ def _relative_bias(number: LawNumber) -> float:
 def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
     if diagnosis.considered and diagnosis.verdict == "unknown":
         names = ", ".join(effect.effect for effect in diagnosis.considered)
-        why = "" if diagnosis.overruled_by is None else f": {diagnosis.overruled_by}"
-        yield f"Held-out data contradict {names}{why}."
-    if diagnosis.gap.floor_disagreement is not None:
+        why = diagnosis.overruled_by
+        if why is not None and IMPLAUSIBLE in why:
+            yield f"Not named, though it fits: {names}, since {why}."
+        else:
+            yield f"Held-out data contradict {names}{'' if why is None else f': {why}'}."
+    # What is missed beyond scatter is told once, by `why_untrusted` where there are numbers.
+    if diagnosis.gap.floor_disagreement is not None and why_untrusted(diagnosis) is None:
         yield f"The assumed scatter is wrong: {diagnosis.gap.floor_disagreement}."
 
 
@@ -169,7 +174,7 @@ def _of_cause(cause: Cause) -> Iterator[str]:
         name, number = next(iter(cause.parameters.items()))
         low, high = cause.plausible_range
         yield (
-            f"{cause.effect} is larger or smaller than is plausible: {name} is "
+            f"{cause.effect} is {IMPLAUSIBLE}: {name} is "
             f"{number.q50:.3g} {number.unit}, outside of {low:.3g} to {high:.3g} "
             f"({cause.plausible_reference})."
         )

@@ -10,9 +10,16 @@ from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.inference.diagnostics import Convergence
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
+from bayesfric.probabilities import three_digits
 from bayesfric.rigs import all_rigs
 from bayesfric.schemas import FitFile
-from bayesfric.schemas.fit import Agreement, AssemblyCheck, DataQuality, Uniformity
+from bayesfric.schemas.fit import (
+    Agreement,
+    AssemblyCheck,
+    DataQuality,
+    OutlyingAssembly,
+    Uniformity,
+)
 from bayesfric.schemas.parameter import ParameterSummary
 
 CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
@@ -25,6 +32,7 @@ NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a
 FEW_BOARDS = 5
 UNAFFECTED = "no coefficient of the law is affected"  # in a remark that asks for nothing
 WITHIN = "in no trial does this reach"  # the same, of sensors that disagree
+STAY = "The numbers to use stay"  # the same, of an assembly that is far from all others
 NARROW = "narrow: reckon with more scatter than they say"
 CAUTIOUS = "wide: they err on the safe side"  # the same, of intervals
 
@@ -85,7 +93,7 @@ def of_fit(
         *contradicted(parameters, entries),
         *_not_uniform(uniformity),
         *_uncovered(coverage),
-        *_outlying(assemblies),
+        *_outlying(assemblies, entries),
     )
 
 
@@ -241,12 +249,14 @@ def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
                 f"{coverage.share:.1%} of the {all_rigs()[coverage.rig].words.rig}'s trials lie "
                 f"inside their 90 % predictive interval, where {coverage.low:.1%} to "
                 f"{coverage.high:.1%} are expected: these predictive intervals may be too "
-                f"{NARROW if coverage.share < coverage.low else CAUTIOUS} (by chance one sound "
-                "recording in ten is outside of this range)"
+                f"{NARROW if coverage.share < coverage.low else CAUTIOUS} (by chance in one "
+                "sound recording of ten)"
             )
 
 
-def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
+def _outlying(
+    checks: Sequence[AssemblyCheck], entries: Mapping[str, ParameterSummary]
+) -> Iterator[str]:
     """Yield the assemblies that are far from their prediction by all others."""
     for check in checks:
         rig = all_rigs()[check.rig].words.rig
@@ -254,9 +264,9 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
             yield (
                 f"Friction of assembly {assembly.setup} of the {rig} is {abs(assembly.z):.1f} "
                 f"standard deviations {'above' if assembly.z > 0 else 'below'} its prediction "
-                "from all other assemblies; chance alone does that in one of "
-                f"{max(round(1 / assembly.chance), 1):,} recordings. Its trials are in the "
-                "fit, with the scatter of assemblies: look at how it was assembled"
+                "from all other assemblies (by chance in one of "
+                f"{max(round(1 / assembly.chance), 1):,} recordings). "
+                f"{_weight_of(assembly, entries)}"
             )
         if check.p_value < NOT_UNIFORM:
             yield (
@@ -265,6 +275,29 @@ def _outlying(checks: Sequence[AssemblyCheck]) -> Iterator[str]:
                 f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
                 f"{check.p_value:.2g}): a diagnosis tells whether the law lacks a force"
             )
+
+
+def _weight_of(assembly: OutlyingAssembly, entries: Mapping[str, ParameterSummary]) -> str:
+    """Return what a far assembly means for the coefficients, in words without a full stop."""
+    shifts = {
+        name: abs(entries[name].mean - mean) / entries[name].sd
+        for name, mean in assembly.without.items()
+        if name in entries and entries[name].sd > 0
+    }
+    look = "look at how it was assembled"
+    if not shifts:  # in files of earlier versions, and of a law without coefficients
+        return f"Its trials are in the fit, with the scatter of assemblies: {look}"
+    most = max(shifts, key=lambda name: shifts[name])
+    entry = entries[most]
+    unit = "" if entry.unit in ("1", "-") else f" {entry.unit}"
+    without = three_digits(assembly.without[most])
+    moved = f"{most} is {without}{unit}, not {three_digits(entry.mean)}{unit}"
+    if all(entries[name].q05 <= assembly.without[name] <= entries[name].q95 for name in shifts):
+        return f"{STAY}: without it {moved}, and no coefficient leaves its 90% interval"
+    return (
+        f"It matters for the numbers to use: without it {moved}, outside of its 90% interval. "
+        f"{look.capitalize()}, and fit again without it if you find a fault"
+    )
 
 
 def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 from bayesfric.attention.diagnosis import OF_BIASED_LAW
-from bayesfric.attention.fit import CAUTIOUS, UNAFFECTED, WITHIN
+from bayesfric.attention.fit import CAUTIOUS, STAY, UNAFFECTED, WITHIN
 from bayesfric.schemas import CalibrationFile, ClaimsFile, DiagnosisFile, FitFile, MarginsFile
 from bayesfric.schemas.base import Provenance
 
-HARMLESS = (UNAFFECTED, WITHIN, CAUTIOUS)
+HARMLESS = (UNAFFECTED, WITHIN, CAUTIOUS, STAY)
 """Words of remarks that ask a reader for nothing."""
 WITH_ATTENTION = (FitFile, ClaimsFile, DiagnosisFile, MarginsFile, CalibrationFile)
 

@@ -152,7 +152,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 CLAIM = Claim(
     name="coefficients",
     place=10,
-    statement="The coefficients are those of the paper's Table I.",
+    statement="The coefficients are those of Table I of the paper (Miyasaka et al. 2015).",
     paper="Table I, as printed.",
     judge=_judge,
     regime="accelerated",

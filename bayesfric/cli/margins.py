@@ -177,10 +177,10 @@ def _say_warnings(loop: "LoopMargins", *, verbose: bool) -> None:
 def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
     """Print what margins say of a loop; without `verbose`, what it misses and what decides."""
     from bayesfric.margins.terms import (
+        at_safe_gain_words,
         certificate_sentence,
         in_degrees_or_decibels,
         is_missed,
-        judged_elsewhere,
         safe_up_to,
         safety_words,
         tuning_sentence,
@@ -192,7 +192,8 @@ def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
     up_to_words = (
         "" if up_to is None else f" Up to γ = {up_to} it hunts in at most {most} of draws."
     )
-    said = f"{_answer(loop.answer, verbose=verbose)} {judged_elsewhere(loop)}".rstrip()
+    there = at_safe_gain_words(loop, _called)
+    said = f"{_answer(loop.answer, verbose=verbose)} {there}".rstrip()
     _say_sentences(f"{loop.name}: {safety_words(loop)}.{up_to_words} {said}")
     if loop.with_effects is not None:
         effects = ", ".join(loop.with_effects.effects) or "the law refitted"
@@ -209,6 +210,10 @@ def _say_loop(loop: "LoopMargins", *, verbose: bool) -> None:
         _say_sentences(f"  {loop.following.answer}")
     if loop.verification is not None:
         _say_verified(loop.verification)
+
+
+def _called(name: str, direction: str) -> str:
+    return f"{name} {direction}".replace("_", " ").rstrip()
 
 
 def _answer(answer: str, *, verbose: bool) -> str:

@@ -203,6 +203,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
     )
     words = sentence_of(_statement(answer, told_of, unseparated))
     considered = [cause for cause in told_of.considered if is_named(cause.effect, words)]
+    on_held_out = held_out_words(gap, told_of.causes or considered, conclusion.verdict)
     return DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),
@@ -216,7 +217,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         practical_share=question.practical,
         verdict=conclusion.verdict,
         verdict_probability=conclusion.probability,
-        sentence=f"{words} {held_out_words(gap, told_of.causes or considered)}",
+        sentence=f"{words} {on_held_out}",
         **_hypotheses(answer),
         **told_of._asdict(),
         overruled_by=conclusion.why or conclusion.bent,

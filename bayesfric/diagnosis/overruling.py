@@ -12,7 +12,7 @@ from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Remainder
+from bayesfric.schemas.causes import IMPLAUSIBLE, Remainder
 from bayesfric.schemas.gap import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
@@ -154,8 +154,8 @@ def why_overruled(
         )
     if implausible and (force_left or told_as_remainder):
         return (
-            f"{' and '.join(implausible)} would be larger or smaller than is plausible, and a "
-            "force that no effect explains is left"
+            f"{' and '.join(implausible)} would be {IMPLAUSIBLE}, and a force "
+            "that no effect explains is left"
         )
     return None
 

@@ -7,10 +7,12 @@ from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated, two_digits
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Cause, Unseparated
-from bayesfric.schemas.gap import Axis, Gap, HeldOutDensity
+from bayesfric.schemas.causes import IMPLAUSIBLE, Cause, Unseparated
+from bayesfric.schemas.gap import Axis, Gap, GapRow, HeldOutDensity
 
 ALL_BUT = 0.999
+PAST_ALL = 1.0005  # of a share, from which on it is printed as more than all
+ROUGH = 0.2  # width of the interval of a share from which on scatter hides what it is
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
 WINDOWS = ", each the mean friction over a stretch of motion or at a steady point"
 
@@ -139,8 +141,19 @@ def sentence_of(statement: Statement) -> str:
     return words[statement.verdict](statement)
 
 
-def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
-    """Return what held-out data say, a sentence; that they cannot tell is one too."""
+def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = None) -> str:
+    """Return what held-out data say, a sentence; that they cannot tell is one too.
+
+    Parameters
+    ----------
+    gap : Gap
+        As it is stored.
+    causes : sequence of Cause
+        Effects that are held against these data.
+    verdict : str or None
+        Of which :func:`sentence_of` stands before it: beside the share of a named cause it is
+        said which of the two shares to rely on.
+    """
     if not gap.held_out:
         return "No data could be held out: without them nothing would be left to fit."
     row, density = gap.held_out[0], gap.held_out_log_density
@@ -148,11 +161,14 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     better = ""
     if density is not None:
         better = f" The log density of these data is higher by {_rise(density)} with {them}."
+    if causes and verdict == "named" and gap.shrink is not None and gap.shrink_of_model is not None:
+        return f"{_beside_the_model(gap.shrink, gap.shrink_of_model, row, gap.unit)}{better}"
     if causes and gap.shrink is not None:
-        past = "; values above 100% come from scatter" if gap.shrink.q95 > 1 else ""
+        past = "; values above 100% come from scatter" if gap.shrink.q95 > PAST_ALL else ""
+        which = " and ".join(cause.effect for cause in causes) if verdict == "unknown" else them
         return (
-            f"On data that the fit has not seen, adding {them} removes {_share(gap.shrink)} of the "
-            f"gap (mean square{past}).{better}"
+            f"On data that the fit has not seen, adding {which} removes {_share(gap.shrink)} of "
+            f"the gap (mean square{past}).{better}"
         )
     if causes:
         removes = "it removes" if len(causes) == 1 else "they remove"
@@ -168,6 +184,22 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     if row.below_floor <= 1 - RULES.above_floor:
         return f"{sizes}, a difference that chance does not explain."
     return f"{sizes}, a difference that chance can make."
+
+
+def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit: str) -> str:
+    """Return the share that held-out data show, a sentence, and which share to rely on."""
+    on_unseen = f"on data that the fit has not seen, {_share(measured)} is removed"
+    if measured.q95 < inferred.q05:
+        return (
+            f"{on_unseen.capitalize()}: rely on that, since {_middle(inferred)} is the model's own "
+            "figure, of the data that it was fitted to."
+        )
+    if measured.q95 - measured.q05 < ROUGH:
+        return f"{on_unseen.capitalize()}, which confirms it."
+    return (
+        f"Rely on the {_middle(inferred)}, which the model has freed of scatter; {on_unseen}, a "
+        f"rough figure since scatter makes {two_digits(row.floor.q50)} {unit} there."
+    )
 
 
 def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:
@@ -278,10 +310,14 @@ def _unknown(statement: Statement) -> str:
             f"{begun} {fit} what was recorded, and so would the pull of {pull} "
             f"{statement.chance}: {remedy}.{small}{statement.place}"
         )
-    beside = "" if statement.overruled_by is None else f": {statement.overruled_by}"
+    why = statement.overruled_by
+    if why is not None and IMPLAUSIBLE in why:
+        but = f", but {why}"
+    else:
+        but = f" and {miss} what was held out{'' if why is None else f': {why}'}"
     return (
-        f"{begun} {fit} what was recorded and {miss} what was held out{beside}. Something else "
-        f"acts {statement.chance}.{small}{statement.place}"
+        f"{begun} {fit} what was recorded{but}. Something else acts {statement.chance}."
+        f"{small}{statement.place}"
     )
 
 
@@ -316,7 +352,8 @@ def _below(statement: Statement, less: str, make: str) -> str:
 
 
 def _rise(density: HeldOutDensity) -> str:
-    return f"{density.difference:.3g} ± {density.error:.2g} (natural logarithm)"
+    rise = f"{float(f'{density.difference:.3g}'):g}"  # without a power of ten
+    return f"{rise} ± {two_digits(density.error)} (natural logarithm)"
 
 
 def _of_variance(share: Interval) -> str:
@@ -325,9 +362,13 @@ def _of_variance(share: Interval) -> str:
     return middle if low == high else f"{middle} [{low}, {high}]"
 
 
+def _middle(share: Interval) -> str:
+    return f"{min(share.q50, ALL_BUT):.1%}"
+
+
 def _share(shrink: Interval) -> str:
     """Return a share with its interval, as stored: chance can take it past all."""
-    if shrink.q05 >= ALL_BUT and shrink.q95 <= 1:
+    if shrink.q05 >= ALL_BUT and shrink.q95 <= PAST_ALL:
         return f"more than {ALL_BUT:.1%}"
     digits = 0 if shrink.q95 - shrink.q05 >= WIDE else 1
     low, middle, high = (f"{end:.{digits}%}" for end in (shrink.q05, shrink.q50, shrink.q95))

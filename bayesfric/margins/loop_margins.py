@@ -16,6 +16,7 @@ from bayesfric.margins.answer import (
     which_gain,
 )
 from bayesfric.margins.assembly import Assembly, draw_assembly
+from bayesfric.margins.at_safe_gain import at_safe_gain
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.certificate import certify
 from bayesfric.margins.diagnosed import Diagnosed, reflected
@@ -129,7 +130,7 @@ def loop_margins(
     """
     given = draw_assembly(loop, posterior, discrepancy, asked.seed)
     shaft = reflected(loop, given)
-    allowed, draws = loop.spec.limit_cycle_probability_max, posterior.effective_draws
+    draws = posterior.effective_draws
     judged = Judged.of(shaft, loop.spec, asked.simulated, draws)
     hunting = judged.hunting
     shares = _variance_shares(loop, posterior, discrepancy, asked.seed, shaft, given)
@@ -146,10 +147,7 @@ def loop_margins(
         compensation_gain=float(np.median(shaft.gamma)),
         **_by_the_spec(judged),
         violation_probability_max=loop.spec.violation_probability_max,
-        limit_cycle_probability=limit_cycle_curve(hunting, draws),
-        limit_cycle_probability_max=allowed,
-        limit_cycle_method=hunting.method,
-        largest_safe_compensation_gain_se=judged.safe.se,
+        **_over_gain(shaft, judged, draws),
         hunting_map=_map(hunting, shaft),
         not_examined=hunting.not_examined,
         variance_share=shares,
@@ -165,6 +163,18 @@ def loop_margins(
         **_on_request(shaft, hunting, asked),
     )
     return shaft, summary
+
+
+def _over_gain(shaft: LoopAtShaft, judged: Judged, draws: float) -> dict[str, Any]:
+    """Return the fields on hunting over γ, and on the specs at the largest safe γ."""
+    hunting, safe, spec = judged.hunting, judged.safe, shaft.loop.spec
+    return {
+        "limit_cycle_probability": limit_cycle_curve(hunting, draws),
+        "limit_cycle_probability_max": spec.limit_cycle_probability_max,
+        "limit_cycle_method": hunting.method,
+        "largest_safe_compensation_gain_se": safe.se,
+        "at_safe_gain": at_safe_gain(shaft, hunting, safe.gamma, spec, draws),
+    }
 
 
 def _variance_shares(

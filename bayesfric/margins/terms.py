@@ -70,9 +70,14 @@ def safety_words(loop: LoopMargins) -> str:
 
 def is_missed(loop: LoopMargins, metric: Metric) -> bool:
     """Tell whether a metric misses its spec more often than the loop's file allows."""
-    name = " ".join(filter(None, (metric.name, metric.direction)))
+    name = full_name(metric)
     own = HUNTS if metric.name == "gamma_hunting" else name
     return metric.spec is not None and bool({name, own} & {*(loop.missed_specs or ())})
+
+
+def full_name(metric: Metric) -> str:
+    """Return the name of a metric as ``missed_specs`` has it, with its direction if it has one."""
+    return " ".join(filter(None, (metric.name, metric.direction)))
 
 
 def safe_up_to(loop: LoopMargins) -> str | None:
@@ -80,16 +85,37 @@ def safe_up_to(loop: LoopMargins) -> str | None:
     gamma = loop.largest_safe_compensation_gain
     if gamma is None:
         return None
-    down = np.floor(100 * gamma) / 100
+    down = rounded_down(gamma)
     return f"{down:g}" if gamma >= loop.limit_cycle_probability[-1].gamma else f"{down:.2f}"
 
 
-def judged_elsewhere(loop: LoopMargins) -> str:
-    """Return that specs are judged above the safe γ, and what to do; empty where they are not."""
+def rounded_down(gamma: float) -> float:
+    """Return a γ with two decimals, and no larger."""
+    return float(np.floor(100 * gamma) / 100)
+
+
+def at_safe_gain_words(loop: LoopMargins, called: Callable[[str, str], str]) -> str:
+    """Return which specs hold at the safe γ, where the file's is above it; else nothing.
+
+    Parameters
+    ----------
+    loop : LoopMargins
+        As it is stored.
+    called : callable
+        (name of a metric, direction or nothing) to its words.
+    """
     gamma, up_to = loop.largest_safe_compensation_gain, safe_up_to(loop)
     if gamma is None or gamma >= loop.compensation_gain:
         return ""
-    return (
+    there = loop.at_safe_gain
+    if there is not None and not there.missed_specs:
+        return f"At γ = {up_to} every spec is met."
+    if there is not None:
+        missed = [called(*name.partition(" ")[::2]) for name in there.missed_specs]
+        count = len({HUNTS, *there.missed_specs, *map(full_name, there.metrics)})
+        rest = ", and meets its other specs" if len(missed) < count else ""
+        return f"At γ = {up_to} it still misses {' and '.join(missed)}{rest}."
+    return (  # in files of earlier versions
         f"The other specs are judged at γ = {loop.compensation_gain:.3g}: set γ = {up_to} in the "
         "loop's file and run again to see which of them hold there."
     )

@@ -16,6 +16,7 @@ LOW_MM = 44.0  # of the height where few promises have cases, so that little of 
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
 OUTCOMES = {"kept": COLORS["green"], "missed": COLORS["vermilion"]}  # others: too few to tell
 CASES_TO_DRAW = 10  # of a promise
+FEWEST_TO_DRAW = 3  # promises of so many cases; fewer leave the figure empty
 FEWEST = 4  # rows of promises for which there is room at least
 PALE = 0.6  # share of a row from which on black is not legible on blue
 SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases

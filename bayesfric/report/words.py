@@ -76,6 +76,7 @@ def inlines(text: Text) -> tuple[Inline, ...]:
 
 _PERCENT = re.compile(r"(?<=\d)[ \u00a0]?%")
 _BOUND = re.compile(r"([<>≤≥]) (?=[\d−-])")  # its number stays on its line
+_GAIN = re.compile(r"γ = (?=\d)")  # a symbol and its value stay on one line
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w.]*\w)")
 _COEFFICIENT = re.compile(r"(?<![\w./-])c([123])(?:\[(\w+)\])?(?![\w\[])")
 _LOWERED = str.maketrans("123", "₁₂₃")
@@ -92,6 +93,7 @@ def _set(inline: Inline) -> Inline:
 def _typeset(words: str) -> str:
     words = _PERCENT.sub("\u202f%", words)
     words = _BOUND.sub("\\1\u00a0", words)
+    words = _GAIN.sub("γ\u00a0=\u00a0", words)
     words = _POWER.sub(
         lambda match: f"{match[1]} × 10{(match[2].strip('+') + match[3]).translate(_RAISED)}",
         words,

@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
+IMPLAUSIBLE = "larger or smaller than is plausible"
+"""Words of a reason why an effect that fits is no cause, which held-out data did not give."""
 INERTIAS = ("inertia", "armature", "mass")
 """What the number of a joint's law may be called that its acceleration is multiplied by."""
 

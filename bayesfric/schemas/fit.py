@@ -239,11 +239,14 @@ class OutlyingAssembly(Record):
     setup: Its name.
     z: Standard deviations by which its friction is more.
     chance: Probability that a recording that obeys the model has one as far out.
+    without: Posterior mean of each coefficient without this assembly, in its unit; empty in files
+        of earlier versions.
     """
 
     setup: str
     z: Number
     chance: Number
+    without: dict[str, Number] = Field(default_factory=dict)
 
 
 class AssemblyCheck(Record):

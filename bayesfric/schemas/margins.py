@@ -194,6 +194,21 @@ class WithEffects(Record):
     largest_safe_compensation_gain_why: Why = None
 
 
+class AtSafeGain(Record):
+    """The specs of a loop at the largest compensation gain that is safe from hunting.
+
+    Fields
+    ------
+    gamma: That γ, rounded down to two decimals.
+    missed_specs: As at the γ of the file.
+    metrics: Those that have a spec, but `gamma_hunting`.
+    """
+
+    gamma: Number
+    missed_specs: tuple[str, ...]
+    metrics: tuple[Metric, ...]
+
+
 class LawUsed(Record):
     """Which law the margins are of.
 
@@ -237,6 +252,7 @@ class LoopMargins(Record):
     limit_cycle_method: How thresholds were found; `none` is of earlier versions.
     largest_safe_compensation_gain: The largest γ with P(limit cycle) within the spec.
     largest_safe_compensation_gain_se: Its Monte Carlo standard error.
+    at_safe_gain: Its specs at that γ, where the file's is larger.
     hunting_map: Over speed and γ.
     not_examined: What could make the loop hunt and was not looked at.
     variance_share: Metric to share of its variance by group, first order; c1, c2 and c3 are one
@@ -272,6 +288,10 @@ class LoopMargins(Record):
     largest_safe_compensation_gain_why: Why = None
     largest_safe_compensation_gain_se: Number | None = None
     largest_safe_compensation_gain_se_why: Annotated[Why, Because("there is no such γ")] = None
+    at_safe_gain: AtSafeGain | None = None
+    at_safe_gain_why: Annotated[Why, Because("no γ below that of the file is the largest safe")] = (
+        None
+    )
     hunting_map: HuntingMap | None = None
     hunting_map_why: Annotated[Why, Because("the file's reference rests, and a formula holds")] = (
         None

@@ -18,7 +18,7 @@ from bayesfric.resources import reference_folder
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile
 from bayesfric.schemas.causes import LawNumber
-from bayesfric.schemas.fit import Agreement, DataQuality
+from bayesfric.schemas.fit import Agreement, AssemblyCheck, DataQuality, OutlyingAssembly
 
 
 def quality(agreement=None):
@@ -69,6 +69,44 @@ def test_sensors_that_are_far_apart_are_told():
     (line,) = told(quality=quality(sensors(6.0, ("g0007", "g0009"))))
     assert "in 2 of 100 trials (g0007, g0009) it is also more than" in line
     assert told(quality=quality(sensors(3.8))) == ()  # 100 × 1.4e-4: one in 70
+
+
+@pytest.mark.parametrize(
+    ("without", "words"),
+    [
+        ({}, "Its trials are in the fit, with the scatter of assemblies: look at how"),
+        (
+            {"c1[small]": 1.009, "c2[small]": 1.0},
+            "The numbers to use stay: without it c1[small] is 1.01, not 1.00, and no coefficient "
+            "leaves its 90% interval",
+        ),
+        (
+            {"c1[small]": 1.0, "c2[small]": 0.979},
+            "It matters for the numbers to use: without it c2[small] is 0.979 N, not 1.00 N, "
+            "outside of its 90% interval. Look at how",
+        ),
+    ],
+)
+def test_a_far_assembly_is_told_with_what_it_means_for_the_numbers(without, words):
+    """Either 90 % interval is from 0.99 to 1.01."""
+    entries = {
+        "c1[small]": SimpleNamespace(
+            mean=1.0, sd=0.006, q05=0.99, q95=1.01, unit="1", informed=True
+        ),
+        "c2[small]": SimpleNamespace(
+            mean=1.0, sd=0.006, q05=0.99, q95=1.01, unit="N", informed=True
+        ),
+    }
+    far = OutlyingAssembly(setup="s047", z=3.67, chance=0.013, without=without)
+    check = AssemblyCheck(
+        rig="gravity", assemblies=54, p_value=0.5, spread=1.0, spread_q05=0.8, spread_q95=1.2,
+        outlying=(far,),
+    )  # fmt: skip
+    (line,) = told(entries=entries, assemblies=(check,))
+    assert line.startswith("Friction of assembly s047 of the gravity board is 3.7 standard")
+    assert words in line
+    heeded, _ = by_weight([line])
+    assert bool(heeded) == ("stay" not in words)  # what asks for nothing is a note
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Remainder
+from bayesfric.schemas.causes import IMPLAUSIBLE, Remainder
 from bayesfric.schemas.gap import HeldOutDensity
 
 PRACTICAL = 0.02
@@ -199,6 +199,21 @@ def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
     said = sentence_of(told)
     assert words in said
     assert "Something else acts (probability 0.970)" in said
+
+
+def test_what_is_implausible_is_not_said_to_miss_what_was_held_out():
+    """Nor is a share past all by rounding said to come from scatter."""
+    why = f"air-drag would be {IMPLAUSIBLE}, and a force that no effect explains is left"
+    effects = [cause("air-drag")]
+    told = Statement("unknown", 0.95, gap_of(), PRACTICAL, considered=effects, overruled_by=why)
+    assert f"air-drag fits what was recorded, but {why}. Something" in sentence_of(told)
+    density = HeldOutDensity(difference=1283.0, error=88.4, blocks=20)
+    all_of_it = Interval(mean=1.0, sd=0.0, q05=0.9996, q50=0.9999, q95=1.0002)
+    said = held_out_words(
+        gap_of(shrink=all_of_it, held_out_log_density=density), effects, "unknown"
+    )
+    assert "adding air-drag removes more than 99.9% of the gap (mean square). The log" in said
+    assert "higher by 1280 ± 88 (natural logarithm) with it" in said
 
 
 @pytest.mark.parametrize("gain", [1.0, 9.0])

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report.diagnosis_sample import axis, cause, diagnosis
+from report.diagnosis_sample import axis, cause, diagnosis, interval
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import remainder
@@ -218,6 +218,38 @@ def test_the_sentence_says_what_data_held_out_say():
     assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(
         "is off by 0.052 N rms, no more than scatter alone makes (0.052 N on average)."
     )
+
+
+@pytest.mark.parametrize(
+    ("shrink", "words"),
+    [
+        (
+            (0.28, 0.52, 1.2),
+            "Rely on the 98.5%, which the model has freed of scatter; on data that the fit has not "
+            "seen, 52% [28%, 120%] is removed, a rough figure since scatter makes",
+        ),
+        (
+            (0.97, 0.98, 0.99),
+            "On data that the fit has not seen, 98.0% [97.0%, 99.0%] is removed, which confirms it",
+        ),
+        (
+            (0.85, 0.88, 0.93),
+            "On data that the fit has not seen, 88.0% [85.0%, 93.0%] is removed: rely on that, "
+            "since 98.5% is the model's own",
+        ),
+    ],
+)
+def test_of_two_shares_it_is_said_which_to_rely_on(shrink, words):
+    """The model says 98.5 % (97 to 99.5): within, alike, and above what is measured."""
+
+    def share(low, middle, high):
+        return interval(middle).model_copy(update={"q05": low, "q50": middle, "q95": high})
+
+    of_model = share(0.97, 0.985, 0.995)
+    gap = diagnosis().gap.model_copy(update={"shrink": share(*shrink), "shrink_of_model": of_model})
+    assert held_out_words(gap, [cause("viscous")], "named").startswith(words)
+    # Where the sentence before it has no share, there is nothing to compare.
+    assert "adding it removes" in held_out_words(gap, [cause("viscous")], "no-gap")
 
 
 def placed(*shares, leads):

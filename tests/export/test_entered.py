@@ -103,7 +103,7 @@ def test_numbers_that_miss_held_out_data_carry_a_warning():
     assert isinstance(warning, Notice)
     assert warning.text.startswith(
         "Enter these numbers with care for the joint elbow: the law with them misses data that the "
-        "fit has not seen by 0.017 N·m rms more than scatter explains"
+        "fit has not seen by 2% of friction (0.017 N·m rms) more than scatter explains"
     )
     assert any(line.strip() in warning.text for line in entered_lines(loud))
 

@@ -1,6 +1,7 @@
 """Assemblies left out: against posteriors that never saw them, and one that is made far out."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -12,8 +13,10 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.predictive.assemblies import assemblies_of
-from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
+from bayesfric.fitting.predictive.left_out import LeftOut, coefficients_without, leave_out
+from bayesfric.fitting.predictive.reported import assembly_checks
 from bayesfric.inference.evidence.importance import importance_draws
+from bayesfric.inference.evidence.leave_out import Without
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.friction import Coefficients
@@ -68,6 +71,9 @@ def test_a_probability_is_that_of_a_posterior_that_never_saw_the_assembly():
     exact = likelihood.given_rest(named).setup_cdf[:, place].mean()
     assert stats.norm.isf(left.setup_pit[place]) == pytest.approx(stats.norm.isf(exact), abs=0.3)
     assert stats.norm.isf(exact) < -2.5
+    for name, means in left.without.items():
+        error = named[name].std() / np.sqrt(100)  # of few draws, that carry most of the weight
+        assert abs(means[place] - named[name].mean()) < 4 * error, name
     rest = np.delete(left.setup_pit, place)
     assert stats.kstest(rest, "uniform").pvalue > 0.01
 
@@ -83,9 +89,32 @@ def test_an_assembly_at_3_3_sd_is_named(far):
     assert found.uniformity.p_value > 0.1  # the distribution of all says nothing of one
 
 
-def _left(pit):
+def _left(pit, without=()):
     empty = np.empty((0, 0))
-    return LeftOut(empty, empty, None, None, np.empty(0), empty, pit, empty)
+    return LeftOut(empty, empty, None, None, np.empty(0), empty, pit, empty, dict(without))
+
+
+def test_coefficients_without_a_group_are_weighted_means_or_those_of_its_refit():
+    """Of draws 1, 2, 3: even weights leave 2, weights ¼, 0, ¾ make 2.5, and a refit counts."""
+    kinds = (
+        SimpleNamespace(name="tau", kind="scatter"),
+        SimpleNamespace(name="c1", kind="coefficient"),
+    )
+    model = SimpleNamespace(parameters=kinds, natural=lambda z: 10 * z)
+    z = np.array([[7.0, 0.1], [7.0, 0.2], [7.0, 0.3]])
+    weights = np.array([[1 / 3, 0.25, 1 / 3], [1 / 3, 1e-300, 1 / 3], [1 / 3, 0.75, 1 / 3]])
+    without = Without(np.log(weights), np.zeros(3))
+    means = coefficients_without(model, z, without, {2: np.array([[0.0, 0.5], [0.0, 0.7]])})
+    assert list(means) == ["c1"]
+    assert means["c1"] == pytest.approx([2.0, 2.5, 6.0])
+
+
+def test_a_far_assembly_carries_the_coefficients_without_it():
+    pit = stats.norm.cdf([0.0, -0.5, np.nan, 0.5, 3.4, 1.0])
+    left = _left(pit, {"c1[small]": np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])})
+    checks = assembly_checks({"gravity": assemblies_of(left, tuple("abcdef"), 1)})
+    (far,) = checks[0].outlying
+    assert (far.setup, far.without) == ("e", {"c1[small]": 5.0})
 
 
 def test_fewer_than_five_have_no_distribution():
@@ -117,7 +146,7 @@ def test_the_fit_names_it():
     assert [one.setup for one in check.outlying] == [setup]
     assert check.outlying[0].z > 3
     assert any(
-        f"Assembly {setup} of the gravity board has friction" in s for s in summary.attention
+        f"Friction of assembly {setup} of the gravity board is" in s for s in summary.attention
     )
 
 

@@ -7,6 +7,7 @@ from margins.loops import loop, write_draws
 from bayesfric.margins import compute_margins
 from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.metric_definitions import missed_specs
+from bayesfric.margins.terms import at_safe_gain_words
 from bayesfric.schemas.margins import Metric
 
 
@@ -90,3 +91,37 @@ def test_a_margin_that_no_draw_has_misses_what_is_asked_of_it():
     )
     assert missed_specs([none], 0.0, Spec()) == ("gain_margin driving",)
     assert missed_specs([none.model_copy(update={"spec": None})], 0.0, Spec()) == ()
+
+
+def test_specs_are_judged_again_at_the_safe_gain(draws):
+    """A compensator that holds its sign at rest adds γ F̂/kp to the error at a reversal."""
+    changes = {
+        "compensation.gain": 4.0,
+        "compensation.at_rest": "hold",
+        "spec.reversal_error_max_m": 1.0,
+    }
+    first = compute_margins([loop(changes)], draws).summary.loops[0]
+    (at_file,) = [m for m in first.metrics if m.name == "reversal_error"]
+    (at_safe,) = [m for m in first.at_safe_gain.metrics if m.name == "reversal_error"]
+    gamma = first.at_safe_gain.gamma
+    assert gamma == pytest.approx(first.largest_safe_compensation_gain, abs=0.01)
+    assert gamma <= first.largest_safe_compensation_gain < 4.0
+    there = compute_margins([loop(changes | {"compensation.gain": gamma})], draws)
+    (own,) = [m for m in there.summary.loops[0].metrics if m.name == "reversal_error"]
+    assert at_safe.interval == own.interval
+    assert at_safe.interval.q50 < at_file.interval.q50
+    between = {"spec.reversal_error_max_m": (at_safe.interval.q95 + at_file.interval.q05) / 2}
+    judged = compute_margins([loop(changes | between)], draws).summary.loops[0]
+    assert "reversal_error" in judged.missed_specs
+    assert judged.at_safe_gain.missed_specs == ()
+    assert at_safe_gain_words(judged, str) == f"At γ = {gamma:g} every spec is met."
+    assert there.summary.loops[0].at_safe_gain is None  # its own gain is safe
+
+
+def test_what_the_safe_gain_does_not_mend_is_named(draws, errors):
+    tight = {"compensation.gain": 3.0, "spec.steady_error_max_m": errors[0.5]}
+    judged = compute_margins([loop(tight)], draws).summary.loops[0]
+    said = at_safe_gain_words(judged, lambda name, _: name)
+    assert said.endswith("it still misses steady_error_servo, and meets its other specs.")
+    old = judged.model_copy(update={"at_safe_gain": None})
+    assert "run again to see which of them hold there" in at_safe_gain_words(old, str)

@@ -13,6 +13,7 @@ from bayesfric.blind.scorecard import Campaign, scorecard_of
 from bayesfric.errors import InputError
 from bayesfric.plots.scorecard import (
     confusion_matrix,
+    drawn_promises,
     named_by_strength,
     promises_and_reliability,
 )
@@ -145,12 +146,27 @@ def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
     assert "Never named: runout. Too faint in every case to make a gap that counts: slip." in said
 
 
-def test_no_rate_of_a_few_cases_is_drawn():
-    """One case has an interval from 0 to 97.5 %: there is nothing to see."""
+def test_no_rate_of_a_few_cases_is_drawn(card):
+    """One case has an interval from 0 to 97.5 %: there is nothing to see, nor is in one row."""
     few = blind_chapter(card_of([scored(probability=0.9)] * 9))
     assert "scorecard" not in [block.label for block in few if isinstance(block, Figure)]
-    enough = blind_chapter(card_of([scored(probability=0.9)] * 10))
+    one = card_of([scored(probability=0.9)] * 10)
+    assert 0 < len(drawn_promises(one)) < 3 <= len(drawn_promises(card))
+    assert "scorecard" not in [b.label for b in blind_chapter(one) if isinstance(b, Figure)]
+    enough = blind_chapter(card)
     assert "scorecard" in [block.label for block in enough if isinstance(block, Figure)]
+
+
+def test_a_few_cases_stand_in_a_table_and_not_in_a_matrix():
+    wrong = scored("effect", name="010001", **WRONG)
+    chapter = list(blind_chapter(card_of([scored(probability=0.9), wrong])))
+    assert "confusion" not in [block.label for block in chapter if isinstance(block, Figure)]
+    assert rows(chapter, "cases") == {
+        "010000": ["nothing", "no-gap", "0.90", "yes"],
+        "010001": ["viscous (1)", "named: runout", "0.970", "no"],
+    }
+    many = list(blind_chapter(card_of([scored()] * 10)))
+    assert "confusion" in [block.label for block in many if isinstance(block, Figure)]
 
 
 def test_rates_are_drawn_where_they_are(card):

@@ -305,7 +305,7 @@ def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
     html = (tmp_path / "report.html").read_text("utf-8")
     assert "Controller margins" in html
     assert "The gap between simulation and reality" in html
-    assert "Up to γ = " in (tmp_path / "summary.md").read_text("utf-8")
+    assert "Up to γ\u00a0=\u00a0" in (tmp_path / "summary.md").read_text("utf-8")
 
 
 def test_a_box_is_green_only_where_nothing_it_covers_is_open():

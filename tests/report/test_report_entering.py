@@ -6,6 +6,7 @@ import xarray as xr
 from report.diagnosis_sample import PROVENANCE, diagnosis, interval, words
 
 from bayesfric.attention.diagnosis import of_diagnosis
+from bayesfric.diagnosis.sentence import held_out_words
 from bayesfric.export.entered import entered_lines
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg
@@ -90,6 +91,7 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
     for verdict in ("unknown", "no-gap"):
         block = stored().record.model_copy(update={"enter": (COULOMB,), "verdict": verdict})
         captions[verdict] = next(iter(numbers_to_enter(block))).caption
+    assert captions["unknown"].startswith("The best numbers while the cause is open for the joint")
     assert "They may be biased" in captions["unknown"]
     assert captions["no-gap"].startswith(
         "Enter these numbers in your simulator for the joint elbow."
@@ -130,8 +132,31 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
     else:
         assert first == Notice("attention", f"{said[0]}.", title="Not confirmed")
         assert said[0].startswith(advice)
-        assert f"by {left:.3g}" in said[0]
+        assert f"by {left:.0%} of friction ({left:.3g} N rms) more than scatter" in said[0]
         assert said[0] in lines[1]
+
+
+def test_what_held_out_data_contradict_is_warned_of_once():
+    """In the verdict, in the numbers' warning and in the scatter it was the same miss."""
+    from export.test_entered import COULOMB
+
+    record = diagnosis()
+    gap = record.gap.model_copy(
+        update={
+            "held_out_excess": 0.6,
+            "friction_rms": 1.0,
+            "floor_disagreement": "on data that the fit has not seen the law is off by more",
+        }
+    )
+    words_of_held_out = held_out_words(gap, record.causes, record.verdict)
+    sentence = f"There is a gap. {words_of_held_out}"
+    block = record.model_copy(update={"gap": gap, "sentence": sentence})
+    assert "which confirms it" in words(verdict_line(block).text)
+    assert any("The assumed scatter is wrong" in line for line in of_diagnosis(block))
+    untrusted = block.model_copy(update={"enter": (COULOMB,)})
+    assert "There is a gap. See" in words(verdict_line(untrusted).text)
+    (line,) = [line for line in of_diagnosis(untrusted) if "has not seen" in line]
+    assert "by 60% of friction (0.6 N rms) more than scatter explains" in line
 
 
 def test_a_simulator_that_is_off_today_is_said_first_and_not_in_green():

@@ -126,6 +126,22 @@ def test_page_one_has_what_is_allowed_beside_how_probably_it_is_missed(computed)
     assert "A simulated γ may be off by 0.01 or by 5\u202f%, whichever is more" in specs.note
 
 
+def test_specs_at_the_safe_gain_stand_beside_those_at_the_gain_of_the_file(tmp_path):
+    draws = write_draws(tmp_path / "draws.nc", n=200)
+    over = loop({"compensation.gain": 3.0, "spec.steady_error_max_m": 1e-9})
+    summary = compute_margins([over], draws).summary
+    box, specs, *_ = gain_lines(summary, alone=True)
+    gamma = f"{summary.loops[0].at_safe_gain.gamma:.2f}"
+    assert box.text.endswith(
+        f"At γ = {gamma} it still misses steady error of the servo, and meets its other specs."
+    )
+    assert [column.title for column in specs.head[1:3]] == ["missed at γ = 3", f"at γ = {gamma}"]
+    at_safe = {words(row[0]): row[2] for row in specs.rows}
+    assert at_safe["γ from which it hunts"] == "≤ 0.05"
+    assert isinstance(at_safe["steady error of the servo"], Strong)
+    assert "5 % to 95 % of the draws: at γ = 3." in specs.note
+
+
 def test_a_band_is_promised_only_where_it_can_be_seen(computed):
     loop = computed.summary.loops[0]
 
@@ -203,7 +219,7 @@ def test_a_folder_with_margins_alone_becomes_a_report(computed, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["margins.json"]
     write_report(tmp_path)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
-    assert "Up to γ = " in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Up to γ\u00a0=\u00a0" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_margins_over_another_fit_are_refused(computed, small_fit, tmp_path):

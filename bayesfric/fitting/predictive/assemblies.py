@@ -5,7 +5,8 @@ probabilities are therefore nearly independent and uniform: they depend on each 
 the parameters, which all assemblies inform.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -34,11 +35,14 @@ class Assemblies:
         Probability of less friction of each, had all its trials been left out.
     uniformity : FromUniform
         Of these.
+    without : mapping of str to ndarray, shape (J,)
+        Posterior mean of each coefficient without the assembly.
     """
 
     names: tuple[str, ...]
     pit: Array
     uniformity: FromUniform
+    without: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def z(self) -> Array:
@@ -112,4 +116,6 @@ def assemblies_of(left: LeftOut, setups: tuple[str, ...], seed: int) -> Assembli
     pit = left.setup_pit[there]
     rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
     names = tuple(name for name, present in zip(setups, there, strict=True) if present)
-    return Assemblies(names, pit, uniformity(pit, rng.uniform(size=(SETS_AGAIN, pit.size))))
+    uniform = uniformity(pit, rng.uniform(size=(SETS_AGAIN, pit.size)))
+    without = {name: means[there] for name, means in left.without.items()}
+    return Assemblies(names, pit, uniform, without)

@@ -4,8 +4,8 @@ Each trial, and each assembly, is left out in turn: draws are weighted as if the
 not seen it, and where the weights fail the posterior without it is sampled anew.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Literal
 
@@ -59,6 +59,9 @@ class LeftOut:
     more : ndarray, shape (S, N)
         By how much more friction each trial would show, made again among all others, draw by
         draw [N]; shape (S, 0) where none was asked for.
+    without : mapping of str to ndarray, shape (J,)
+        Posterior mean of each coefficient, had the assembly been left out, in its unit; none
+        where there is no `setups`.
     """
 
     trial_log_likelihood: Array
@@ -69,6 +72,7 @@ class LeftOut:
     again: Array
     setup_pit: Array
     more: Array
+    without: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -135,10 +139,12 @@ def leave_out(
     pit, again = np.empty(0), np.empty((0, trial.shape[1]))
     setup_pit = np.empty(0)
     trials = setups = None
+    means: dict[str, Array] = {}
     if np.isfinite(setup).all():
         without = without_each(setup)
         setups, refits = _leave_out(model, likelihood, "setup", setup, without, start, seed)
         setup_pit = loo_pit(given.setup_cdf, without)
+        means = coefficients_without(model, z, without, refits)
         for place, unseen in refits.items():
             refitted = _given_rest(model, likelihood, unseen)
             setup_pit[place] = refitted.setup_cdf[:, place].mean()
@@ -151,7 +157,38 @@ def leave_out(
         some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
         rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
         again = by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
-    return LeftOut(trial, setup, trials, setups, pit, again, setup_pit, given.more)
+    return LeftOut(trial, setup, trials, setups, pit, again, setup_pit, given.more, means)
+
+
+def coefficients_without(
+    model: Model, z: Array, without: Without, refits: Mapping[int, Array]
+) -> dict[str, Array]:
+    """Return the posterior mean of each coefficient, had a group been left out.
+
+    Parameters
+    ----------
+    model : Model
+        Of the posterior.
+    z : ndarray, shape (S, D)
+        Posterior draws in the sampling space.
+    without : Without
+        Their weights for each of J groups.
+    refits : mapping of int to ndarray, shape (S', D)
+        Draws of the posterior without a group whose weights fail, by its place.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (J,)
+        By name, in the unit of the parameter.
+    """
+    means = np.exp(without.log_weights).T @ model.natural(z)
+    for place, unseen in refits.items():
+        means[place] = model.natural(unseen).mean(axis=0)
+    return {
+        parameter.name: means[:, place]
+        for place, parameter in enumerate(model.parameters)
+        if parameter.kind == "coefficient"
+    }
 
 
 def setup_log_densities(model: Model, z: Array) -> list[Array]:

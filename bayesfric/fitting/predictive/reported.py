@@ -61,8 +61,13 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
         if checked is None:
             continue
         far = [
-            OutlyingAssembly(setup=name, z=float(z), chance=checked.chance(float(z)))
-            for name, z in zip(checked.names, checked.z, strict=True)
+            OutlyingAssembly(
+                setup=name,
+                z=float(z),
+                chance=checked.chance(float(z)),
+                without={name: float(means[place]) for name, means in checked.without.items()},
+            )
+            for place, (name, z) in enumerate(zip(checked.names, checked.z, strict=True))
             if abs(z) > FAR_SD
         ]
         entries.append(

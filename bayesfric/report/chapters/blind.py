@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 
 from bayesfric.plots.scorecard import (
+    CASES_TO_DRAW,
+    FEWEST_TO_DRAW,
     confusion_matrix,
     drawn_promises,
     named_by_strength,
@@ -25,9 +27,14 @@ from bayesfric.report.content import (
     from_file,
     right_columns,
 )
-from bayesfric.report.quantities import MISSING, format_fixed, format_share
+from bayesfric.report.quantities import (
+    MISSING,
+    format_fixed,
+    format_probability,
+    format_share,
+)
 from bayesfric.schemas import ScorecardFile
-from bayesfric.schemas.scorecard import Estimate, Rate, Target
+from bayesfric.schemas.scorecard import Estimate, Rate, ScoredCase, Target
 
 SOURCES = {
     "design": "Kinds and strengths are laid out in fixed proportions.",
@@ -87,7 +94,7 @@ def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
         ]
     )
     yield _promises(card)
-    if drawn_promises(card):
+    if len(drawn_promises(card)) >= FEWEST_TO_DRAW:  # of fewer the table says as much
         yield _figure(card)
     yield from _tables(card)
 
@@ -104,7 +111,6 @@ def _seeds(card: ScorecardFile) -> list[Inline | str]:
 
 def _promises(card: ScorecardFile) -> Table:
     untried = [target.name for target in card.targets if target.rate.rate is None]
-    few = [target for target in card.targets if target.met is None and target.rate.cases]
     return Table(
         "What was promised, and what came of it.",
         ["promise", *right_columns("range", "rate", "95 % interval", "cases"), "outcome"],
@@ -121,8 +127,7 @@ def _promises(card: ScorecardFile) -> Table:
         label="promises",
         note="Kept: the whole interval (Clopper and Pearson) lies in the range that is promised. "
         "Kept so far: the rate does, and more cases are needed to be sure. Missed likewise."
-        + (f" No case yet for: {'; '.join(untried)}." if untried else "")
-        + "".join(f" {target.name}: {target.met_why}." for target in few),
+        + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
     )
 
 
@@ -150,7 +155,11 @@ def _figure(card: ScorecardFile) -> Figure:
 
 def _tables(card: ScorecardFile) -> Iterator[Block]:
     yield Heading(2, "What was withheld and what was said")
-    yield _confusion(card)
+    if len(card.cases) < CASES_TO_DRAW:
+        yield _cases(card)
+    else:
+        yield Paragraph([Reference("confusion"), " counts the cases by either."])
+        yield _confusion(card)
     yield Heading(2, "Rates")
     yield _rates(card)
     yield _true_by_verdict(card)
@@ -164,6 +173,42 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
     )
     yield from _smallest(card)
     yield from _oracle(card)
+
+
+def _cases(card: ScorecardFile) -> Table:
+    """Return each case of a few, where a matrix of counts would be empty."""
+    return Table(
+        "Each case: what was withheld, and what the verdict said.",
+        ["case", "withheld", "verdict", *right_columns("probability"), "right"],
+        [
+            [
+                case.name,
+                _withheld(case),
+                _said(case),
+                format_probability(case.probability),
+                "yes" if case.correct else Strong("no"),
+            ]
+            for case in card.cases
+        ],
+        label="cases",
+        note="In brackets the strength: 1 is 10 % of friction, rms. Probability: that of the "
+        "verdict, as it gave it.",
+    )
+
+
+def _withheld(case: ScoredCase) -> str:
+    """Return what was withheld in a case, with its strength."""
+    if not case.withheld:
+        return "nothing"
+    names = ", ".join(
+        f"{name} ({case.strength[name]:g})" if name in case.strength else name
+        for name in case.withheld
+    )
+    return f"{names}, which makes no gap that counts" if case.counts_as_none else names
+
+
+def _said(case: ScoredCase) -> str:
+    return f"{case.verdict}: {', '.join(case.causes)}" if case.causes else case.verdict
 
 
 def _confusion(card: ScorecardFile) -> Figure:
@@ -180,6 +225,7 @@ def _confusion(card: ScorecardFile) -> Figure:
         "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
         "on its diagonal.",
         label="confusion",
+        floats=True,
     )
 
 

@@ -44,6 +44,7 @@ FAMILIES = {
 }
 
 
+TITLE = "Claims of Miyasaka et al. (2015)"
 MOST_STATED = 3  # claims of a verdict whose statements have room on page one
 
 
@@ -61,7 +62,7 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
         verdict: [claim for claim in judged.claims if claim.verdict == verdict] for verdict in SIGNS
     }
     if untestable(judged):
-        return Notice("info", _none_testable(judged), title="The paper's claims")
+        return Notice("info", _none_testable(judged), title=TITLE)
     counts = ", ".join(
         f"{len(ones)} {_worded(verdict)}" for verdict, ones in by_verdict.items() if ones
     )
@@ -81,7 +82,7 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
     points += _stated("Undecided", by_verdict["undecided"])
     all_hold = len(by_verdict["supported"]) == len(judged.claims)
     kind: Kind = "attention" if by_verdict["refuted"] else "good" if all_hold else "info"
-    return Notice(kind, said, title="The paper's claims", points=points)
+    return Notice(kind, said, title=TITLE, points=points)
 
 
 def _stated(verdict: str, claims: Sequence[ClaimResult]) -> Iterator[list[Inline]]:

@@ -52,6 +52,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         if untrusted is not None:
             yield Notice("attention", f"{untrusted}.", title=f"Not confirmed{of}")
         elif joint.verdict in ("unknown", "unseparated"):
+            title = "The best numbers while the cause is open"
             after += " They may be biased, since the law misses a force that has no cause yet."
         said = f" {off}" if (off := off_now(joint)) else ""
         rows = entered_rows(joint.enter)

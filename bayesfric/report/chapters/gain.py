@@ -4,12 +4,10 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.terms import (
+    at_safe_gain_words,
     chance_of_missing,
     in_degrees_or_decibels,
-    is_missed,
-    judged_elsewhere,
     safe_up_to,
     safety_words,
 )
@@ -19,6 +17,15 @@ from bayesfric.plots.margins import (
     limit_cycle_against_gain,
 )
 from bayesfric.plots.style import svg_of
+from bayesfric.report.chapters.specs import (
+    SHOWN_UNITS,
+    at_gain,
+    called,
+    missing_metrics,
+    spaced,
+    spec_table,
+    words_of,
+)
 from bayesfric.report.content import (
     Block,
     Code,
@@ -26,30 +33,13 @@ from bayesfric.report.content import (
     Notice,
     Paragraph,
     Reference,
-    Strong,
-    Table,
-    Text,
     from_file,
-    right_columns,
 )
-from bayesfric.report.quantities import (
-    MISSING,
-    format_count,
-    format_interval,
-    format_number,
-    format_share,
-)
+from bayesfric.report.quantities import format_interval, format_number, format_share
 from bayesfric.report.words import sentences
 from bayesfric.schemas import MarginsFile
-from bayesfric.schemas.margins import LoopMargins, Metric
+from bayesfric.schemas.margins import LoopMargins
 
-SHOWN_UNITS = {
-    "m": ("mm", 1e3),
-    "s": ("ms", 1e3),
-    "1": ("", 1.0),
-    "rad": ("rad", 1.0),
-    "deg": ("°", 1.0),
-}
 NOW = ", as in the file, it hunts in "  # stands in what an answer says of the γ of the file
 HUNTING = (
     "To hunt is to swing about the target instead of coming to rest; γ is the share of the "
@@ -60,31 +50,6 @@ ASSUMED = "Assumed: "  # begins a remark of a loop's file on what nobody measure
 LITTLE = 0.01  # of a variance
 THIN_BAND = 0.02  # of a probability, below which a band hides behind its line
 LAW = "c1, c2, c3"  # the group of a variance that the friction law is
-WORDS = {
-    "friction_nominal": "friction, eq. (15)",
-    "friction_recursive": "friction, pulley by pulley",
-    "steady_error_servo": "steady error of the servo",
-    "lost_motion": "lost motion of the cable",
-    "headroom_clip": "headroom to the torque limit",
-    "headroom_continuous": "headroom to continuous torque",
-    "gamma_necessary": "γ necessary to hunt at rest",
-    "gamma_hunting": "γ from which it hunts",
-    "amplitude_margin": "amplitude margin",
-    "limit_cycle_amplitude": "amplitude of the limit cycle",
-    "limit_cycle_frequency": "frequency of the limit cycle",
-    "gain_margin": "gain margin",
-    "phase_margin": "phase margin",
-    "disk_margin": "disk margin",
-    "delay_margin": "delay margin",
-    "backdrive_force": "backdrive force",
-    "smallest_step": "smallest step",
-    "reversal_error": "reversal error",
-    "cable_stretch": "stretch of the cable",
-    "least_tension": "least cable tension",
-    "peak_tension": "peak cable tension",
-    "sensitivity_peak": "peak of the sensitivity, Ms",
-    "complementary_peak": "peak of the complementary sensitivity, Mt",
-}
 
 
 def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
@@ -103,7 +68,7 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         yield Notice(_kind(loop), said, title=_title(loop))
     if not alone:
         return
-    yield from _specs(margins)
+    yield from spec_table(margins, " ".join(line for loop in margins.loops for line in _gain(loop)))
     for loop in margins.loops:
         decided = " ".join(_decided(loop))
         if decided:
@@ -141,50 +106,28 @@ def _title(loop: LoopMargins) -> str:
     return f"{loop.name}: {safety_words(loop)}"
 
 
-def _at(loop: LoopMargins) -> str:
-    """Return at which γ the specs were judged, that of the file; nothing without compensation."""
-    none = loop.compensation_signal == "none"
-    return "" if none else f" at γ = {loop.compensation_gain:.3g}"
-
-
-def _called(metric: Metric) -> str:
-    """Return a metric in words, with the direction of motion where it has one."""
-    return ", ".join(filter(None, (WORDS.get(metric.name, metric.name), metric.direction)))
-
-
-def _missing(loop: LoopMargins) -> Iterator[Metric]:
-    """Return the metrics that miss their specs more often than the file allows."""
-    return (metric for metric in loop.metrics if is_missed(loop, metric))
-
-
-def _at_all(loops: Sequence[LoopMargins]) -> str:
-    """Return at which γ all specs were judged; those of the files where these differ."""
-    places = {_at(loop) for loop in loops}
-    return places.pop() if len(places) == 1 else " at the γ of each file"
-
-
 def _named(loop: LoopMargins) -> Iterator[str]:
     """Yield which specs the loop misses, hunting aside, at the γ of its file."""
-    others = [_called(metric) for metric in _missing(loop) if metric.name != "gamma_hunting"]
+    others = [called(metric) for metric in missing_metrics(loop) if metric.name != "gamma_hunting"]
     if others:
-        yield f"Missed{_at(loop)}: {', '.join(others)}."
-    yield judged_elsewhere(loop)
+        yield f"Missed{at_gain(loop)}: {', '.join(others)}."
+    yield at_safe_gain_words(loop, words_of)
 
 
 def _missed(loop: LoopMargins) -> Iterator[str]:
     """Yield each metric that misses its spec: its 90 % interval, the spec, and how probably."""
     said = []
-    for stored in _missing(loop):
+    for stored in missing_metrics(loop):
         metric = in_degrees_or_decibels(stored) or stored
         interval = metric.interval
         if interval is None or metric.spec is None or metric.name == "gamma_hunting":
             continue
         unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
-        words = _called(metric)
+        words = called(metric)
         measured = format_interval(
             scale * interval.q50, scale * interval.q05, scale * interval.q95, unit
         )
-        asked = _spaced(f"{metric.sense} {scale * metric.spec:.3g}", unit)
+        asked = spaced(f"{metric.sense} {scale * metric.spec:.3g}", unit)
         chance = chance_of_missing(metric)
         missed = "" if chance is None else f", missed with probability {chance}"
         said.append(f"{words} {measured} ({asked} is asked for{missed})")
@@ -232,94 +175,6 @@ def key_words(key: str) -> str:
     return " ".join(words)
 
 
-def _specs(margins: MarginsFile) -> Iterator[Table]:
-    """Yield the figures that have a spec, those that miss it in bold; none where there is none."""
-    loops = margins.loops
-    rows = [
-        [*([] if len(loops) == 1 else [loop.name]), *row] for loop in loops for row in _judged(loop)
-    ]
-    if rows:
-        yield Table(
-            f"What the loop's file asks for, and how probably it is missed{_at_all(loops)}.",
-            [
-                *([] if len(loops) == 1 else ["loop"]),
-                "figure",
-                *right_columns(
-                    "misses with probability", "allowed", "asked for", "5 % to 95 % of the draws"
-                ),
-            ],
-            rows,
-            label="specs",
-            note="Bold: misses its spec more often than the file allows. “γ from which it hunts” "
-            "does not depend on the γ that is set."
-            f"{_simulated(margins)}{_below_simulated(margins)}",
-        )
-
-
-def _simulated(margins: MarginsFile) -> str:
-    """Return in how many draws hunting is looked for, where these are not all."""
-    said = " ".join(line for loop in margins.loops for line in _gain(loop))
-    counts = {int(count) for count in re.findall(r" of (\d+) draws", said)} - {margins.draws}
-    if not counts:
-        return ""
-    return (
-        f" Hunting is simulated in {' or '.join(map(str, sorted(counts)))} draws; all else is over "
-        f"{format_count(margins.draws)} draws."
-    )
-
-
-def _below_simulated(margins: MarginsFile) -> str:
-    """Return by how much the largest safe γ lies below the simulated one; empty without any."""
-    simulated = any(
-        metric.note.startswith("simulated")
-        for loop in margins.loops
-        if loop.largest_safe_compensation_gain is not None
-        for metric in loop.metrics
-        if metric.name == "gamma_hunting"
-    )
-    if not simulated:
-        return ""
-    rules = MARGIN_RULES
-    return (
-        f" A simulated γ may be off by {rules.threshold_tolerance:g} or by "
-        f"{100 * rules.threshold_share:g}\u202f%, whichever is more; as much has been taken off "
-        "the safe γ."
-    )
-
-
-def _judged(loop: LoopMargins) -> Iterator[list[Text]]:
-    """Yield a row for each figure with a spec: spec, interval, and how probably it is missed."""
-    missing = tuple(_missing(loop))
-    for stored in loop.metrics:
-        metric = in_degrees_or_decibels(stored) or stored
-        if metric.spec is None or metric.interval is None:
-            continue
-        unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
-        low, high = (
-            format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95)
-        )
-        row = [
-            _called(metric),
-            chance_of_missing(metric) or MISSING,
-            _allowed(loop, metric),
-            _spaced(f"{metric.sense} {scale * metric.spec:.3g}", unit),
-            _spaced(f"{low} to {high}", unit),
-        ]
-        yield [Strong(cell) if stored in missing else cell for cell in row]
-
-
-def _spaced(number: str, unit: str) -> str:
-    """Return a number with its unit, after a thin space unless it is a degree."""
-    return f"{number}{unit}" if unit in ("", "°") else f"{number}\u202f{unit}"
-
-
-def _allowed(loop: LoopMargins, metric: Metric) -> str:
-    """Return with which probability the loop's file allows that a metric misses its spec."""
-    hunting = metric.name == "gamma_hunting"
-    allowed = loop.limit_cycle_probability_max if hunting else loop.violation_probability_max
-    return MISSING if allowed is None else f"{allowed:g}"
-
-
 def gain_figures(margins: MarginsFile) -> Iterator[Block]:
     """Yield the figures of all loops together."""
     yield from _hunting(margins.loops)
@@ -361,13 +216,18 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
             "margins.json",
             "Probability that the loop hunts, over the compensation gain. "
             f"{_band(curves)} Dot: the γ of the loop's file. Dotted: the probability that the file "
-            "allows. Upright line: the largest γ that is safe from hunting; other specs are judged "
-            "at the file's γ.",
+            f"allows. Upright line: the largest γ that is safe from hunting{_elsewhere(curves)}.",
         ),
         "A line for each loop over the compensation gain, which rises where the loop begins to "
         "hunt.",
         label="limit-cycle",
     )
+
+
+def _elsewhere(loops: Sequence[LoopMargins]) -> str:
+    """Return at which γ alone the other specs were judged, where it is not the safe one."""
+    at_both = any(loop.at_safe_gain is not None for loop in loops)
+    return "" if at_both else "; other specs are judged at the file's γ"
 
 
 def _band(loops: Sequence[LoopMargins]) -> str:

@@ -13,12 +13,11 @@ from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.gain import (
     ASSUMED,
     LAW,
-    SHOWN_UNITS,
-    WORDS,
     gain_figures,
     key_words,
 )
 from bayesfric.report.chapters.margins_figures import over_frequency, over_speed
+from bayesfric.report.chapters.specs import SHOWN_UNITS, WORDS
 from bayesfric.report.content import (
     Block,
     BulletList,

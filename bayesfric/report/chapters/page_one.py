@@ -244,9 +244,9 @@ def coefficients_figure(stored: StoredFit, refitted: Quantiles) -> Iterator[Figu
     biased = " In colour: refitted with the named causes (90 %). Grey: the law alone, biased."
     yield Figure(
         svg_of(coefficients_relative_to_paper, stored.predictive, uninformed, refitted),
-        "Each coefficient over the paper's value: median, 50 % and 90 % "
-        "intervals. A thin bar that misses the dashed line says that data and paper differ by more "
-        "than the uncertainty." + (biased if refitted else ""),
+        "Each coefficient over its value in Table I of the paper (Miyasaka et al. 2015): median, "
+        "50 % and 90 % intervals. A thin bar that misses the dashed line says that data and paper "
+        "differ by more than the uncertainty." + (biased if refitted else ""),
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",
         label="relative",
@@ -281,8 +281,13 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     diagnosed = stored.diagnosis
-    untrusted = set() if diagnosed is None else told_at_numbers(diagnosed.record)
-    remarks = [pair for pair in attention_of_all(stored.records) if pair[1] not in untrusted]
+    told = set() if diagnosed is None else told_at_numbers(diagnosed.record)
+    why = None if diagnosed is None or diagnosed.record.joints else diagnosed.record.overruled_by
+    remarks = [
+        (name, line)
+        for name, line in attention_of_all(stored.records)
+        if line not in told and not (why is not None and why in line)  # the verdict says why
+    ]
     lines = [
         line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks
     ]
@@ -290,11 +295,10 @@ def worries(stored: StoredResults) -> Iterator[Block]:
         name = f"{stored.margins.loops[0].name}: "  # of one loop, which the answer names
         lines = [_capital(line.removeprefix(name)) for line in lines]
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
-        gap = diagnosed.record.gap
         lines.append(
             "A force of unknown cause acts. Coefficients and claims are of laws that lack it: "
-            "friction by these coefficients may be wrong by as much as the gap, "
-            f"{gap.systematic.q50:.3g} {gap.unit} rms, beside the errors that they state."
+            "friction by these coefficients may be wrong by as much as the gap, beside the errors "
+            "that they state."
         )
     heeded, harmless = by_weight(lines)
     if len(heeded) > 1:

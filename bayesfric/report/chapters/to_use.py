@@ -100,7 +100,8 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
         title = {"named": "Use these numbers", "no-gap": "Use these numbers"}.get(
             diagnosis.verdict, "The best numbers while the verdict is open"
         )
-        yield _with_causes(title, diagnosis.law, causes, formula)
+        of_fit = "" if alone else "; the chapters on the fit are of it"
+        yield _with_causes(title, diagnosis.law, causes, f"{of_fit}.", formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
     elif alone and diagnosis.law:
@@ -117,9 +118,12 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
 
 
 def _with_causes(
-    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], formula: str
+    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], of_fit: str, formula: str
 ) -> Table:
-    """Return the law refitted with the causes, and below it the law alone."""
+    """Return the law refitted with the causes, and below it the law alone.
+
+    `of_fit` ends what the note says of the law alone, and `formula` the note.
+    """
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
     damping = [Column("damping of a pulley", "N·s/m")] if dampings else []
@@ -137,8 +141,8 @@ def _with_causes(
         ["", *_heads(law), *damping],
         rows,
         label="use",
-        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}; "
-        f"the chapters on the fit are of it.{slope}{formula}",
+        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}"
+        f"{of_fit}{slope}{formula}",
     ).filled()
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from bayesfric.attention.diagnosis import why_untrusted
+from bayesfric.diagnosis.sentence import held_out_words
 from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.conditions import condition_words
 from bayesfric.report.content import Inline, Notice, Reference, Strong
@@ -114,6 +115,9 @@ def _nothing_left(record: DiagnosisFile) -> bool:
 def _with_meanings(record: DiagnosisFile) -> str:
     """Return the verdict's sentence, in which each cause is followed by what it is."""
     said = record.sentence
+    if not record.joints and why_untrusted(record) is not None:  # told at the numbers, below
+        effects = record.causes or record.considered
+        said = said.removesuffix(f" {held_out_words(record.gap, effects, record.verdict)}")
     for cause in record.causes:
         said = said.replace(cause.effect, f"{cause.effect} ({cause.sentence})", 1)
     return said[:1].upper() + said[1:]

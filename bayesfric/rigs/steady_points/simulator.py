@@ -91,7 +91,7 @@ def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
 
 DESIGN = OwnDesign(
     name="points",
-    title="steady friction points of medium pulleys with Table I",
+    title="steady friction points of medium pulleys by Table I of Miyasaka et al. (2015)",
     constants=RigConstants(),
     coefficients={SIZE: table1_coefficients()[SIZE]},
     offers=PULLEYS | {"direction", NO_OFFSET},

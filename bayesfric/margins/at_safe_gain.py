@@ -1,0 +1,56 @@
+"""The specs of a loop once its compensation gain is lowered to the largest that is safe."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.loop_file import Spec
+from bayesfric.margins.metric_definitions import missed_specs
+from bayesfric.margins.metrics import closed_forms, linear_of
+from bayesfric.margins.rows import metric_rows
+from bayesfric.margins.terms import rounded_down
+from bayesfric.margins.thresholds import Hunting
+from bayesfric.schemas.margins import AtSafeGain
+
+
+def at_safe_gain(
+    shaft: LoopAtShaft, hunting: Hunting, safe: float | None, spec: Spec, draws: float
+) -> AtSafeGain | None:
+    """Judge a loop at the largest γ that is safe from hunting, rounded down as it is told.
+
+    Every spec but that of hunting is a closed form, so that nothing is simulated again.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop, all draws.
+    hunting : Hunting
+        From which γ on each draw hunts.
+    safe : float or None
+        That γ; None where no gain is safe.
+    spec : Spec
+        Of the file.
+    draws : float
+        Independent draws behind the values, for the Monte Carlo error.
+
+    Returns
+    -------
+    AtSafeGain or None
+        None where the loop has no compensation, no gain is safe, or that of the file is.
+    """
+    feeds = shaft.loop.compensation.signal != "none"
+    if not feeds or safe is None or safe >= float(np.median(shaft.gamma)):
+        return None
+    gamma = rounded_down(safe)
+    lower = replace(shaft, gamma=np.full_like(shaft.gamma, gamma))
+    hunts = hunting.threshold <= gamma
+    linear = linear_of(lower, with_peaks=True)
+    rows = metric_rows(
+        lower, closed_forms(lower, linear), linear, replace(hunting, hunts=hunts[None]), draws
+    )
+    return AtSafeGain(
+        gamma=gamma,
+        missed_specs=missed_specs(rows, float(hunts.mean()), spec),
+        metrics=tuple(row for row in rows if row.spec is not None and row.name != "gamma_hunting"),
+    )
