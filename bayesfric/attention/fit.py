@@ -128,8 +128,8 @@ def _of_boards(
     yield from population
     if len(fits) < FEW_BOARDS:
         yield (
-            f"{len(fits)} boards say little of the scatter between boards: its prior, "
-            "priors.boards of the analysis, weighs in it and in what is said of a new board"
+            f"{len(fits)} boards hardly inform the scatter between boards: its prior "
+            "(priors.boards of the analysis) affects it, and with it the prediction for a new board"
         )
     for name, fit in fits.items():
         lines = len(fit.attention)
@@ -186,11 +186,11 @@ def unsettled(
     converged = all(figures.converged for figures in convergence.values())
     open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
-        decide = "its prior decides it" if len(open_names) == 1 else "their priors decide them"
+        decide = "its prior decides" if len(open_names) == 1 else "their priors decide"
         beside = all(entries[name].prior_sensitivity is None for name in open_names)
         advice = "; state priors of your own, or measure what they rest on"
         none = f"; {UNAFFECTED}" if beside else advice
-        yield f"These data say little of {', '.join(open_names)}: {decide}{none}"
+        yield f"These data hardly inform {', '.join(open_names)}: {decide}{none}"
 
 
 def contradicted(

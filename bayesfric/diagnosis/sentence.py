@@ -226,7 +226,7 @@ def _no_gap(statement: Statement) -> str:
     if statement.present and not statement.causes:
         absorbed = f" {statement.beside}, {_below(statement, 'with less than that', 'make')}."
     off = f"less than {statement.share:.1%} of friction {statement.chance}; "
-    off += f"the median estimate is {statement.size}."
+    off += f"the median of the gap is {statement.size}."
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
         off += f"since {statement.gap.no_share}."
@@ -239,8 +239,10 @@ def _undecided(statement: Statement) -> str:
     if statement.open_because is not None and not statement.considered:
         if gap.probability_above_practical < RULES.likely:
             chance = stated(gap.probability_above_practical)
-            there = f"Whether there is a gap that counts stays open (probability {chance})"
-            return f"{there}: {statement.open_because}.{statement.place}"
+            there = f"Whether there is a gap above {share:.1%} of friction stays open"
+            return (
+                f"{there} (its probability is {chance}): {statement.open_because}.{statement.place}"
+            )
         there = f"There is a gap of {statement.size} {statement.chance}"
         return f"{there}; its cause stays open: {statement.open_because}.{statement.place}"
     if statement.open_because is not None:
@@ -256,9 +258,9 @@ def _undecided(statement: Statement) -> str:
         return f"These data could not have shown a gap of {share:.1%} of friction: {reason}."
     if statement.unlike_scatter is not None:
         return (
-            "No effect examined makes a gap that counts, but more is left than scatter explains: "
-            f"{statement.unlike_scatter}. Either something else acts, or the assumed scatter is "
-            "wrong."
+            f"No effect examined makes a gap of {share:.1%} of friction, but scatter does not "
+            f"explain the residuals: {statement.unlike_scatter}. Either something else acts, or "
+            "the assumed scatter is wrong."
         )
     if not statement.causes and gap.systematic.q05 >= share * gap.friction_rms:
         there = f"There is a gap of {statement.size} {statement.chance}"
@@ -269,9 +271,9 @@ def _undecided(statement: Statement) -> str:
         return f"{there}; {statement.beside}, {below}{else_}.{statement.place}"
     left = "no cause is sure enough to be named"
     if statement.causes:
-        left = f"{statement.acting}; whether the gap is above the {share:.1%} that counts is open"
+        left = f"{statement.acting}; whether the gap is above {share:.1%} of friction stays open"
     elif statement.present:
-        left = f"{statement.beside}; whether the force is large enough to count is open"
+        left = f"{statement.beside}; whether its force is above {share:.1%} of friction stays open"
     return f"{_how_large(gap, share)}; {left}."
 
 
@@ -291,8 +293,8 @@ def _how_large(gap: Gap, share: float) -> str:
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
     there = f"There is a gap of {statement.size}"
-    counts = f"a gap counts from {statement.share:.1%} on"
-    small = "" if matters else f" Its gap is small: {statement.size}; {counts}."
+    limit = f"below {statement.share:.1%} of friction a gap is negligible"
+    small = "" if matters else f" Its gap is small: {statement.size}; {limit}."
     if not statement.considered and not matters:
         return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
     if not statement.considered:

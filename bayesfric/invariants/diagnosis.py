@@ -58,8 +58,8 @@ def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     DIAGNOSIS,
-    "A systematic gap is not far above what held-out data show before causes are "
-    "added, nor above scatter.",
+    "The systematic gap is not much larger than the rms residual of held-out data without the "
+    "causes, or than the rms of scatter, whichever is larger.",
 )
 def _gap_is_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
@@ -85,7 +85,8 @@ def _share_along(record: Mapping[str, Any], name: str) -> float:
 
 @rule(
     DIAGNOSIS,
-    "A shrink is told only of a gap that is above its floor with 0.95, and is 1.2 at most.",
+    "A shrink is reported only where the gap is above its floor with probability 0.95. The shrink "
+    "is at most 1.2.",
 )
 def _shrink_of_a_gap(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]

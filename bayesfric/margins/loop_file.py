@@ -180,7 +180,7 @@ class Compensation(Section):
 
 
 class Kick(Section):
-    """The kicks and references with which the margins look for hunting.
+    """Disturbances and reference motions for the simulations that search for hunting.
 
     Fields
     ------

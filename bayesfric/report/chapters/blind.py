@@ -204,7 +204,7 @@ def _withheld(case: ScoredCase) -> str:
         f"{name} ({case.strength[name]:g})" if name in case.strength else name
         for name in case.withheld
     )
-    return f"{names}, which makes no gap that counts" if case.counts_as_none else names
+    return f"{names}, which makes a negligible gap" if case.counts_as_none else names
 
 
 def _said(case: ScoredCase) -> str:
@@ -283,11 +283,7 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
             f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
             f"from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
             f"Never named: {', '.join(rest) or 'none'}."
-            + (
-                f" Too faint in every case to make a gap that counts: {', '.join(faint)}."
-                if faint
-                else ""
-            )
+            + (f" The gap was negligible in every case with: {', '.join(faint)}." if faint else "")
         )
         return
     detected = [

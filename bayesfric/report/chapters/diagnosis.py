@@ -96,7 +96,7 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
     large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and a gap "
-    large += f"below {format_share(record.practical_share)} of that counts as none"
+    large += f"below {format_share(record.practical_share)} of that is treated as none"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [

@@ -168,10 +168,10 @@ class AxisRuns(EnteredRuns):
         if self._moved_otherwise is not None:
             return self._moved_otherwise.why
         if self.turns < needed and self._beside is None:
+            often = "once" if self.turns == 1 else f"{self.turns} times"
             return (
-                f"the joint reverses {self.turns} time{'' if self.turns == 1 else 's'}, and "
-                "effects of its place and its direction are examined only from "
-                f"{needed} reversals on (record more of them)"
+                f"the joint reverses {often}, and effects of position and direction are examined "
+                f"only with at least {needed} reversals (record more of them)"
             )
         if self.spikes:
             return (
