@@ -84,7 +84,7 @@ def _results() -> str:
         "# What holds of every result",
         "",
         "A stored result obeys the rules below for any data. If a result breaks a rule, the",
-        "computation is wrong: a diagnosis then says so in `checks` and `attention`, and its",
+        "computation is wrong. A diagnosis then lists this in `checks` and `attention`, and its",
         "verdict is `undecided`. `bayesfric report` checks every file that it reads. Your own",
         "test or CI job can check a file, too:",
         "",
@@ -95,8 +95,8 @@ def _results() -> str:
         "assert all(check.holds for check in checks)",
         "```",
         "",
-        "Each check has a name (`check`), whether it `holds`, and a `detail` that says what "
-        "breaks it.",
+        "Each check has a name (`check`), whether it `holds`, and a `detail` that describes "
+        "the violation.",
     ]
     found = statements()
     common = set.intersection(*(set(rules) for rules in found.values()))
@@ -255,8 +255,8 @@ def _effects() -> str:
         "A diagnosis examines these effects, which the friction law lacks. `bayesfric simulate",
         "--effect NAME` adds one to a recording. Strength 1 changes friction, or its equivalent,",
         "by 10 % rms over the design. The variants of an effect have equal weight.",
-        "The prior says which sizes the diagnosis looks for. The plausible range says which sizes",
-        "are physically credible. [You can write your own](howto/effect.md).",
+        "The prior covers the sizes that the diagnosis looks for. The plausible range has those",
+        "that are physically credible. [You can write your own](howto/effect.md).",
     ]
     for name, effect in sorted(all_effects(None).items()):
         lines += [

@@ -106,7 +106,8 @@ def test_the_force_that_is_known_is_taken_off(monkeypatch):
 
 def test_what_is_left_of_held_out_data_is_no_scatter_either():
     gap = diagnosis().gap.model_copy(update={"held_out_excess": 0.05, "friction_rms": 1.0})
-    assert "0.05 N rms of data held out" in unlike_scatter(gap, None, None, None, 0.02, None)
+    said = unlike_scatter(gap, None, None, None, 0.02, None)
+    assert said == "after scatter is subtracted, held-out data leave 0.05 N rms"
     nothing = gap.model_copy(update={"before": interval(0.6)})  # of friction of 1 N
     assert unlike_scatter(nothing, None, None, None, 0.02, None) is None
 
