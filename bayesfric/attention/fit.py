@@ -271,9 +271,9 @@ def _outlying(
         if check.p_value < NOT_UNIFORM:
             yield (
                 f"The {rig}'s assemblies, each predicted from all others, lie {check.spread:.2f} "
-                "times as far from their predictions as the model says "
+                "times as far from their predictions as the model expects "
                 f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
-                f"{check.p_value:.2g}): a diagnosis tells whether the law lacks a force"
+                f"{check.p_value:.2g}): a diagnosis shows whether the law lacks a force"
             )
 
 
@@ -307,8 +307,8 @@ def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:
             rig = all_rigs()[uniformity.rig].words.rig
             yield (
                 f"The {rig}'s trials, each predicted by the fit to all others, lie "
-                f"{uniformity.spread:.2f} times as far from their predictions as the model says "
+                f"{uniformity.spread:.2f} times as far from their predictions as the model expects "
                 f"({uniformity.spread_q05:.2f} to {uniformity.spread_q95:.2f} by chance); their "
                 "leave-one-out probabilities depart from uniform with p = "
-                f"{uniformity.p_value:.2g}: a diagnosis tells whether the law lacks a force"
+                f"{uniformity.p_value:.2g}: a diagnosis shows whether the law lacks a force"
             )

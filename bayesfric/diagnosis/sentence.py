@@ -20,10 +20,10 @@ WINDOWS = ", each the mean friction over a stretch of motion or at a steady poin
 PULLS = {
     False: (
         "other joints, which may have moved and are not in the log",
-        "log them, or hold them still and say so",
+        "log them, or hold them still and state that",
     ),
     True: (
-        "the other joints in the log, which no model of the machine tells",
+        "the other joints in the log, which no model of the machine describes",
         "give one (rig.robot), or hold them still",
     ),
 }
@@ -173,7 +173,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     if causes:
         removes = "it removes" if len(causes) == 1 else "they remove"
         return (
-            f"How much of the gap {removes} on data that the fit has not seen cannot be told: "
+            f"How much of the gap {removes} on data that the fit has not seen is unknown: "
             f"{gap.shrink_why}.{better}"
         )
     before, floor = two_digits(row.before.q50), two_digits(row.floor.q50)
@@ -228,7 +228,7 @@ def _no_gap(statement: Statement) -> str:
     off = f"less than {statement.share:.1%} of friction {statement.chance}; "
     off += f"the median of the gap is {statement.size}."
     if statement.gap.no_share is not None:
-        off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
+        off = f"{statement.size} {statement.chance}; as a share of friction it is unknown, "
         off += f"since {statement.gap.no_share}."
     by = f" This rests on {statement.recorded}{WINDOWS}." if statement.recorded else ""
     return f"Once recalibrated, the simulation is systematically off by {off}{absorbed}{by}"

@@ -210,7 +210,7 @@ def test_the_sentence_says_what_data_held_out_say():
     why = {"shrink": None, "shrink_why": "the gap is as likely below"}
     open_still = gap.model_copy(update=why | {"held_out": (nothing,)})
     assert held_out_words(open_still, viscous).startswith(
-        "How much of the gap it removes on data that the fit has not seen cannot be told: the gap"
+        "How much of the gap it removes on data that the fit has not seen is unknown: the gap"
     )
     within = held_out_words(open_still, ())
     assert "is off by 0.052 N rms; scatter alone makes" in within
