@@ -19,6 +19,7 @@ from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     BulletList,
+    Column,
     Figure,
     Notice,
     Paragraph,
@@ -81,7 +82,8 @@ def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
     """Yield the numbers that no simulator has a field for; nothing where there are none."""
     rows = rows_without_field(joints)
     first = 0 if any(joints) else 1  # a single joint may have no name
-    columns = ["joint", "number", *right_columns("value", "error of a simulation without it")]
+    figures = right_columns("value", "error of a simulation without it")
+    columns: list[Column | str] = ["joint", "number", *figures]
     if rows:
         yield Table(
             "Numbers that no simulator has a field for. Each ± is half of a 90 % interval.",
