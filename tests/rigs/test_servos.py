@@ -56,7 +56,7 @@ def test_what_is_known_in_newtons_tells_the_stiffness(known_by):
     assert runs.servo.stiffness_sd < 0.11 * SERVO.stiffness
     share = runs.scale_share
     assert runs._rough.coulomb == pytest.approx(SERVO.coulomb, rel=max(0.02, 3 * share))
-    assert f"told by {known_by}" in " ".join(runs.doubts({}))
+    assert f", from {known_by}" in " ".join(runs.doubts({}))
 
 
 def test_a_known_force_tells_the_stiffness():

@@ -106,19 +106,19 @@ class Servo(NamedTuple):
             )
         else:
             yield (
-                "The log has commands and no force: the drive force is taken to be K times how far "
-                f"the joint is off its command, with K = {self.stiffness:.4g} ± "
-                f"{self.stiffness_sd:.2g} {force}/{angle}, told by {self.known_by}"
+                "The log has commands and no force: the drive force is assumed to be K times the "
+                f"distance of the joint from its command, with K = {self.stiffness:.4g} ± "
+                f"{self.stiffness_sd:.2g} {force}/{angle}, from {self.known_by}"
             )
         late_s = self.constants.latency_s or 0.0
         yield (
             "Viscous friction is that of the joint and the damping and back-EMF of its servo "
-            "together, which only another supply or other gains tell apart; a delay of the "
-            f"command beyond the {1e3 * late_s:.3g} ± {1e3 * self.late_sd_s:.2g} ms that are taken "
-            "(rig.latency_s) looks much like it"
+            "together, which only another supply or other gains can separate; a delay of the "
+            f"command beyond the assumed {1e3 * late_s:.3g} ± {1e3 * self.late_sd_s:.2g} ms "
+            "(rig.latency_s) has almost the same effect"
         )
         if not self.tells_inertia:
-            yield f"Inertia is not told: {self.no_inertia}"
+            yield f"Inertia is not estimated: {self.no_inertia}"
 
 
 class _Stiffness(NamedTuple):
