@@ -31,20 +31,17 @@ def numbers_at_shapes(
 ) -> tuple[Array, list[Array]]:
     """Return draws of a hypothesis' numbers, moved to shapes that are drawn with them.
 
-    Given a shape, amplitudes and the law are better known than they are: a weight on a lever
-    whose angle nobody knows takes more or less of the offset by what its angle is. What is
-    drawn at the best shape moves as the mean of the numbers does with the shape. What a
+    A weight on a lever whose angle nobody knows takes more or less of the offset by what its
+    angle is: what is drawn at the best shape moves as the mean does with the shape. What a
     hypothesis leaves open stays as it was drawn: a small amount of another lever, were it as
     large as it may be, would take what the angle moves in the place of amplitude and offset.
 
     Parameters
     ----------
-    model : LinearModel
-        Of the hypothesis.
-    weighed : Weighed
+    model, weighed
         The hypothesis.
     wide, forms
-        As of :meth:`~bayesfric.diagnosis.model.LinearModel.prior`.
+        As of ``model.prior``.
     drawn : ndarray, shape (S, p)
         Numbers at the best shapes.
     rng : Generator
@@ -76,10 +73,10 @@ def numbers_at_shapes(
 
         shapes[column] = quantiles = _drawn_shapes(log_evidence, acting.shapes[column], rng)
         nodes = np.linspace(quantiles.min(), quantiles.max(), MEANS)
-        best = at(column, acting.shapes[column])[0]
-        for node, unit in zip(nodes, np.eye(MEANS), strict=True):
-            moved = at(column, float(node))[0] - best
-            numbers[:, given.rest] += np.interp(quantiles, nodes, unit)[:, None] * moved
+        moves = np.stack([at(column, float(node))[0] for node in nodes])
+        moves -= at(column, acting.shapes[column])[0]
+        near = [np.interp(quantiles, nodes, unit) for unit in np.eye(MEANS)]
+        numbers[:, given.rest] += np.einsum("ns,nsr->sr", near, moves)
     for place in given.positive:
         numbers[:, place] = np.abs(numbers[:, place])
     return numbers, shapes

@@ -233,9 +233,8 @@ def readings_of(
     paths, trials, pieces = [], 0, 0
     for log, begin in zip(logs, starts, strict=True):
         half = half_samples(half_s, log)
-        step = max(1, round(hop * half))
         test = test_function(half, log.interval_s)
-        part = rows_of_run(log, test, step, noise, stroke, late_s, limit)
+        part = rows_of_run(log, test, max(1, round(hop * half)), noise, stroke, late_s, limit)
         centres = part["centre"].astype(np.intp)
         path = part.pop("path")
         paths.append(_drive_path(path, log.interval_s, test, centres, part["way"]))
