@@ -305,10 +305,15 @@ def test_the_rung_that_made_it_is_named(machine, expected):
 
 def test_numbers_are_as_wide_as_parts_of_the_log_where_nothing_is_decided(monkeypatch):
     """However likely a gap is: three seconds with much noise show none, and tell no number well."""
-    joint = Joint(seconds=3.0, gravity=0.0, noise=0.1)
-    as_it_is = bf.diagnose(joint.recording()).summary
-    assert as_it_is.verdict == "undecided"
-    assert as_it_is.gap.probability_above_practical < 0.5
-    monkeypatch.setattr(answer, "by_parts", lambda law, *_: dict.fromkeys(law, (7.0, 7.0)))
-    wide = bf.diagnose(joint.recording()).summary.law["viscous"].after.sd
-    assert wide == pytest.approx(7 * as_it_is.law["viscous"].after.sd, rel=0.02)
+    fitted = {}
+
+    def seven_times(law, *_):
+        fitted.update(law)
+        return dict.fromkeys(law, (7.0, 7.0))
+
+    monkeypatch.setattr(answer, "by_parts", seven_times)
+    told = bf.diagnose(Joint(seconds=3.0, gravity=0.0, noise=0.1).recording()).summary
+    assert told.verdict == "undecided"
+    assert told.gap.probability_above_practical < 0.5
+    wide = told.law["viscous"].after.sd
+    assert wide == pytest.approx(7 * fitted["viscous"].after.sd, rel=0.02)
