@@ -25,19 +25,20 @@ from bayesfric.results import identified
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-# What is imported and collected stays to the end: to look through it again and again for what
-# may be freed took a twentieth of the time of all tests.
-gc.disable()
+# All draws are stored, and no walker stays where it is for all of them.
+QUICK_SAMPLER = Sampler(burn=20, steps=75, thin=3, extensions=0, independence_share=0.7)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection():
+    """Look for no garbage in what is imported and collected, which stays to the end."""
+    gc.disable()
 
 
 def pytest_collection_finish():
-    """Collect garbage again, but for what is there by now."""
+    """Look for garbage again, but not in what is there by now: that took a twentieth of all."""
     gc.freeze()
     gc.enable()
-
-
-# All draws are stored, and no walker stays where it is for all of them.
-QUICK_SAMPLER = Sampler(burn=20, steps=75, thin=3, extensions=0, independence_share=0.7)
 
 
 @pytest.fixture(autouse=True)

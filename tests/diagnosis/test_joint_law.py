@@ -67,7 +67,10 @@ def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
 
 def test_a_weight_on_a_long_swing_of_one_frequency_is_told_beside_the_inertia():
     """Its law is exact: one that may vary with speed took most of the inertia, 0.013 for 0.060."""
-    joint = Joint(gravity=0.5, rates_hz=(0.31,), strokes_rad=(1.5,), noise=0.02, resolution=1e-4)
+    joint = Joint(
+        gravity=0.5, rates_hz=(0.31,), strokes_rad=(1.5,), noise=0.02, resolution=1e-4,
+        sampled_hz=100.0,
+    )  # fmt: skip
     diagnosed = bf.diagnose(joint.recording()).summary
     (cause,) = diagnosed.causes
     assert cause.parameters["torque"].mean == pytest.approx(0.5, rel=0.03)
