@@ -141,7 +141,6 @@ def test_an_exported_law_is_a_law_whatever_it_is_named():
         assert json.loads(export_text(law, "json").encode())["recording"] == text
 
 
-@pytest.mark.nightly  # names in files, tables and reports are looked at by themselves
 def test_a_run_ends_well_whatever_sizes_and_covariates_are_named(tmp_path, no_processes):
     """Slashes, 300 bytes, and names of the file's own."""
     rng = np.random.default_rng(4)
