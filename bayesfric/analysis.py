@@ -97,10 +97,13 @@ class ClaimRules(Section):
     A claim may have rivals: effects that the claim denies. It is refuted where the Bayes
     factor favours a rival, the rival's effect is large enough to matter, and it improves
     prediction. It is supported where the Bayes factor favours the claim and the rival's effect
-    is too small to matter. Otherwise it stays undecided. A refuted claim keeps the Bayes factor
-    that refutes it for every width of the rivals' priors within a tenfold range. For support,
-    a smaller Bayes factor is enough at the other widths. A claim without rivals is judged by a
-    probability.
+    is too small to matter. Otherwise it stays undecided.
+
+    The Bayes factor depends on the width of the rivals' priors, so it is computed for a tenfold
+    range of widths around the width of the analysis. To refute a claim, it must reach the
+    threshold for refuting at every width of this range. To support a claim, it must reach the
+    threshold for supporting at the width of the analysis, and a lower threshold at every width of
+    the range. A claim without rivals is judged by a probability.
 
     Fields
     ------

@@ -65,8 +65,8 @@ class Priors(Section):
       (95 %: 1.1 to 2.4 m) and the damping (95 %: 1.3 to 20 % of the critical) are assumptions. Only
       the ratio of EA to length matters.
     - Motor board: a torque constant is as good as its data sheet, about 5 %. Currents of a few
-      ampere are known to 20 mA and to 2 % of the load. A motor with 1 A of idle current would need
-      most of its current for itself.
+      ampere are known to 20 mA, plus 2 % of the part of the current that carries the load. A motor
+      with 1 A of idle current would need most of its current for itself.
     - rig_difference: two rigs of one drawing hardly differ by 20 % in friction. What makes them
       differ (weights, motor, axles) is the same for all sizes, apart from differences between
       assemblies.

@@ -37,7 +37,8 @@ def _hypotheses_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     DIAGNOSIS,
-    "The shares of the axes lie between 0 and 1. Together with `unexplained` they add up to 1.",
+    "Each axis in `where` has a share of the mean square of the systematic force. Each share lies "
+    "between 0 and 1. Together with `unexplained` the shares add up to 1.",
 )
 def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
     wrong, sums = [], []
@@ -59,8 +60,9 @@ def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     DIAGNOSIS,
-    "The systematic gap is not much larger than the rms residual of held-out data without the "
-    "causes, or than the rms of scatter, whichever is larger.",
+    "The estimated systematic gap is not much larger than what was measured. What was measured is "
+    "the rms residual that the law without the causes leaves in held-out data, or the rms of "
+    "scatter if that is larger.",
 )
 def _gap_is_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
