@@ -1,5 +1,6 @@
 """The attention list of a diagnosis."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 from bayesfric.observation.coefficients import PAPER_SIZES
@@ -13,6 +14,7 @@ FAR_FROM_FRICTION = 0.5  # of friction, the same
 NOT_YET = "Do not enter these numbers yet"
 MULTIPLE = 2.0  # times friction, from which on nobody reads a percentage
 OF_BIASED_LAW = "fit.json and claims.json are of this biased law"
+APART = 2.0  # combined standard deviations, beyond which chance does not make a bias
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 
@@ -106,8 +108,8 @@ def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:
     Returns
     -------
     mapping of str to LawNumber
-        Those whose value without the causes lies outside of the 90 % interval with them, by
-        more than a hundredth; none where no cause is named.
+        Those whose values without and with the causes are more than :data:`APART` combined
+        standard deviations apart, and by more than a hundredth; none where no cause is named.
     """
     if not diagnosis.causes:
         return {}
@@ -120,9 +122,11 @@ def _refitted(number: LawNumber) -> Interval:
 
 
 def _is_biased(number: LawNumber) -> bool:
-    after, alone = _refitted(number), number.before.mean
-    matters = abs(alone - after.mean) > SHARE_THAT_MATTERS * abs(after.mean)
-    return matters and not after.q05 <= alone <= after.q95
+    after, alone = _refitted(number), number.before
+    off = abs(alone.mean - after.mean)
+    return off > max(
+        SHARE_THAT_MATTERS * abs(after.mean), APART * math.hypot(alone.sd, after.sd)
+    )
 
 
 def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:

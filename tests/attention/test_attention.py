@@ -161,6 +161,14 @@ def test_a_law_that_is_biased_without_the_causes_is_told():
     assert not biased_numbers(diagnosis(causes=(), law=numbers))
 
 
+def test_a_number_whose_two_values_agree_is_not_biased():
+    """6.2 ± 0.67 alone and 7.12 ± 0.30 with the cause are 1.3 combined deviations apart."""
+    near = {"c3[large]": LawNumber(unit="1", before=interval(6.2, 0.67), after=interval(7.12, 0.3))}
+    assert not biased_numbers(diagnosis(causes=(cause("viscous"),), law=near))
+    far = {"c3[large]": LawNumber(unit="1", before=interval(5.6, 0.67), after=interval(7.12, 0.3))}
+    assert list(biased_numbers(diagnosis(causes=(cause("viscous"),), law=far))) == ["c3[large]"]
+
+
 def test_numbers_that_are_biased_alike_are_one_remark():
     """The worst is told with its figures, 68 % off; the others, a tenth off, by their names."""
     numbers = {name: law(0.011, 0.010, 1e-4) for name in ("c1[large]", "c3[large]")}

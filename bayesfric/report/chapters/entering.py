@@ -69,7 +69,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             yield Paragraph(joint.replay.sentence)
     lacking = list(remarks_of_fields(ready))
     if lacking:
-        yield BulletList(list(map(_shown, lacking)))
+        yield BulletList(list(map(shown, lacking)))
 
 
 def told_at_numbers(diagnosis: DiagnosisFile) -> set[str]:
@@ -83,10 +83,10 @@ def told_at_numbers(diagnosis: DiagnosisFile) -> set[str]:
 
 def _cell(column: str, cell: str) -> Text:
     """Return a cell; the number to enter is bold."""
-    return Strong(_shown(cell)) if column == "proposed" else _shown(cell)
+    return Strong(shown(cell)) if column == "proposed" else shown(cell)
 
 
-def _shown(cell: str) -> str:
+def shown(cell: str) -> str:
     """Return a cell as it is printed: a true minus, and no prefix that the head has."""
     return re.sub(
         r"-(?=\d)", "−", cell.removeprefix(ISAAC).removeprefix(URDF).replace(" and .", ", ")

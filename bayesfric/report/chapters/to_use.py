@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from bayesfric.attention.diagnosis import APART, biased_numbers
 from bayesfric.effects import all_effects
 from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
@@ -101,7 +102,8 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
             diagnosis.verdict, "The best numbers while the verdict is open"
         )
         of_fit = "" if alone else "; the chapters on the fit are of it"
-        yield _with_causes(title, diagnosis.law, causes, f"{of_fit}.", formula)
+        biased = _biased_words(biased_numbers(diagnosis), causes)
+        yield _with_causes(title, diagnosis.law, causes, f"{biased}{of_fit}.", formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
     elif alone and diagnosis.law:
@@ -118,11 +120,11 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
 
 
 def _with_causes(
-    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], of_fit: str, formula: str
+    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], of_law: str, formula: str
 ) -> Table:
     """Return the law refitted with the causes, and below it the law alone.
 
-    `of_fit` ends what the note says of the law alone, and `formula` the note.
+    `of_law` is what the note says of the law alone, and `formula` ends the note.
     """
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
@@ -133,7 +135,7 @@ def _with_causes(
         for whose, cells in _numbers(law, lambda number: number.after)
     ]
     rows += [
-        [f"{whose}, law alone (biased)".removeprefix(", "), *cells, *([""] if dampings else [])]
+        [f"{whose}, law alone".removeprefix(", "), *cells, *([""] if dampings else [])]
         for whose, cells in _numbers(law, lambda number: number.before)
     ]
     return Table(
@@ -141,9 +143,19 @@ def _with_causes(
         ["", *_heads(law), *damping],
         rows,
         label="use",
-        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}"
-        f"{of_fit}{slope}{formula}",
+        note=f"{HALF} {of_law}{slope}{formula}",
     ).filled()
+
+
+def _biased_words(biased: Mapping[str, LawNumber], causes: Sequence[Cause]) -> str:
+    """Return what the law alone has wrong, a sentence without its full stop."""
+    takes_up = f"takes up a part of the force of {' and '.join(c.effect for c in causes)}"
+    if not biased:
+        return f"The law alone {takes_up}, which moves none of its numbers beyond their errors"
+    return (
+        f"The law alone {takes_up}: {', '.join(biased)} {'is' if len(biased) == 1 else 'are'} "
+        f"more than {APART:g} combined standard deviations off"
+    )
 
 
 def _slope_of(causes: Sequence[Cause]) -> str:
