@@ -84,7 +84,7 @@ def _results() -> str:
         "# What holds of every result",
         "",
         "A stored result obeys the rules below for any data. If a result breaks a rule, the",
-        "computation is wrong: a diagnosis then says so in `checks` and `attention`, and its",
+        "computation is wrong. A diagnosis then lists this in `checks` and `attention`, and its",
         "verdict is `undecided`. `bayesfric report` checks every file that it reads. Your own",
         "test or CI job can check a file, too:",
         "",
@@ -95,8 +95,8 @@ def _results() -> str:
         "assert all(check.holds for check in checks)",
         "```",
         "",
-        "Each check has a name (`check`), whether it `holds`, and a `detail` that says what "
-        "breaks it.",
+        "Each check has a name (`check`), whether it `holds`, and a `detail` that describes "
+        "the violation.",
     ]
     found = statements()
     common = set.intersection(*(set(rules) for rules in found.values()))
@@ -208,11 +208,44 @@ def _loop() -> str:
 
 
 ACTS_ON = {
-    "friction": "friction: a force against the motion, with the scatter of all friction",
-    "drive": "the drive: a force against the motion that does not scatter",
+    "friction": (
+        "friction: a force against the motion. It varies between assemblies and trials in the same "
+        "proportion as the rest of friction"
+    ),
+    "drive": "the drive: a force against the motion that is the same in all assemblies and trials",
     "reading": "the readings of events",
     "current": "the motor's current",
 }
+
+NEEDED = {
+    "acting-gravity": "gravity that acts on the load (`rig.gravity_m_s2` above 0)",
+    "angle": "positions that are angles",
+    "commanded-force": "a commanded force, not a measured one (`rig.force_is`)",
+    "direction": "motion in both directions",
+    "drive": "the drive force along each run",
+    "dwell": "rests of different lengths before the motion starts",
+    "known-load": "a load of known mass or torque",
+    "law-without-coulomb": "a friction law without a Coulomb term",
+    "law-without-offset": "a friction law without a constant offset",
+    "limit": "a force limit of the drive that is above friction",
+    "load-both-ways": "a load that is lifted and lowered at the same pose, or two different loads",
+    "period": "positions along the path",
+    "play": "at least 6 reversals",
+    "position": "positions",
+    "pulleys": "a rig with pulleys",
+    "spring": "at least 6 reversals",
+    "test": "runs of the role `test`",
+    "turns": "at least 4 reversals",
+    "warmth": "a temperature, or work done by friction, that varies",
+}
+"""What an effect needs (`Effect.needs`), in words."""
+
+
+def _needed(needs: frozenset[str]) -> list[str]:
+    if not needs:
+        return []
+    words = dict.fromkeys(NEEDED.get(need, f"the column `{need}`") for need in sorted(needs))
+    return [f"- The diagnosis examines it only with: {'; '.join(words)}."]
 
 
 def _effects() -> str:
@@ -222,8 +255,8 @@ def _effects() -> str:
         "A diagnosis examines these effects, which the friction law lacks. `bayesfric simulate",
         "--effect NAME` adds one to a recording. Strength 1 changes friction, or its equivalent,",
         "by 10 % rms over the design. The variants of an effect have equal weight.",
-        "The prior says which sizes the diagnosis looks for. The plausible range says which sizes",
-        "are physically credible. [You can write your own](howto/effect.md).",
+        "The prior covers the sizes that the diagnosis looks for. The plausible range has those",
+        "that are physically credible. [You can write your own](howto/effect.md).",
     ]
     for name, effect in sorted(all_effects(None).items()):
         lines += [
@@ -235,7 +268,7 @@ def _effects() -> str:
             f"- Acts on {ACTS_ON[effect.acts_on]}.",
             f"- Along: {', '.join(axis.replace('_', ' ') for axis in sorted(effect.axes))}.",
             f"- Variants: {', '.join(effect.laws)}.",
-            *([f"- Needs of a rig: {', '.join(sorted(effect.needs))}."] if effect.needs else []),
+            *_needed(effect.needs),
             "",
             "| parameter | unit | meaning | prior | plausible | reference |",
             "|---|---|---|---|---|---|",
@@ -268,9 +301,9 @@ def _claims() -> str:
         ]
         if claim.instead is not None:
             lines.append(
-                "- Without a board with weights, it is judged on friction at constant speed: "
-                "that of "
-                "a motor board, or steady points that have all columns."
+                "- If the recording has no gravity board, the claim is judged on friction at "
+                "constant speed. This friction comes from a motor board, or from friction points "
+                "whose table has all the columns that the claim uses."
             )
         if not claim.about_these_data:
             lines.append("- It depends on the paper's numbers or on priors, not on a recording.")

@@ -103,7 +103,9 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     ]
     said = [f"each reading is held, {' and '.join(held)}"] if held else []
     if answers is not None:
-        said.append("the force answers each count of the encoder, and was told by these between")
+        said.append(
+            "the force follows each encoder count, and was computed from these between its readings"
+        )
     late = stale(*(samples[name].to_numpy(dtype=np.float64) for name in ("position_m", "force_n")))
     if late.any():
         said.append(

@@ -43,7 +43,7 @@ def test_a_force_that_is_held_over_the_kicks_of_a_controller_is_told_by_the_coun
     assert rough.coulomb == pytest.approx(joint.coulomb, rel=0.02)
     assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)
     first = recording.axis.samples.query("run == 'r0'")
-    assert "the force answers each count of the encoder" in released(first, force_is)[1]
+    assert "the force follows each encoder count" in released(first, force_is)[1]
 
 
 @pytest.mark.parametrize(("count", "shaken"), [(2 * np.pi / 2**16, True), (1e-8, False)])
