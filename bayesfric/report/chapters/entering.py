@@ -88,7 +88,7 @@ def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
         yield Table(
             "Numbers that no simulator has a field for. Each ± is half of a 90 % interval.",
             columns[first:],
-            [list(map(_shown, row[first:])) for row in rows],
+            [list(map(shown, row[first:])) for row in rows],
             label="no-field",
             note=" ".join(callbacks(number for enter in joints.values() for number in enter)),
         )
