@@ -124,9 +124,7 @@ def _refitted(number: LawNumber) -> Interval:
 def _is_biased(number: LawNumber) -> bool:
     after, alone = _refitted(number), number.before
     off = abs(alone.mean - after.mean)
-    return off > max(
-        SHARE_THAT_MATTERS * abs(after.mean), APART * math.hypot(alone.sd, after.sd)
-    )
+    return off > max(SHARE_THAT_MATTERS * abs(after.mean), APART * math.hypot(alone.sd, after.sd))
 
 
 def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:

@@ -23,7 +23,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="exponent",
         unit="1",
-        meaning="friction grows as n to the power of one plus this",
+        meaning="friction grows as n to the power of one plus this, around n = 9",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.1, 0.1),
         reference="argued: the pulley-by-pulley form of eq. (15) departs from it by less than 1 %"

@@ -35,7 +35,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
     loops : sequence of LoopMargins
         Those with a curve; the spec of each is a thin line, its own γ a marker.
     """
-    with figure(height=38.0) as fig:
+    with figure(height=32.0) as fig:
         axes = fig.subplots()
         for place, loop in enumerate(loops):
             color = SHADES[place % len(SHADES)]

@@ -3,7 +3,13 @@
 from export.entered import number
 
 from bayesfric.attention.diagnosis import why_untrusted
-from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows, with_error
+from bayesfric.export.entered import (
+    COLUMNS,
+    entered_lines,
+    entered_remarks,
+    entered_rows,
+    with_error,
+)
 from bayesfric.report.chapters.entering import numbers_to_enter
 from bayesfric.report.chapters.joints import joints
 from bayesfric.report.content import BulletList, Notice, Strong, Table

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from bayesfric.attention.diagnosis import APART, biased_numbers
 from bayesfric.effects import all_effects
+from bayesfric.effects.pulley_count_curvature import MIDDLE_COUNT
 from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
@@ -29,6 +30,7 @@ from bayesfric.schemas.parameter import ParameterSummary
 NO_BREAK = "\u00a0"
 OF_SPEED = {"constant": "d v", "tension": "d v T/(15 N)", "wrap": "d v θ/85°"}
 """Viscous friction of a pulley by its law, with its damping d at 15 N and 85°."""
+COUNTED = "pulley-count-curvature"  # a factor of friction, and not a force beside it
 HALF = "Median ± half of the 90 % interval."
 
 
@@ -46,8 +48,8 @@ def papers_law(causes: Sequence[Cause] = ()) -> str:
     Parameters
     ----------
     causes : sequence of Cause
-        With which it was refitted; viscous friction has a term of its own, and of all others
-        it is said that their force comes on top.
+        With which it was refitted; viscous friction and a power of the number of pulleys stand
+        in the formula, and of all others it is said that their force comes on top.
 
     Returns
     -------
@@ -58,17 +60,22 @@ def papers_law(causes: Sequence[Cause] = ()) -> str:
     by = "" if viscous is None else viscous.law
     term = f" + {OF_SPEED[by]}" if by in OF_SPEED else ""
     factor = " (1 + s v)" if by == "friction" else ""
-    formula = f"n ((c₁ + c₃ (θ − 85°)) T + c₂{term}){factor}".replace(" ", NO_BREAK)
+    curved = any(cause.effect == COUNTED for cause in causes)
+    count = f"n (n/{MIDDLE_COUNT:g})ᵏ" if curved else "n"
+    formula = f"{count} ((c₁ + c₃ (θ − 85°)) T + c₂{term}){factor}".replace(" ", NO_BREAK)
     symbols = ["T the cable tension", "θ the wrap angle"]
     if term:
         symbols += ["v the cable speed", "d the damping of a pulley"]
     elif factor:
         symbols += ["v the cable speed", "s viscous.slope"]
+    if curved:
+        symbols += [f"k {COUNTED}.exponent"]
     examined = all_effects(None)
     others = [
         cause.effect
         for cause in causes
         if not (cause is viscous and (term or factor))
+        and cause.effect != COUNTED
         and cause.effect in examined
         and examined[cause.effect].acts_on == "friction"
     ]
