@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from bayesfric.observation.coefficients import PAPER_SIZES
-from bayesfric.probabilities import three_digits, two_digits
+from bayesfric.probabilities import in_thousands, two_digits
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, INERTIAS, Cause, LawNumber
@@ -138,8 +138,8 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     others = sorted((name for name in biased if name != worst), key=_place)
     more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
-        f"Without {causes} the fit gives {worst} as {three_digits(number.before.mean)}{unit} "
-        f"instead of {three_digits(_refitted(number).mean)}{unit}.{more} {OF_BIASED_LAW}: use "
+        f"Without {causes} the fit gives {worst} as {in_thousands(number.before.mean)}{unit} "
+        f"instead of {in_thousands(_refitted(number).mean)}{unit}.{more} {OF_BIASED_LAW}: use "
         f"the numbers that were refitted with {causes}"
     )
 

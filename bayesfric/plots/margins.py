@@ -35,7 +35,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
     loops : sequence of LoopMargins
         Those with a curve; the spec of each is a thin line, its own γ a marker.
     """
-    with figure(height=32.0) as fig:
+    with figure(height=33.0) as fig:
         axes = fig.subplots()
         for place, loop in enumerate(loops):
             color = SHADES[place % len(SHADES)]
@@ -61,7 +61,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
                 safe = np.floor(100 * loop.largest_safe_compensation_gain) / 100
                 axes.axvline(safe, color=color, linewidth=0.8, alpha=0.6)
         axes.set_xlabel("compensation gain γ")
-        axes.set_ylabel("probability of hunting")
+        axes.set_ylabel("P(hunting)")
         axes.set_ylim(-0.02, 1.02)
         axes.set_xlim(0, max(map(_reach, loops)))
         if len(loops) > 1:

@@ -85,9 +85,12 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
 
 
 def _of_law(margins: MarginsFile) -> str:
-    """Return of which law the margins are; empty where nothing is stored of it."""
+    """Return of which law the margins are; empty where it is the fitted one, and no other is due.
+
+    The section has its sentence in any case.
+    """
     law = margins.law
-    if law is None:
+    if law is None or (law.used == "fitted" and law.warning is None):
         return ""
     if law.used == "refitted" and law.causes:
         return f"Margins of the law refitted with {' and '.join(law.causes)}."
