@@ -109,11 +109,13 @@ def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:
     -------
     mapping of str to LawNumber
         Those whose values without and with the causes are more than :data:`APART` combined
-        standard deviations apart, and by more than a hundredth; none where no cause is named.
+        standard deviations apart, and by more than a hundredth, in their usual order; none
+        where no cause is named.
     """
     if not diagnosis.causes:
         return {}
-    return {name: number for name, number in diagnosis.law.items() if _is_biased(number)}
+    biased = {name: number for name, number in diagnosis.law.items() if _is_biased(number)}
+    return {name: biased[name] for name in sorted(biased, key=_place)}
 
 
 def _refitted(number: LawNumber) -> Interval:
@@ -135,7 +137,7 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     worst = max(biased, key=lambda name: _relative_bias(biased[name]))
     number = biased[worst]
     unit = "" if number.unit == "1" else f" {number.unit}"
-    others = sorted((name for name in biased if name != worst), key=_place)
+    others = [name for name in biased if name != worst]
     more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
         f"Without {causes} the fit gives {worst} as {in_thousands(number.before.mean)}{unit} "

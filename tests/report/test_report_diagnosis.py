@@ -4,6 +4,7 @@ import dataclasses
 import io
 
 import pytest
+from export.entered import number as entered
 from margins.loops import loop, write_draws
 from markupsafe import escape
 from pypdf import PdfReader
@@ -28,7 +29,7 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gap_table import gap_table
-from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.page_one import page_one, recorded, worries
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.chapters.to_use import biased, numbers_to_use, papers_law
 from bayesfric.report.chapters.verdict import verdict_line
@@ -366,3 +367,32 @@ def test_settings_that_a_diagnosis_does_not_follow_are_told_first():
     assert told(build_document(stored)).count("Scatter is taken as normal.") == 1
     page = [words(b.text) for b in page_one(stored) if isinstance(b, Notice | Paragraph)]
     assert any("Scatter is taken as normal." in said for said in page)
+
+
+def test_each_joint_has_its_verdict_and_numbers_that_hold_are_said_to_be_confirmed():
+    number = entered("coulomb", 0.612, 0.02)
+    found = without_gap().record.model_copy(update={"enter": (number,), "attention": ()})
+    arms = [
+        found.model_copy(update={"joint": name, "sentence": f"Of {name}."})
+        for name in ("shoulder", "elbow")
+    ]
+    both = "No gap at shoulder and elbow. At shoulder: the sentence of that joint."
+    arm = arms[0].model_copy(update={"joints": tuple(arms), "sentence": both})
+    box = verdict_line(arm)
+    assert [words(point) for point in box.points] == [
+        "shoulder: no gap. Of shoulder.",
+        "elbow: no gap. Of elbow.",
+    ]
+    assert "At shoulder:" not in words(box.text)
+    (trust,) = worries(StoredResults(diagnosis=StoredDiagnosis(arm, curves())))
+    assert (trust.kind, trust.title) == ("good", "Confirmed by held-out data")
+    missed = arms[1].gap.model_copy(update={"held_out_excess": 1e-3})
+    arms[1] = arms[1].model_copy(update={"gap": missed})
+    off = arm.model_copy(update={"joints": tuple(arms)})
+    assert not list(worries(StoredResults(diagnosis=StoredDiagnosis(off, curves()))))
+
+
+def test_a_recording_whose_name_is_all_that_it_has_is_not_repeated():
+    recording = diagnosis().recording
+    assert list(recorded(recording, None))
+    assert not list(recorded(recording.model_copy(update={"title": recording.name}), None))

@@ -265,7 +265,6 @@ def _rates(card: ScorecardFile) -> Table:
         ["", *right_columns("rate", "95 % interval", "cases")],
         [[name, *_cells(rate)] for name, rate in rows if rate.rate is not None],
         label="rates",
-        note=f"Of fewer than {CASES_TO_DRAW} cases no rate is printed.",
     )
 
 
