@@ -111,7 +111,7 @@ def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
     assert line.startswith("Found and named 19 of 22 real gaps; 1 false name in 10 without one.")
     # All eleven are accounted for.
-    assert "Of 11 promises: 3 kept so far, 2 missed so far, 6 without a case (so far: with" in line
+    assert "Of 11 promises: 3 kept so far, 2 missed so far, 6 without a case. Missed: " in line
     assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
     assert scorecard_line(card).kind == "attention"
     fine = card_of([scored()] * 60)

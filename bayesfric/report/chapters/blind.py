@@ -56,9 +56,7 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     counts += [f"{open_still} with too few cases to judge"] * bool(open_still)
     untried = len(card.targets) - len(outcomes)
     counts += [f"{untried} without a case"] * bool(untried)
-    said = f"{_found(card)}. Of {len(card.targets)} promises: {', '.join(counts)}"
-    if any("so far" in count for count in counts):
-        said += " (so far: with too few cases to be sure)"
+    said = f"{_counted(card)}. Of {len(card.targets)} promises: {', '.join(counts)}"
     which = f". Missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
     proof = "These seeds were used to tune the effects: the rates prove nothing. "
@@ -69,7 +67,7 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     )
 
 
-def _found(card: ScorecardFile) -> str:
+def _counted(card: ScorecardFile) -> str:
     """Return how many gaps were named, how many were invented, and how many outsiders flagged."""
     real = [case for case in card.cases if not case.counts_as_none]
     of_list = [case for case in real if case.kind != "outsider"]
@@ -145,11 +143,10 @@ def _promises(card: ScorecardFile) -> Table:
         ],
         label="promises",
         note="Kept: the whole interval (Clopper and Pearson) lies in the range that is promised. "
-        "Kept so far: the rate does, and more cases are needed to be sure. Missed likewise. "
-        f"Of fewer than {CASES_TO_DRAW} cases no rate is printed. Shrink: the share of the squared "
-        "gap that the named effects remove. Outsider: a force that no effect of the list makes. "
-        "Remainder: a force that the named effects leave."
-        + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
+        "Kept so far: the rate does, with too few cases to be sure. Missed likewise. No rate is "
+        f"printed of fewer than {CASES_TO_DRAW} cases. Shrink: share of the squared gap that the "
+        "named effects remove. Remainder: a force that they leave. Outsider: a force of no effect "
+        "on the list." + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
     )
 
 
