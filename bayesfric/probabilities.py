@@ -12,6 +12,7 @@ Event = TypeVar("Event", bound=Hashable)
 
 ROUNDING = 1e-9  # by which a sum of probabilities may miss what it should be
 
+LEAST_PLAIN = 0.1  # of a number that is written without a power of ten
 LEAST_STATED = 0.001  # below it, and as close to 1, a probability is stated as a bound
 
 
@@ -118,6 +119,17 @@ def percent(share: float) -> str:
 def three_digits(value: float) -> str:
     """Return a number to three significant digits, zeros at its end among them: 0.00240."""
     return f"{value:#.3g}".removesuffix(".")
+
+
+def in_thousands(value: float) -> str:
+    """Return a number to three digits; one below a tenth times a power of a thousand: 4.16e-3.
+
+    Tables of coefficients have such powers in their heads.
+    """
+    if value == 0 or abs(value) >= LEAST_PLAIN:
+        return three_digits(value)
+    power = 3 * math.floor(math.log10(abs(float(f"{value:.2e}"))) / 3)
+    return f"{three_digits(value / 10.0**power)}e{power:+d}"
 
 
 def two_digits(value: float) -> str:

@@ -13,7 +13,7 @@ from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, decide
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import NONE, Hypothesis, printed
-from bayesfric.probabilities import normalised, stated, total
+from bayesfric.probabilities import in_thousands, normalised, stated, total
 
 # Four parts of one that floating-point addition makes larger than one.
 ABOVE_ONE = (0.28, 0.34, 0.32, 0.06)
@@ -80,3 +80,12 @@ def test_an_unknown_force_of_which_data_say_nothing_keeps_its_prior():
     priors = Analysis().diagnosis.hypotheses
     search = Search(weighed, {}, None, Classes((), (), {}), priors, np.eye(1), 0.0, unheard=True)
     assert printed(search.probabilities()) == pytest.approx({"none": 5 / 6, "unknown": 1 / 6})
+
+
+@pytest.mark.parametrize(
+    ("value", "written"),
+    [(0.00416, "4.16e-3"), (0.04393, "43.9e-3"), (2.79e-5, "27.9e-6"), (-0.00099996, "-1.00e-3"),
+     (0.25, "0.250"), (1.5, "1.50"), (0.0, "0.00")],
+)  # fmt: skip
+def test_small_numbers_have_powers_of_a_thousand(value, written):
+    assert in_thousands(value) == written

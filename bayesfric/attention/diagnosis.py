@@ -1,9 +1,10 @@
 """The attention list of a diagnosis."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 from bayesfric.observation.coefficients import PAPER_SIZES
-from bayesfric.probabilities import three_digits, two_digits
+from bayesfric.probabilities import in_thousands, two_digits
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, INERTIAS, Cause, LawNumber
@@ -13,6 +14,7 @@ FAR_FROM_FRICTION = 0.5  # of friction, the same
 NOT_YET = "Do not enter these numbers yet"
 MULTIPLE = 2.0  # times friction, from which on nobody reads a percentage
 OF_BIASED_LAW = "fit.json and claims.json are of this biased law"
+APART = 2.0  # combined standard deviations, beyond which chance does not make a bias
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
 
@@ -106,12 +108,14 @@ def biased_numbers(diagnosis: DiagnosisFile) -> Mapping[str, LawNumber]:
     Returns
     -------
     mapping of str to LawNumber
-        Those whose value without the causes lies outside of the 90 % interval with them, by
-        more than a hundredth; none where no cause is named.
+        Those whose values without and with the causes are more than :data:`APART` combined
+        standard deviations apart, and by more than a hundredth, in their usual order; none
+        where no cause is named.
     """
     if not diagnosis.causes:
         return {}
-    return {name: number for name, number in diagnosis.law.items() if _is_biased(number)}
+    biased = {name: number for name, number in diagnosis.law.items() if _is_biased(number)}
+    return {name: biased[name] for name in sorted(biased, key=_place)}
 
 
 def _refitted(number: LawNumber) -> Interval:
@@ -120,9 +124,9 @@ def _refitted(number: LawNumber) -> Interval:
 
 
 def _is_biased(number: LawNumber) -> bool:
-    after, alone = _refitted(number), number.before.mean
-    matters = abs(alone - after.mean) > SHARE_THAT_MATTERS * abs(after.mean)
-    return matters and not after.q05 <= alone <= after.q95
+    after, alone = _refitted(number), number.before
+    off = abs(alone.mean - after.mean)
+    return off > max(SHARE_THAT_MATTERS * abs(after.mean), APART * math.hypot(alone.sd, after.sd))
 
 
 def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
@@ -133,11 +137,11 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     worst = max(biased, key=lambda name: _relative_bias(biased[name]))
     number = biased[worst]
     unit = "" if number.unit == "1" else f" {number.unit}"
-    others = sorted((name for name in biased if name != worst), key=_place)
+    others = [name for name in biased if name != worst]
     more = f" Also biased: {', '.join(others)}." if others else ""
     yield (
-        f"Without {causes} the fit gives {worst} as {three_digits(number.before.mean)}{unit} "
-        f"instead of {three_digits(_refitted(number).mean)}{unit}.{more} {OF_BIASED_LAW}: use "
+        f"Without {causes} the fit gives {worst} as {in_thousands(number.before.mean)}{unit} "
+        f"instead of {in_thousands(_refitted(number).mean)}{unit}.{more} {OF_BIASED_LAW}: use "
         f"the numbers that were refitted with {causes}"
     )
 

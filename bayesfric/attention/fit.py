@@ -10,7 +10,7 @@ from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.inference.diagnostics import Convergence
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
-from bayesfric.probabilities import three_digits
+from bayesfric.probabilities import in_thousands
 from bayesfric.rigs import all_rigs
 from bayesfric.schemas import FitFile
 from bayesfric.schemas.fit import (
@@ -189,8 +189,15 @@ def unsettled(
         decide = "its prior decides" if len(open_names) == 1 else "their priors decide"
         beside = all(entries[name].prior_sensitivity is None for name in open_names)
         advice = "; state priors of your own, or measure what they rest on"
-        none = f"; {UNAFFECTED}" if beside else advice
-        yield f"These data hardly inform {', '.join(open_names)}: {decide}{none}"
+        if not beside:
+            yield f"These data hardly inform {', '.join(open_names)}: {decide}{advice}"
+            return
+        which = "One nuisance parameter" if len(open_names) == 1 else "Nuisance parameters"
+        verb = "is" if len(open_names) == 1 else "are"
+        yield (
+            f"{which} ({', '.join(open_names)}) {verb} not determined by the data: {decide}; "
+            f"{UNAFFECTED}"
+        )
 
 
 def contradicted(
@@ -290,8 +297,8 @@ def _weight_of(assembly: OutlyingAssembly, entries: Mapping[str, ParameterSummar
     most = max(shifts, key=lambda name: shifts[name])
     entry = entries[most]
     unit = "" if entry.unit in ("1", "-") else f" {entry.unit}"
-    without = three_digits(assembly.without[most])
-    moved = f"{most} is {without}{unit}, not {three_digits(entry.mean)}{unit}"
+    without = in_thousands(assembly.without[most])
+    moved = f"{most} is {without}{unit}, not {in_thousands(entry.mean)}{unit}"
     if all(entries[name].q05 <= assembly.without[name] <= entries[name].q95 for name in shifts):
         return f"{STAY}: without it {moved}, and no coefficient leaves its 90% interval"
     return (

@@ -23,7 +23,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import held_values, shipped_numbers
-from bayesfric.diagnosis.showing import windows_told
+from bayesfric.diagnosis.showing import windows_meant
 from bayesfric.diagnosis.simulated import simulator_used
 from bayesfric.diagnosis.strays import far_rows
 from bayesfric.diagnosis.target import friction_at
@@ -263,7 +263,7 @@ def _statement(
         answer.compared.data.rigs[0].other_joints if conclusion.elsewhere else None,
         conclusion.why,
         conclusion.unlike_scatter if is_open else None,
-        windows_told(answer.judged.residuals),
+        windows_meant(answer.judged.residuals),
         conclusion.open_because,
     )
 

@@ -8,13 +8,12 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated, two_digits
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, Cause, Unseparated
-from bayesfric.schemas.gap import Axis, Gap, GapRow, HeldOutDensity
+from bayesfric.schemas.gap import Axis, Gap, GapRow
 
 ALL_BUT = 0.999
 PAST_ALL = 1.0005  # of a share, from which on it is printed as more than all
 ROUGH = 0.2  # width of the interval of a share from which on scatter hides what it is
 WIDE = 0.095  # of an interval of a share: two digits of it are whole per cent
-WINDOWS = ", each the mean friction over a stretch of motion or at a steady point"
 
 
 PULLS = {
@@ -63,7 +62,7 @@ class Statement:
     unlike_scatter : str or None
         What is left that scatter does not explain; None where it explains all.
     recorded : str
-        How many windows of how many trials say so.
+        How many windows say so, and what a window is.
     open_because : str or None
         Why what was considered stays open, or what makes the gap; None where it does not.
     """
@@ -117,10 +116,7 @@ class Statement:
         for axis in self.where:
             if axis.answers and axis.share is not None:
                 name = axis.axis.replace("_", " ")
-                return (
-                    f" It varies most with {name}, which explains {_of_variance(axis.share)} of "
-                    "its variance."
-                )
+                return f" It varies most with {name}."
         return ""
 
     @property
@@ -156,25 +152,22 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     """
     if not gap.held_out:
         return "No data could be held out: without them nothing would be left to fit."
-    row, density = gap.held_out[0], gap.held_out_log_density
+    row = gap.held_out[0]
     them = "it" if len(causes) == 1 else "them"
-    better = ""
-    if density is not None:
-        better = f" The log density of these data is higher by {_rise(density)} with {them}."
     if causes and verdict == "named" and gap.shrink is not None and gap.shrink_of_model is not None:
-        return f"{_beside_the_model(gap.shrink, gap.shrink_of_model, row, gap.unit)}{better}"
+        return _beside_the_model(gap.shrink, gap.shrink_of_model, row, gap.unit)
     if causes and gap.shrink is not None:
         past = "; values above 100% come from scatter" if gap.shrink.q95 > PAST_ALL else ""
         which = " and ".join(cause.effect for cause in causes) if verdict == "unknown" else them
         return (
             f"On data that the fit has not seen, adding {which} removes {_share(gap.shrink)} of "
-            f"the gap (mean square{past}).{better}"
+            f"the gap (mean square{past})."
         )
     if causes:
         removes = "it removes" if len(causes) == 1 else "they remove"
         return (
             f"How much of the gap {removes} on data that the fit has not seen is unknown: "
-            f"{gap.shrink_why}.{better}"
+            f"{gap.shrink_why}."
         )
     before, floor = two_digits(row.before.q50), two_digits(row.floor.q50)
     off = f"On data that the fit has not seen the law is off by {before} {gap.unit} rms"
@@ -183,7 +176,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     sizes = f"{off}; scatter alone makes {floor} {gap.unit} on average"
     if row.below_floor <= 1 - RULES.above_floor:
         return f"{sizes}, a difference that chance does not explain."
-    return f"{sizes}, a difference that chance can make."
+    return f"{sizes}, a difference that chance makes with probability {stated(row.below_floor)}."
 
 
 def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit: str) -> str:
@@ -230,7 +223,7 @@ def _no_gap(statement: Statement) -> str:
     if statement.gap.no_share is not None:
         off = f"{statement.size} {statement.chance}; as a share of friction it is unknown, "
         off += f"since {statement.gap.no_share}."
-    by = f" This rests on {statement.recorded}{WINDOWS}." if statement.recorded else ""
+    by = f" This rests on {statement.recorded}." if statement.recorded else ""
     return f"Once recalibrated, the simulation is systematically off by {off}{absorbed}{by}"
 
 
@@ -314,12 +307,35 @@ def _unknown(statement: Statement) -> str:
         )
     why = statement.overruled_by
     if why is not None and IMPLAUSIBLE in why:
-        but = f", but {why}"
-    else:
-        but = f" and {miss} what was held out{'' if why is None else f': {why}'}"
+        return _implausible(statement, there if matters else "A force acts", small)
+    but = f" and {miss} what was held out{'' if why is None else f': {why}'}"
     return (
         f"{begun} {fit} what was recorded{but}. Something else acts {statement.chance}."
         f"{small}{statement.place}"
+    )
+
+
+def _implausible(statement: Statement, begun: str, small: str) -> str:
+    """Return that the effects that come closest have sizes that no machine has."""
+    considered = statement.considered
+    names = " and ".join(effect.effect for effect in considered)
+    closest = "effect examined is" if len(considered) == 1 else "effects examined are"
+    sizes = " and ".join(_size_of(effect) for effect in considered if not effect.plausible)
+    return (
+        f"{begun} that none of the effects examined explains {statement.chance}.{small}"
+        f"{statement.place} The closest {closest} {names}, but {sizes}, and a force that no "
+        "effect explains is left."
+    )
+
+
+def _size_of(effect: Cause) -> str:
+    """Return the size of an effect beside what is plausible of it."""
+    name, number = next(iter(effect.parameters.items()))
+    low, high = effect.plausible_range
+    unit = "" if number.unit == "1" else f" {number.unit}"
+    return (
+        f"the {name.replace('_', ' ')} of {effect.effect} is {number.q50:.3g}{unit}, outside of "
+        f"the plausible {low:.3g} to {high:.3g}"
     )
 
 
@@ -351,17 +367,6 @@ def _below(statement: Statement, less: str, make: str) -> str:
     ):
         return "which makes no gap" if len(statement.present) == 1 else f"which {make} no gap"
     return f"{'each ' if len(statement.present) > 1 else ''}{less}"
-
-
-def _rise(density: HeldOutDensity) -> str:
-    rise = f"{float(f'{density.difference:.3g}'):g}"  # without a power of ten
-    return f"{rise} ± {two_digits(density.error)} (natural logarithm)"
-
-
-def _of_variance(share: Interval) -> str:
-    """Return a share of variance with its interval, which is left out where it says no more."""
-    low, middle, high = (f"{end:.0%}" for end in (share.q05, share.q50, share.q95))
-    return middle if low == high else f"{middle} [{low}, {high}]"
 
 
 def _middle(share: Interval) -> str:

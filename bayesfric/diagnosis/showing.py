@@ -111,6 +111,20 @@ def windows_told(residuals: Residuals) -> str:
     return f"{residuals.independent} window{'' if residuals.independent == 1 else 's'}"
 
 
+def windows_meant(residuals: Residuals) -> str:
+    """Return how many windows there are, and over what each of them is a mean."""
+    of_trial = np.bincount(residuals.trial)[residuals.trial]
+    places = [
+        words
+        for words, is_there in (
+            ("over a stretch of motion", np.any(of_trial > 1)),
+            ("at a steady point", np.any(of_trial == 1)),
+        )
+        if is_there
+    ]
+    return f"{windows_told(residuals)}, each the mean friction {' or '.join(places)}"
+
+
 def _numbers(residuals: Residuals) -> int:
     """Return how many numbers of the law do anything here, an offset among them."""
     sizes = np.unique(residuals.size)

@@ -1,5 +1,6 @@
 """Numbers to enter in a simulator, in words: digits by the error, fields, and what is lost."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal
 
@@ -36,6 +37,7 @@ MEANT = {
     "offset": "offset (a constant force, as of a sensor's zero)",
 }
 """Numbers whose names alone do not say what they are."""
+SAME = 1e-6  # of a force: two numbers that are one
 NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
 
 
@@ -144,8 +146,8 @@ def rows_without_field(joints: Mapping[str, Sequence[Enter]]) -> list[tuple[str,
         (
             joint,
             MEANT.get(number.parameter, number.parameter),
-            _value(number),
-            "" if number.lost_without is None else _lost(number.lost_without, enter),
+            with_error(number),
+            "" if number.lost_without is None else _lost(number, enter),
         )
         for joint, enter in joints.items()
         for number in enter
@@ -189,9 +191,9 @@ def remarks_of_fields(
     for (who, parameter), numbers in alike.items():
         said = [f"{who} field for {MEANT.get(parameter, parameter)}."]
         if _has_no_field(numbers[0][1]):
-            said.append(f"It is {_listed(f'{_value(number)}{at}' for at, number in numbers)}.")
+            said.append(f"It is {_listed(f'{with_error(number)}{at}' for at, number in numbers)}.")
         lost = _listed(
-            f"{_lost(number.lost_without, joints[at.removeprefix(' at ')])}{at}"
+            f"{_lost(number, joints[at.removeprefix(' at ')])}{at}"
             for at, number in numbers
             if number.lost_without is not None
         )
@@ -200,16 +202,28 @@ def remarks_of_fields(
         yield " ".join([*said, *callbacks(number for _, number in numbers)])
 
 
-def _lost(force: float, enter: Sequence[Enter]) -> str:
-    """Return a force beside Coulomb friction, so that a reader sees whether it matters."""
-    words = f"{force:.2g} {_force_unit(enter)} rms"
-    coulomb = next((number.value.q50 for number in enter if number.parameter == "coulomb"), 0.0)
+def _lost(lacking: Enter, enter: Sequence[Enter]) -> str:
+    """Return the force that is lost beside the Coulomb friction that the table proposes.
+
+    A number that is itself this force has the digits that stand at its value.
+    """
+    force, value = lacking.lost_without or 0.0, lacking.value
+    is_itself = _has_no_field(lacking) and math.isclose(force, abs(value.mean), rel_tol=SAME)
+    shown = by_error(force, value.sd) if is_itself else f"{force:.2g}"
+    words = f"{shown} {_force_unit(enter)} rms"
+    coulomb = next((number.value.mean for number in enter if number.parameter == "coulomb"), 0.0)
     share = f"{two_digits(100 * force / coulomb)}% of Coulomb friction" if coulomb > force else ""
     return f"{words} ({share})" if share else words
 
 
-def _value(number: Enter) -> str:
-    """Return a number with half of its 90 % interval and its unit."""
+def with_error(number: Enter) -> str:
+    """Return a number with half of its 90 % interval and its unit, in the digits of its error.
+
+    Parameters
+    ----------
+    number : Enter
+        Of one joint.
+    """
     sd, unit = number.value.sd, "" if number.unit == "1" else f" {number.unit}"
     half = by_error((number.value.q95 - number.value.q05) / 2, sd)
     return f"{by_error(number.value.mean, sd)} ± {half}{unit}"

@@ -11,9 +11,8 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metric_definitions import HUNTS
-from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
-from bayesfric.margins.terms import FEW_DRAWS, chance_of_missing
+from bayesfric.margins.terms import FEW_DRAWS, chance_of_missing, standard_error
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.probabilities import ROUNDING, bound_of, bound_of_hits, percent, stated_of_draws
 from bayesfric.schemas.margins import GammaProbability, Metric

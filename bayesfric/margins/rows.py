@@ -12,6 +12,7 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metric_definitions import HUNTING, LINEAR, PEAKS, RULES, TAUT, Rule
 from bayesfric.margins.metrics import Key, Linear, spec_of
+from bayesfric.margins.terms import standard_error
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import Metric
@@ -82,12 +83,6 @@ def interval_of(values: Array) -> Interval:
     if np.ptp(values) <= ROUNDING * np.abs(values).max():
         return Interval.of(values[0], 0.0, np.full(3, values[0]))
     return Interval.of_draws(values, ddof=1)
-
-
-def standard_error(probability: float, draws: float) -> float:
-    """Return the Monte Carlo error of a probability; of 0 and 1 that of half a draw."""
-    p = min(max(probability, 0.5 / draws), 1 - 0.5 / draws)
-    return float(np.sqrt(p * (1 - p) / draws))
 
 
 def _row(about: _About, value: Array | None, effective_draws: float) -> Metric:

@@ -1,13 +1,13 @@
 """Margins as engineers read them: gains in decibels, phases in degrees, a setting in words."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from bayesfric.margins.metric_definitions import HUNTS
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.margins import LoopMargins, Metric, Tuning
+from bayesfric.schemas.margins import GammaProbability, LoopMargins, Metric, Tuning
 
 HALF_A_DRAW = float(np.sqrt(0.5))
 """The Monte Carlo error of what none or all of n draws have is this over n."""
@@ -20,6 +20,21 @@ TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
     "gain_margin": ("dB", lambda factor: float(20 * np.log10(factor))),
 }
 """Metric to unit and conversion."""
+
+
+def standard_error(probability: float, draws: float) -> float:
+    """Return the Monte Carlo error of a probability; of 0 and 1 that of half a draw."""
+    p = min(max(probability, 0.5 / draws), 1 - 0.5 / draws)
+    return float(np.sqrt(p * (1 - p) / draws))
+
+
+def draws_behind(curve: Sequence[GammaProbability]) -> float:
+    """Return how many independent draws give a curve the Monte Carlo errors that it has."""
+    counts = [
+        point.p * (1 - point.p) / point.mcse**2 if 0 < point.p < 1 else HALF_A_DRAW / point.mcse
+        for point in curve
+    ]
+    return min(counts)
 
 
 def chance_of_missing(metric: Metric) -> str | None:

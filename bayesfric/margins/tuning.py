@@ -16,7 +16,7 @@ from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
-from bayesfric.margins.rows import standard_error
+from bayesfric.margins.terms import standard_error
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.schemas.margins import Tuning
 

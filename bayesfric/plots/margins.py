@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.arrays import Array
+from bayesfric.margins.terms import draws_behind, standard_error
 from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, SHADES, figure, key
 from bayesfric.schemas.loop_runs import HuntingMap
@@ -34,11 +35,11 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
     loops : sequence of LoopMargins
         Those with a curve; the spec of each is a thin line, its own γ a marker.
     """
-    with figure(height=44.0) as fig:
+    with figure(height=33.0) as fig:
         axes = fig.subplots()
         for place, loop in enumerate(loops):
             color = SHADES[place % len(SHADES)]
-            gamma, p, error = _hunting_curve(loop)
+            gamma, p, error = hunting_curve(loop)
             low, high = np.clip(p - 2 * error, 0, 1), np.clip(p + 2 * error, 0, 1)
             axes.fill_between(gamma, low, high, color=color, alpha=0.3, linewidth=0)
             axes.plot(gamma, p, color=color, linestyle=LINES[place % len(LINES)],
@@ -60,7 +61,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
                 safe = np.floor(100 * loop.largest_safe_compensation_gain) / 100
                 axes.axvline(safe, color=color, linewidth=0.8, alpha=0.6)
         axes.set_xlabel("compensation gain γ")
-        axes.set_ylabel("probability of hunting")
+        axes.set_ylabel("P(hunting)")
         axes.set_ylim(-0.02, 1.02)
         axes.set_xlim(0, max(map(_reach, loops)))
         if len(loops) > 1:
@@ -68,17 +69,24 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
     return fig
 
 
-def _hunting_curve(loop: LoopMargins) -> tuple[Array, Array, Array]:
-    """Return γ, P(limit cycle) and its error: of the stored curve, and of the quantiles of γ."""
+def hunting_curve(loop: LoopMargins) -> tuple[Array, Array, Array]:
+    """Return γ, P(limit cycle) and its error: of the stored curve, and of the quantiles of γ.
+
+    The stored curve may step from 0 to 1 between two γ; the quantiles lie on that step, where
+    the Monte Carlo error is largest.
+
+    Parameters
+    ----------
+    loop : LoopMargins
+        With a curve.
+    """
     points = [(point.gamma, point.p, point.mcse) for point in loop.limit_cycle_probability]
-    known_p, known_error = np.array(
-        sorted((point.p, point.mcse) for point in loop.limit_cycle_probability)
-    ).T
+    draws = draws_behind(loop.limit_cycle_probability)
     last = points[-1][0]
     for metric in loop.metrics:
         if metric.name == "gamma_hunting":
             points += [
-                (value, p, float(np.interp(p, known_p, known_error)))
+                (value, p, standard_error(p, draws))
                 for value, p in zip(metric.quantiles, QUANTILES, strict=False)
                 if value <= last
             ]

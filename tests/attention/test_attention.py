@@ -156,9 +156,17 @@ def test_a_law_that_is_biased_without_the_causes_is_told():
     assert list(biased_numbers(found)) == ["c2[small]"]
     (line,) = [line for line in of_diagnosis(found) if "c2[small]" in line]
     assert line.startswith("Without viscous")
-    assert "gives c2[small] as 0.0439 N instead of 0.0261 N" in line
+    assert "gives c2[small] as 43.9e-3 N instead of 26.1e-3 N" in line
     assert "Also biased" not in line
     assert not biased_numbers(diagnosis(causes=(), law=numbers))
+
+
+def test_a_number_whose_two_values_agree_is_not_biased():
+    """6.2 ± 0.67 alone and 7.12 ± 0.30 with the cause are 1.3 combined deviations apart."""
+    near = {"c3[large]": LawNumber(unit="1", before=interval(6.2, 0.67), after=interval(7.12, 0.3))}
+    assert not biased_numbers(diagnosis(causes=(cause("viscous"),), law=near))
+    far = {"c3[large]": LawNumber(unit="1", before=interval(5.6, 0.67), after=interval(7.12, 0.3))}
+    assert list(biased_numbers(diagnosis(causes=(cause("viscous"),), law=far))) == ["c3[large]"]
 
 
 def test_numbers_that_are_biased_alike_are_one_remark():
@@ -167,7 +175,7 @@ def test_numbers_that_are_biased_alike_are_one_remark():
     worst = {"c2[small]": law(0.0439, 0.0261)}
     biased = diagnosis(causes=(cause("viscous"),), law=numbers | worst)
     (line,) = [line for line in of_diagnosis(biased) if "Without viscous" in line]
-    assert "c2[small] as 0.0439 N" in line
+    assert "c2[small] as 43.9e-3 N" in line
     assert "Also biased: c1[large], c3[large]." in line
     assert line.endswith("of this biased law: use the numbers that were refitted with viscous")
 

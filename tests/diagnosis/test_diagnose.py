@@ -146,7 +146,7 @@ def test_where_it_lies(named):
     assert summary.where[0] == axes["velocity"]
     assert [axis.axis for axis in summary.where if axis.leads] == ["velocity"]
     share = axes["velocity"].share
-    assert f"It varies most with velocity, which explains {share.q50:.0%}" in summary.sentence
+    assert "It varies most with velocity." in summary.sentence
     # A drag that is the same at all tensions: speed alone explains most of it.
     assert axes["velocity"].alone.q05 > 0.75 > share.q95
     shares = [axis.share.mean for axis in summary.where if axis.share is not None]
@@ -174,9 +174,6 @@ def test_held_out_data_are_predicted_better_with_the_cause(named):
     density = summary.gap.held_out_log_density
     assert density.blocks == 20
     assert density.difference > 3 * density.error
-    assert (
-        f"The log density of these data is higher by {density.difference:.3g} ±" in summary.sentence
-    )
     assert (summary.considered, summary.overruled_by) == ((), None)
 
 

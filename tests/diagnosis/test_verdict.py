@@ -13,12 +13,13 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.showing import windows_meant
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import KnownEffect, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import parsed
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import Unseparated
+from bayesfric.schemas.causes import IMPLAUSIBLE, Unseparated
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
@@ -172,11 +173,21 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
 
 
 def test_no_gap_says_how_much_was_recorded():
-    said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows")
-    assert said.endswith(
-        "% of friction). This rests on 60 windows, each the mean friction over a stretch of motion "
-        "or at a steady point."
-    )
+    said = told("no-gap", diagnosis().gap, 0.1, recorded="60 windows, each a mean")
+    assert said.endswith("% of friction). This rests on 60 windows, each a mean.")
+
+
+@pytest.mark.parametrize(
+    ("trial", "words"),
+    [
+        ([0, 1, 2], "3 windows, each the mean friction at a steady point"),
+        ([0, 0, 0], "3 windows, each the mean friction over a stretch of motion"),
+        ([0, 0, 1], "3 windows, each the mean friction over a stretch of motion or at a steady "
+                    "point"),
+    ],
+)  # fmt: skip
+def test_a_window_is_what_the_rig_records(trial, words):
+    assert windows_meant(SimpleNamespace(trial=np.array(trial), independent=3)) == words
 
 
 def test_a_gap_of_sensors_alone_is_told_as_none():
@@ -214,7 +225,7 @@ def test_the_sentence_says_what_data_held_out_say():
     )
     within = held_out_words(open_still, ())
     assert "is off by 0.052 N rms; scatter alone makes" in within
-    assert within.endswith("a difference that chance can make.")
+    assert within.endswith("a difference that chance makes with probability 0.40.")
     assert held_out_words(gap, ()).endswith("a difference that chance does not explain.")
     below = nothing.model_copy(update={"floor": nothing.before})
     assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(
@@ -254,6 +265,19 @@ def test_of_two_shares_it_is_said_which_to_rely_on(shrink, words):
     assert "adding it removes" in held_out_words(gap, [cause("viscous")], "no-gap")
 
 
+def test_an_implausible_effect_is_rejected_by_its_figures():
+    """Its size and the plausible range are in the sentence, and how near it comes."""
+    drag = cause("air-drag", plausible=False, plausible_range=(0.0, 0.05))
+    why = f"air-drag would be {IMPLAUSIBLE}, and a force that no effect explains is left"
+    said = told("unknown", diagnosis().gap, 0.02, considered=[drag], overruled_by=why)
+    assert said.endswith(
+        "that none of the effects examined explains (probability 0.970). The closest effect "
+        "examined is air-drag, but the slope of air-drag is 0.123 s/m, outside of the plausible 0 "
+        "to 0.05, and a force that no effect explains is left."
+    )
+    assert said.startswith("There is a gap of 0.049 N rms (")
+
+
 def placed(*shares, leads):
     """Return axes with these shares, of which the first may lead."""
     names = ("velocity", "setup", "n_pulleys")
@@ -270,7 +294,7 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
     def said(where):
         return told(verdict, gap, 0.02, causes, where=where)
 
-    lies = "It varies most with velocity, which explains 60% [55%, 65%] of its variance."
+    lies = "It varies most with velocity."
     assert lies in said(placed(0.6, 0.1, leads=True))
     for where in (placed(0.3, 0.3, leads=False), placed(0.1, 0.02, leads=True), ()):
         assert "varies most" not in said(where)

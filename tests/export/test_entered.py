@@ -3,8 +3,15 @@
 from export.entered import number
 
 from bayesfric.attention.diagnosis import why_untrusted
-from bayesfric.export.entered import COLUMNS, entered_lines, entered_remarks, entered_rows
+from bayesfric.export.entered import (
+    COLUMNS,
+    entered_lines,
+    entered_remarks,
+    entered_rows,
+    with_error,
+)
 from bayesfric.report.chapters.entering import numbers_to_enter
+from bayesfric.report.chapters.joints import joints
 from bayesfric.report.content import BulletList, Notice, Strong, Table
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -168,3 +175,26 @@ def test_what_two_joints_lack_alike_is_said_once():
         ["shoulder", offset, "0.0135 ± 0.0066 N·m", error],
         ["elbow", offset, "0.0135 ± 0.0066 N·m", error],
     ]
+
+
+def test_a_share_is_of_the_coulomb_friction_that_the_table_proposes():
+    """Two modes: the mean, 0.047, is proposed, and the median is 0.082."""
+    value = COULOMB.value.model_copy(update={"mean": 0.0466, "sd": 0.0374, "q50": 0.0819})
+    coulomb = COULOMB.model_copy(update={"value": value, "lost_without": 0.0466})
+    offset = number("offset", 0.012, 0.0124, lost_without=0.012)
+    of_coulomb, of_offset = entered_remarks([coulomb, offset])
+    assert of_coulomb.endswith("is off by 0.047 N·m rms.")
+    assert of_offset.endswith("is off by 0.012 N·m rms (26% of Coulomb friction).")
+
+
+def test_an_offset_has_the_same_digits_wherever_it_stands():
+    """Its mean stands at the table, in the sentence and among the joints; the median nowhere."""
+    skewed = number("offset", -0.00094, 0.002, lost_without=0.00094)
+    skewed = skewed.model_copy(update={"value": skewed.value.model_copy(update={"q50": -0.0008})})
+    assert "It is -0.0009 ± 0.0033 N·m. A simulation without it is off by 0.0009 N·m rms." in next(
+        entered_remarks([skewed])
+    )
+    assert with_error(skewed) == "-0.0009 ± 0.0033 N·m"
+    arm = joint().model_copy(update={"enter": (skewed,), "model_error": ()})
+    _, table, _ = joints(arm.model_copy(update={"joints": (arm,)}))
+    assert table.rows[0][-1] == "−0.0009 ± 0.0033 N·m"

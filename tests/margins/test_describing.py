@@ -23,7 +23,7 @@ from bayesfric.margins.metric_definitions import RULES
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.scanning import REST, Condition, run
 from bayesfric.margins.simulating import simulate
-from bayesfric.report.chapters.gain import WORDS
+from bayesfric.report.chapters.specs import WORDS
 
 
 def test_what_stands_at_the_shaft():

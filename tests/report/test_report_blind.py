@@ -109,12 +109,20 @@ def test_effects_that_were_tried_once_have_no_smallest_strength(card):
 
 def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
-    assert "28 of 32 verdicts are correct" in line
-    assert "judge 5 of 11 promises: 3 kept so far, 2 missed so far (so far: with too few" in line
+    assert line.startswith("Found and named 19 of 22 real gaps; 1 false name in 10 without one.")
+    # All eleven are accounted for.
+    assert "Of 11 promises: 3 kept so far, 2 missed so far, 6 without a case. Missed: " in line
     assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
     assert scorecard_line(card).kind == "attention"
     fine = card_of([scored()] * 60)
     assert scorecard_line(fine).kind == "good"
+
+
+def test_no_rate_of_a_few_cases_is_printed(blocks):
+    """One of one is no 100 %; the interval and the count say what there is."""
+    rates = rows(blocks, "rates")
+    assert rates["named, strength/form 0.3/foreign"] == ["—", "0.0\u202f% to 84.2\u202f%", "0 of 2"]
+    assert rates["correct verdicts"][0] == "87.5\u202f%"
 
 
 @pytest.mark.parametrize(("seed", "said"), [(10_000, "of scoring"), (5, "prove nothing")])
@@ -220,7 +228,7 @@ def test_a_report_is_made_of_a_scorecard_alone(card, tmp_path):
     write_report(tmp_path)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
     text = (tmp_path / "summary.md").read_text()
-    assert "28 of 32 verdicts are correct" in text
+    assert "Found and named 19 of 22 real gaps" in text
     assert text == render_summary(build_document(StoredResults(scorecard=card)))
     assert "What makes the same result again" in render_html(
         build_document(StoredResults(scorecard=card))

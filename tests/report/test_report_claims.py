@@ -83,6 +83,9 @@ def test_page_one_says_which_claims_fell(stored):
     assert refuted.startswith("Refuted: A statement. ")
     assert refuted.endswith("The reason of linear-in-tension.")
     assert open_still == "Undecided: a statement."
+    many = [one.model_copy(update={"verdict": "undecided"}) for one in stored.record.claims]
+    listed = fallen(stored.record.model_copy(update={"claims": tuple((many * 5)[:5])}))
+    assert words(listed.points[0]).startswith("Undecided: linear in tension, ")
     lacking = fallen(stored.record, "viscous")
     assert "The claims are judged by laws that lack viscous" in words(lacking.text)
     assert "The reason of" not in words(lacking.points[0])

@@ -4,6 +4,7 @@ import dataclasses
 import io
 
 import pytest
+from export.entered import number as entered
 from margins.loops import loop, write_draws
 from markupsafe import escape
 from pypdf import PdfReader
@@ -27,7 +28,8 @@ from report.told import told
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.gap_table import gap_table
+from bayesfric.report.chapters.page_one import page_one, recorded, worries
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.chapters.to_use import biased, numbers_to_use, papers_law
 from bayesfric.report.chapters.verdict import verdict_line
@@ -44,6 +46,7 @@ from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes, write_netcdf
 from bayesfric.schemas.causes import LawNumber
+from bayesfric.schemas.gap import HeldOutDensity
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +72,7 @@ def test_the_first_page_tells_all():
     for stored in (stored_diagnosis(), without_gap(), two_causes()):
         pdf = render_pdf(build_document(StoredResults(diagnosis=stored)))
         page = " ".join(PdfReader(io.BytesIO(pdf)).pages[0].extract_text().split())
-        what_to_use = "Use these numbers" if stored.record.causes else "the gap on data"
+        what_to_use = "Use these numbers" if stored.record.causes else "the error on data"
         for part in ("at a glance", "How large is the systematic gap?", what_to_use):
             assert part in page
         # The verdict once; and so short a document is leafed through.
@@ -114,6 +117,37 @@ def test_the_printed_law_has_the_term_of_viscous_friction_by_its_law(law, formul
     assert formula in papers_law((cause("viscous", law=law),)).replace("\u00a0", " ")
 
 
+def test_a_power_of_the_number_of_pulleys_is_a_factor_of_the_printed_law():
+    """It is 1 at nine pulleys; nothing comes on top of it."""
+    said = papers_law((cause("pulley-count-curvature"),)).replace("\u00a0", " ")
+    assert "Friction of n pulleys: n (n/9)ᵏ ((c₁ + c₃ (θ − 85°)) T + c₂), with T" in said
+    assert said.endswith("k pulley-count-curvature.exponent.")
+
+
+def test_an_open_verdict_names_no_cause_at_a_glance():
+    open_still = stored_diagnosis().record.model_copy(update={"verdict": "undecided"})
+    stored = StoredDiagnosis(open_still, curves())
+    said = glance(stored)["Which effect causes it?"]
+    assert said.startswith("undecided, since the gap may be negligible: viscous (probability")
+
+
+def test_the_section_has_how_much_better_held_out_data_are_predicted():
+    found = stored_diagnosis().record
+    density = HeldOutDensity(difference=1283.9, error=87.7, blocks=6)
+    gap = found.gap.model_copy(update={"held_out_log_density": density})
+    note = words(gap_table(found.model_copy(update={"gap": gap})).note)
+    assert "higher by 1284 ± 88 (natural logarithm) with viscous." in note
+
+
+def test_nearly_all_of_a_gap_is_a_bound():
+    found = stored_diagnosis().record
+    nearly = interval(0.99986).model_copy(update={"q05": 0.99964, "q95": 1.00011})
+    row = found.gap.held_out[0].model_copy(update={"shrink": nearly})
+    gap = found.gap.model_copy(update={"held_out": (row,)})
+    table = gap_table(found.model_copy(update={"gap": gap}))
+    assert words(table.rows[0][-1]) == ">\u00a099.9"
+
+
 def test_the_printed_law_says_which_causes_it_lacks():
     said = papers_law((cause("stribeck"), cause("viscous"), cause("clock-scale")))
     assert said.endswith("The friction of stribeck comes on top of it.")
@@ -126,7 +160,7 @@ def test_a_named_board_says_which_numbers_to_use():
     found = stored_diagnosis().record.model_copy(update={"law": law})
     table, parameters = numbers_to_use(found)
     use, alone = ([words(cell) for cell in row] for row in table.rows)
-    assert [use[0], alone[0]] == ["small", "small, law alone (biased)"]
+    assert [use[0], alone[0]] == ["small", "small, law alone"]
     assert table.columns[1] == Column(symbol("c2"), "10⁻³\u202fN")
     number = found.law["c2[small]"]
     assert 1e-3 * float(use[1].split(" ± ")[0]) == pytest.approx(number.after.q50, rel=0.05)
@@ -183,7 +217,7 @@ def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
     assert "axes" not in tables(stored)
     document = build_document(StoredResults(diagnosis=stored))
     assert "There is no gap to place along an axis." in told(document)
-    assert "explains" not in told(document)
+    assert "varies most" not in told(document)
 
 
 def test_an_undecided_board_says_what_may_act():
@@ -333,3 +367,32 @@ def test_settings_that_a_diagnosis_does_not_follow_are_told_first():
     assert told(build_document(stored)).count("Scatter is taken as normal.") == 1
     page = [words(b.text) for b in page_one(stored) if isinstance(b, Notice | Paragraph)]
     assert any("Scatter is taken as normal." in said for said in page)
+
+
+def test_each_joint_has_its_verdict_and_numbers_that_hold_are_said_to_be_confirmed():
+    number = entered("coulomb", 0.612, 0.02)
+    found = without_gap().record.model_copy(update={"enter": (number,), "attention": ()})
+    arms = [
+        found.model_copy(update={"joint": name, "sentence": f"Of {name}."})
+        for name in ("shoulder", "elbow")
+    ]
+    both = "No gap at shoulder and elbow. At shoulder: the sentence of that joint."
+    arm = arms[0].model_copy(update={"joints": tuple(arms), "sentence": both})
+    box = verdict_line(arm)
+    assert [words(point) for point in box.points] == [
+        "shoulder: no gap. Of shoulder.",
+        "elbow: no gap. Of elbow.",
+    ]
+    assert "At shoulder:" not in words(box.text)
+    (trust,) = worries(StoredResults(diagnosis=StoredDiagnosis(arm, curves())))
+    assert (trust.kind, trust.title) == ("good", "Confirmed by held-out data")
+    missed = arms[1].gap.model_copy(update={"held_out_excess": 1e-3})
+    arms[1] = arms[1].model_copy(update={"gap": missed})
+    off = arm.model_copy(update={"joints": tuple(arms)})
+    assert not list(worries(StoredResults(diagnosis=StoredDiagnosis(off, curves()))))
+
+
+def test_a_recording_whose_name_is_all_that_it_has_is_not_repeated():
+    recording = diagnosis().recording
+    assert list(recorded(recording, None))
+    assert not list(recorded(recording.model_copy(update={"title": recording.name}), None))

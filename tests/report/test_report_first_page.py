@@ -179,7 +179,8 @@ def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
 )
 def test_synthetic_data_say_so(stored, name, title, said):
     recording = stored.fit.recording.model_copy(update={"name": name, "title": title})
-    text = words(page_one.recorded(recording, changed(stored, recording=recording)).text)
+    (line,) = page_one.recorded(recording, changed(stored, recording=recording))
+    text = words(line.text)
     assert ("Synthetic data:" in text) == said
     assert f"Recording {name}{': ' + title if title else ''}. Data used: 48" in text
 

@@ -101,7 +101,7 @@ def test_stalls_are_named(stored):
     assert "Trials that stop on their way: g0001, g0009." in text
     assert "No trial stops" not in text
     still = with_quality(stored, did_not_move=("g0003",))
-    assert "Trials that did not move: g0003. Each says" in paragraphs(
+    assert "Trials that did not move: g0003. In each of them" in paragraphs(
         data_quality.data_quality(still)
     )
 

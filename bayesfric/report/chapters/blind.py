@@ -42,6 +42,7 @@ SOURCES = {
     "user": "The recording and its answer are a user's.",
 }
 
+OUTCOMES = ("kept", "kept so far", "missed", "missed so far")
 ENOUGH = 5
 """Cases of an effect at one strength below which its rate says little."""
 
@@ -50,17 +51,12 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     """Return the outcome for a report's first page."""
     missed = [target.name for target in card.targets if target.met is False]
     outcomes = [target.outcome for target in card.targets if target.rate.rate is not None]
-    counts = [
-        f"{outcomes.count(outcome)} {outcome}"
-        for outcome in ("kept", "kept so far", "missed", "missed so far")
-        if outcome in outcomes
-    ]
-    said = f"{_of(card.accuracy)} verdicts are correct"
-    if counts:
-        said += f". These cases judge {len(outcomes)} of {len(card.targets)} promises: "
-        said += ", ".join(counts)
-    if any("so far" in count for count in counts):
-        said += " (so far: with too few cases to be sure)"
+    counts = [f"{outcomes.count(outcome)} {outcome}" for outcome in OUTCOMES if outcome in outcomes]
+    open_still = len(outcomes) - sum(map(outcomes.count, OUTCOMES))
+    counts += [f"{open_still} with too few cases to judge"] * bool(open_still)
+    untried = len(card.targets) - len(outcomes)
+    counts += [f"{untried} without a case"] * bool(untried)
+    said = f"{_counted(card)}. Of {len(card.targets)} promises: {', '.join(counts)}"
     which = f". Missed: {'; '.join(missed)}" if missed else ""
     tuning = card.hypotheses != "user" and not card.scoring
     proof = "These seeds were used to tune the effects: the rates prove nothing. "
@@ -69,6 +65,27 @@ def scorecard_line(card: ScorecardFile) -> Notice:
         [*([Strong(proof)] if tuning else []), f"{said}{which}. See ", Reference("blind"), "."],
         title="Blind test",
     )
+
+
+def _counted(card: ScorecardFile) -> str:
+    """Return how many gaps were named, how many were invented, and how many outsiders flagged."""
+    real = [case for case in card.cases if not case.counts_as_none]
+    of_list = [case for case in real if case.kind != "outsider"]
+    outside = [case for case in real if case.kind == "outsider"]
+    none = [case for case in card.cases if case.counts_as_none]
+    said = []
+    if of_list:
+        named = sum(case.verdict == "named" and case.correct for case in of_list)
+        said.append(f"Found and named {named} of {len(of_list)} real gaps")
+    if none:
+        alarms = sum(case.falsely_named for case in none)
+        said.append(f"{alarms or 'no'} false {'name' if alarms == 1 else 'names'} in "
+                    f"{len(none)} without one")  # fmt: skip
+    if outside:
+        flagged = sum(case.flagged for case in outside)
+        said.append(f"{flagged} of {len(outside)} forces outside of the list flagged")
+    line = "; ".join(said)
+    return line[:1].upper() + line[1:]
 
 
 def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
@@ -126,8 +143,10 @@ def _promises(card: ScorecardFile) -> Table:
         ],
         label="promises",
         note="Kept: the whole interval (Clopper and Pearson) lies in the range that is promised. "
-        "Kept so far: the rate does, and more cases are needed to be sure. Missed likewise."
-        + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
+        "Kept so far: the rate does, with too few cases to be sure. Missed likewise. No rate is "
+        f"printed of fewer than {CASES_TO_DRAW} cases. Shrink: share of the squared gap that the "
+        "named effects remove. Remainder: a force that they leave. Outsider: a force of no effect "
+        "on the list." + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
     )
 
 
@@ -344,7 +363,8 @@ def _cells(rate: Rate) -> tuple[str, str, str]:
     if rate.rate is None:
         return MISSING, MISSING, "0"
     interval = f"{_percent(rate.low)} to {_percent(rate.high)}"
-    return _percent(rate.rate), interval, f"{rate.hits} of {rate.cases}"
+    share = MISSING if rate.cases < CASES_TO_DRAW else _percent(rate.rate)
+    return share, interval, f"{rate.hits} of {rate.cases}"
 
 
 def _percent(share: float) -> str:

@@ -15,13 +15,12 @@ from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.conditions import asked, condition_words, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
     causes,
-    gap_table,
-    gap_words,
     not_told_apart,
     remainder,
     share_words,
 )
 from bayesfric.report.chapters.entering import replays
+from bayesfric.report.chapters.gap_table import gap_table, gap_words
 from bayesfric.report.chapters.joints import joints
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import (
@@ -159,6 +158,8 @@ def _with_share(axis: Axis) -> str:
 def _caused(record: DiagnosisFile) -> list[Inline]:
     if record.causes:
         said: list[Inline] = []
+        if record.verdict == "undecided":
+            said.append("undecided, since the gap may be negligible: ")
         for place, cause in enumerate(record.causes):
             said += [
                 ", " if place else "",

@@ -1,10 +1,8 @@
 """The numbers of the diagnosis: what stands beside its figures, and the long tables."""
 
-import re
 from collections.abc import Iterator, Sequence
 
 from bayesfric.plots.labels import axis_words
-from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -29,18 +27,14 @@ from bayesfric.report.quantities import (
     format_probability,
     format_share,
     format_unit,
-    interval_cells,
     three_digits,
 )
-from bayesfric.report.rig_words import group_words, law_words, rig_words
+from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.words import codes
-from bayesfric.rigs.base import Words
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import Cause
-from bayesfric.schemas.gap import Gap, GapRow
 
-NUMBER = re.compile(r"\d+\.\d+")
 ROWS = 20  # hypotheses listed; diagnosis.json has all
 REASONS = {
     "identical-on-this-rig": "they are identical on this rig, whatever is measured on it",
@@ -278,80 +272,6 @@ def share_words(share: Interval | None) -> str:
     return f"{middle} [{low},\u00a0{high}]"
 
 
-def gap_words() -> Paragraph:
-    """Return where every figure of the gap stands."""
-    return Paragraph(
-        [
-            Reference("gap"),
-            " has the gap on data that the fit has not seen. All parameters are fitted anew, "
-            "without and with the causes.",
-        ]
-    )
-
-
-def gap_table(diagnosis: DiagnosisFile) -> Table:
-    """Return every figure of the gap on data that the fit has not seen."""
-    gap, groups = diagnosis.gap, group_words(diagnosis.rigs)[1]
-    rows: list[tuple[str, int, Gap | GapRow]] = [
-        *((_held_out_words(row.name, groups), 0, row) for row in gap.held_out),
-        ("not held out: the data of the fit", 0, gap.in_sample),
-    ]
-    if gap.trajectory is not None:
-        rows.append(("free-running trajectory [mm]", -3, gap.trajectory))
-    return Table(
-        f"The gap as root mean square [{gap.unit}], with 90 % intervals.",
-        ["held out", "as shipped", "recalibrated", "with the causes", "floor", "shrink, %"],
-        [
-            [
-                name,
-                _cells(row.as_shipped, exponent),
-                _cells(row.before, exponent),
-                _cells(row.after, exponent) if diagnosis.causes else MISSING,
-                _cells(row.floor, exponent),
-                _cells(row.shrink, -2),
-            ]
-            for name, exponent, row in rows
-        ],
-        label="gap",
-        note=[
-            "Medians. Recalibrated: all parameters fitted anew. Floor: what scatter alone makes. ",
-            "Shrink: (before² − after²) / (before² − floor²). " if diagnosis.causes else "",
-            *_reasons(gap, rows, boards=not own_law(diagnosis.rigs)),
-        ],
-    ).filled()
-
-
-def _held_out_words(name: str, groups: str) -> str:
-    """Return what was held out in words of the report."""
-    said = name.replace(Words.groups, groups).replace("folds over", "cross-validation over")
-    return said.replace(", from the rest", ", predicted from the others")
-
-
-def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]], *, boards: bool) -> list[str]:
-    """Return why figures are missing, each reason once; with its rows, where not all lack it.
-
-    Reasons that differ in one number are one reason, with the range of the number.
-    """
-    said: dict[str, list[tuple[str, str]]] = {}
-    for name, _, row in rows:
-        for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
-            if why is not None:
-                reason = f"No number for {what}: {why}"
-                said.setdefault(NUMBER.sub("#", reason, count=1), []).append((name, reason))
-    lines = []
-    for pattern, reasons_of_rows in said.items():
-        reasons = sorted({reason for _, reason in reasons_of_rows})
-        numbers = [number[0] for reason in reasons if (number := NUMBER.search(reason))]
-        why = reasons[0]
-        if len(reasons) > 1:
-            why = pattern.replace("#", f"{min(numbers, key=float)} to {max(numbers, key=float)}")
-        names = [name for name, _ in reasons_of_rows]
-        lines.append(f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). ")
-    if gap.trajectory is None and boards:
-        lines.append(f"No trajectory: {gap.trajectory_why}. ")
-    return lines
-
-
 def _examined(diagnosis: DiagnosisFile) -> Table:
     absent = [effect for effect in diagnosis.effects if effect.needs]
     without: dict[str, list[str]] = {}
@@ -384,10 +304,3 @@ def _no_factor(effects: Sequence[str], why: str) -> str:
 def _with_unit(name: str, unit: str) -> str:
     printed = format_unit(unit)
     return f"{name} [{printed}]" if printed else name
-
-
-def _cells(number: Interval | None, exponent: int) -> str:
-    if number is None:
-        return MISSING
-    mean, low, high = interval_cells(number.q50, number.q05, number.q95, exponent)
-    return f"{mean} [{low},\u00a0{high}]"

@@ -75,7 +75,7 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
     yield from _without_field(ready)
     lacking = list(remarks_of_fields(ready, "some"))
     if lacking:
-        yield BulletList(list(map(_shown, lacking)))
+        yield BulletList(list(map(shown, lacking)))
 
 
 def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
@@ -88,7 +88,7 @@ def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
         yield Table(
             "Numbers that no simulator has a field for. Each ± is half of a 90 % interval.",
             columns[first:],
-            [list(map(_shown, row[first:])) for row in rows],
+            [list(map(shown, row[first:])) for row in rows],
             label="no-field",
             note=" ".join(callbacks(number for enter in joints.values() for number in enter)),
         )
@@ -105,10 +105,10 @@ def told_at_numbers(diagnosis: DiagnosisFile) -> set[str]:
 
 def _cell(column: str, cell: str) -> Text:
     """Return a cell; the number to enter is bold."""
-    return Strong(_shown(cell)) if column == "proposed" else _shown(cell)
+    return Strong(shown(cell)) if column == "proposed" else shown(cell)
 
 
-def _shown(cell: str) -> str:
+def shown(cell: str) -> str:
     """Return a cell as it is printed: a true minus, and no prefix that the head has."""
     return re.sub(
         r"-(?=\d)", "−", cell.removeprefix(ISAAC).removeprefix(URDF).replace(" and .", ", ")

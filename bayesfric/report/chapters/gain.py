@@ -1,7 +1,7 @@
 """Controller margins on page one: whether a loop meets its spec, and which gain to set."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal
 
 from bayesfric.margins.terms import (
@@ -14,6 +14,7 @@ from bayesfric.margins.terms import (
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
+    hunting_curve,
     limit_cycle_against_gain,
 )
 from bayesfric.plots.style import svg_of
@@ -21,6 +22,7 @@ from bayesfric.report.chapters.specs import (
     SHOWN_UNITS,
     at_gain,
     called,
+    is_borderline,
     missing_metrics,
     spaced,
     spec_table,
@@ -47,7 +49,7 @@ HUNTING = (
 )
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 ASSUMED = "Assumed: "  # begins a remark of a loop's file on what nobody measured
-LITTLE = 0.01  # of a variance
+LITTLE, MOST = 0.01, 0.5  # of a variance
 THIN_BAND = 0.02  # of a probability, below which a band hides behind its line
 LAW = "c1, c2, c3"  # the group of a variance that the friction law is
 
@@ -62,6 +64,8 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
     alone : bool
         Whether nothing else is on that page, which then has the specs.
     """
+    if alone:
+        yield Paragraph(HUNTING)
     for loop in margins.loops:
         beside = _named(loop) if alone else _missed(loop)
         said = " ".join(filter(None, [*_gain(loop), *beside]))
@@ -69,18 +73,28 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
     if not alone:
         return
     yield from spec_table(margins, " ".join(line for loop in margins.loops for line in _gain(loop)))
-    for loop in margins.loops:
-        decided = " ".join(_decided(loop))
-        if decided:
-            several = len(margins.loops) > 1
-            yield Paragraph([Code(loop.name), f": {decided}"] if several else decided)
-    if margins.law is not None and margins.law.used == "refitted" and margins.law.causes:
-        yield Paragraph(f"Margins of the law refitted with {' and '.join(margins.law.causes)}.")
-    elif margins.law is not None:
-        yield Paragraph(margins.law.sentence)
+    several = len(margins.loops) > 1
+    decided = {loop.name: " ".join(_decided(loop)) for loop in margins.loops}
+    if several:
+        for name, said in decided.items():
+            if said:
+                yield Paragraph([Code(name), f": {said}"])
+    last = [*([] if several else decided.values()), _of_law(margins), "What was not examined: "]
+    yield Paragraph([" ".join(filter(None, last)), Reference("margins"), "."])
     yield from _assumed(margins.loops)
-    beyond = " What was not examined: "
-    yield Paragraph([HUNTING, beyond, Reference("margins"), "."])
+
+
+def _of_law(margins: MarginsFile) -> str:
+    """Return of which law the margins are; empty where it is the fitted one, and no other is due.
+
+    The section has its sentence in any case.
+    """
+    law = margins.law
+    if law is None or (law.used == "fitted" and law.warning is None):
+        return ""
+    if law.used == "refitted" and law.causes:
+        return f"Margins of the law refitted with {' and '.join(law.causes)}."
+    return law.sentence
 
 
 def _assumed(loops: Sequence[LoopMargins]) -> Iterator[Notice]:
@@ -103,12 +117,20 @@ def _ended(text: str) -> str:
 
 
 def _title(loop: LoopMargins) -> str:
-    return f"{loop.name}: {safety_words(loop)}"
+    words = safety_words(loop)
+    deciding = _deciding(loop)
+    if deciding is None or _kind(loop) == "attention":
+        return f"{loop.name}: {words}"
+    return f"{loop.name}: {words}, if the assumed {key_words(deciding)} is right"
 
 
 def _named(loop: LoopMargins) -> Iterator[str]:
     """Yield which specs the loop misses, hunting aside, at the γ of its file."""
-    others = [called(metric) for metric in missing_metrics(loop) if metric.name != "gamma_hunting"]
+    others = [
+        called(metric) + (" (borderline)" if is_borderline(loop, metric) else "")
+        for metric in missing_metrics(loop)
+        if metric.name != "gamma_hunting"
+    ]
     if others:
         yield f"Specs not met{at_gain(loop)}: {', '.join(others)}."
     yield at_safe_gain_words(loop, words_of)
@@ -153,18 +175,29 @@ def _gain(loop: LoopMargins) -> Iterator[str]:
 
 def _decided(loop: LoopMargins) -> Iterator[str]:
     """Yield how much of the variance of friction c1 to c3 decide, and what decides most."""
-    shares = loop.variance_share.get("gamma_necessary") or loop.variance_share.get(
-        "steady_error_servo", {}
-    )
+    shares = _shares_of_friction(loop)
     if LAW not in shares:
         return
     first = max(shares, key=lambda name: shares[name])
     law = "under 1 %" if shares[LAW] < LITTLE else format_share(shares[LAW])
     yield f"c1, c2 and c3 make {law} of the variance of friction."
-    if first != LAW:
+    if "." in first:  # a number of the loop's file
         words = key_words(first)
         said = words if words == first else f"{words} ({first})"
         yield f"The assumed {said} makes {format_share(shares[first])}: measure that."
+
+
+def _shares_of_friction(loop: LoopMargins) -> Mapping[str, float]:
+    """Return which share of the variance of friction each group of numbers makes."""
+    return loop.variance_share.get("gamma_necessary") or loop.variance_share.get(
+        "steady_error_servo", {}
+    )
+
+
+def _deciding(loop: LoopMargins) -> str | None:
+    """Return the number of the loop's file that makes most of the variance of friction."""
+    of_file = [key for key, share in _shares_of_friction(loop).items() if share > MOST]
+    return next((key for key in of_file if "." in key), None)
 
 
 def key_words(key: str) -> str:
@@ -232,7 +265,7 @@ def _elsewhere(loops: Sequence[LoopMargins]) -> str:
 
 def _band(loops: Sequence[LoopMargins]) -> str:
     """Return what is shaded: the Monte Carlo error, where a reader can see it."""
-    error = 2 * max(point.mcse for loop in loops for point in loop.limit_cycle_probability)
+    error = 2 * max(float(hunting_curve(loop)[2].max()) for loop in loops)
     if error < THIN_BAND:
         return (
             f"Twice its Monte Carlo error, at most {format_number(error, 1)}, is too thin to see."

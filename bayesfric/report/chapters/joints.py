@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from bayesfric.export.entered import with_error
+from bayesfric.report.chapters.entering import shown
 from bayesfric.report.content import Block, Code, Heading, Paragraph, Table
 from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import THIN, error_cells, format_number, format_unit
@@ -19,10 +21,7 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
     for joint in diagnosis.joints:
         numbers = {number.parameter: number for number in joint.enter}
         causes = ", ".join(cause.effect for cause in joint.causes) or "none"
-        printed = [
-            _with_error(numbers[name].value, numbers[name].unit) if name in numbers else "–"
-            for name in names
-        ]
+        printed = [shown(with_error(numbers[name])) if name in numbers else "–" for name in names]
         rows.append([str(joint.joint), VERDICTS[joint.verdict], causes, *printed])
     yield Table(
         "What was found of each joint, and the numbers to enter.",

@@ -35,7 +35,7 @@ from bayesfric.report.chapters.to_use import (
     papers_law,
     refitted_coefficients,
 )
-from bayesfric.report.chapters.verdict import verdict_line
+from bayesfric.report.chapters.verdict import is_sound, verdict_line
 from bayesfric.report.content import (
     Block,
     Code,
@@ -63,7 +63,7 @@ WORDS = ("wander", "latency")  # parameters whose names a sentence may have as w
 def page_one(stored: StoredResults) -> Iterator[Block]:
     """Yield what stands before the table of contents: the answer first, then the worries."""
     for record in list(stored.records.values())[:1]:
-        yield recorded(record.recording, stored.fitted)
+        yield from recorded(record.recording, stored.fitted)
     fitted, diagnosed = stored.fitted, stored.diagnosis
     refitted = {} if diagnosed is None else refitted_coefficients(diagnosed.record)
     if fitted is not None:
@@ -106,10 +106,12 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from coefficients_figure(fitted, {})
 
 
-def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
-    """Return which recording it is, and what of it enters the fit."""
-    title = recording.title
-    return Paragraph(
+def recorded(recording: RecordingId, fitted: StoredFit | None) -> Iterator[Paragraph]:
+    """Yield which recording it is, and what of it enters; nothing beyond the report's own title."""
+    title = "" if recording.title == recording.name else recording.title
+    if not title and fitted is None and not _synthetic(recording.name):
+        return
+    yield Paragraph(
         [
             "Recording ",
             Code(recording.name),
@@ -307,6 +309,13 @@ def worries(stored: StoredResults) -> Iterator[Block]:
         yield Notice("attention", *heeded)
     if harmless:
         yield Notice("info", " ".join(harmless))
+    if not lines and fit is None and diagnosed is not None and is_sound(diagnosed.record):
+        yield Notice(
+            "good",
+            "These numbers predict held-out data as well as scatter lets them, and no check asks "
+            "for attention.",
+            title="Confirmed by held-out data",
+        )
     if not lines and fit is not None and fit.converged:
         yield Notice(
             "good",

@@ -12,10 +12,11 @@ from bayesfric.margins.terms import (
     safe_up_to,
 )
 from bayesfric.report.content import Strong, Table, Text, right_columns
-from bayesfric.report.quantities import MISSING, format_count, format_number
+from bayesfric.report.quantities import MISSING, error_cells, format_count, format_number
 from bayesfric.schemas import MarginsFile
 from bayesfric.schemas.margins import LoopMargins, Metric
 
+TWICE = 2.0  # Monte Carlo errors: nearer to what is allowed, a probability is borderline
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
     "s": ("ms", 1e3),
@@ -115,8 +116,9 @@ def spec_table(margins: MarginsFile, said: str) -> Iterator[Table]:
         ],
         rows,
         label="specs",
-        note=f"{_bold(loops)}“γ from which it hunts” "
-        f"does not depend on the γ that is set.{_of_the_file(loops) if lower else ''}"
+        note=f"{_bold(loops)}“γ from which it hunts” must be at least the γ that is set"
+        f"{', which is another in each of the two columns' * lower}; its own value does not "
+        f"depend on that.{_of_the_file(loops) if lower else ''}"
         f"{_simulated(margins, said)}{_below_simulated(margins)}",
     )
 
@@ -124,7 +126,11 @@ def spec_table(margins: MarginsFile, said: str) -> Iterator[Table]:
 def _bold(loops: Sequence[LoopMargins]) -> str:
     """Return what bold says, where something is."""
     missed = any(next(missing_metrics(loop), None) is not None for loop in loops)
-    return "Bold: misses its spec more often than the file allows. " if missed else ""
+    bold = "Bold: misses its spec more often than the file allows. " if missed else ""
+    judged = [(loop, metric) for loop in loops for metric in loop.metrics]
+    if any(is_borderline(loop, metric) for loop, metric in judged):
+        bold += "With an error: within two Monte Carlo errors of what is allowed. "
+    return bold
 
 
 def _of_the_file(loops: Sequence[LoopMargins]) -> str:
@@ -176,11 +182,14 @@ def _judged(loop: LoopMargins, *, lower: bool) -> Iterator[list[Text]]:
         low, high = (
             format_number(scale * q, 2) for q in (metric.interval.q05, metric.interval.q95)
         )
+        asked = f"{metric.sense} {scale * metric.spec:.3g}"
+        if lower and metric.name == "gamma_hunting":
+            asked = f"{metric.sense} the γ set"
         row = [
             called(metric),
-            chance_of_missing(metric) or MISSING,
+            _chance(loop, metric),
             _allowed(loop, metric),
-            spaced(f"{metric.sense} {scale * metric.spec:.3g}", unit),
+            spaced(asked, unit),
             spaced(f"{low} to {high}", unit),
         ]
         cells: list[Text] = [Strong(cell) if stored in missing else cell for cell in row]
@@ -196,8 +205,25 @@ def _at_safe(loop: LoopMargins, metric: Metric) -> Text:
         return f"≤ {loop.limit_cycle_probability_max:g}"
     named = (metric.name, metric.direction)
     (lower,) = (row for row in there.metrics if (row.name, row.direction) == named)
-    chance = chance_of_missing(lower) or MISSING
+    chance = _chance(loop, lower)
     return Strong(chance) if full_name(metric) in there.missed_specs else chance
+
+
+def _chance(loop: LoopMargins, metric: Metric) -> str:
+    """Return how probably a spec is missed, with its error where that decides."""
+    p, error = metric.probability_of_violation, metric.monte_carlo_se
+    if p is not None and error is not None and is_borderline(loop, metric):
+        return " ± ".join(error_cells(p, error))
+    return chance_of_missing(metric) or MISSING
+
+
+def is_borderline(loop: LoopMargins, metric: Metric) -> bool:
+    """Tell whether the Monte Carlo error decides whether a spec is missed too often."""
+    p, error = metric.probability_of_violation, metric.monte_carlo_se
+    allowed = loop.violation_probability_max
+    if metric.name == "gamma_hunting" or metric.spec is None or allowed is None:
+        return False
+    return p is not None and error is not None and 0 < p < 1 and abs(p - allowed) < TWICE * error
 
 
 def spaced(number: str, unit: str) -> str:

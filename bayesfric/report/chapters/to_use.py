@@ -3,7 +3,9 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from bayesfric.attention.diagnosis import APART, biased_numbers
 from bayesfric.effects import all_effects
+from bayesfric.effects.pulley_count_curvature import MIDDLE_COUNT
 from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
 from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
@@ -28,6 +30,7 @@ from bayesfric.schemas.parameter import ParameterSummary
 NO_BREAK = "\u00a0"
 OF_SPEED = {"constant": "d v", "tension": "d v T/(15 N)", "wrap": "d v θ/85°"}
 """Viscous friction of a pulley by its law, with its damping d at 15 N and 85°."""
+COUNTED = "pulley-count-curvature"  # a factor of friction, and not a force beside it
 HALF = "Median ± half of the 90 % interval."
 
 
@@ -45,8 +48,8 @@ def papers_law(causes: Sequence[Cause] = ()) -> str:
     Parameters
     ----------
     causes : sequence of Cause
-        With which it was refitted; viscous friction has a term of its own, and of all others
-        it is said that their force comes on top.
+        With which it was refitted; viscous friction and a power of the number of pulleys stand
+        in the formula, and of all others it is said that their force comes on top.
 
     Returns
     -------
@@ -57,17 +60,22 @@ def papers_law(causes: Sequence[Cause] = ()) -> str:
     by = "" if viscous is None else viscous.law
     term = f" + {OF_SPEED[by]}" if by in OF_SPEED else ""
     factor = " (1 + s v)" if by == "friction" else ""
-    formula = f"n ((c₁ + c₃ (θ − 85°)) T + c₂{term}){factor}".replace(" ", NO_BREAK)
+    curved = any(cause.effect == COUNTED for cause in causes)
+    count = f"n (n/{MIDDLE_COUNT:g})ᵏ" if curved else "n"
+    formula = f"{count} ((c₁ + c₃ (θ − 85°)) T + c₂{term}){factor}".replace(" ", NO_BREAK)
     symbols = ["T the cable tension", "θ the wrap angle"]
     if term:
         symbols += ["v the cable speed", "d the damping of a pulley"]
     elif factor:
         symbols += ["v the cable speed", "s viscous.slope"]
+    if curved:
+        symbols += [f"k {COUNTED}.exponent"]
     examined = all_effects(None)
     others = [
         cause.effect
         for cause in causes
         if not (cause is viscous and (term or factor))
+        and cause.effect != COUNTED
         and cause.effect in examined
         and examined[cause.effect].acts_on == "friction"
     ]
@@ -101,7 +109,8 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
             diagnosis.verdict, "The best numbers while the verdict is open"
         )
         of_fit = "" if alone else "; the chapters on the fit are of it"
-        yield _with_causes(title, diagnosis.law, causes, f"{of_fit}.", formula)
+        biased = _biased_words(biased_numbers(diagnosis), causes)
+        yield _with_causes(title, diagnosis.law, causes, f"{biased}{of_fit}.", formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
     elif alone and diagnosis.law:
@@ -118,11 +127,11 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
 
 
 def _with_causes(
-    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], of_fit: str, formula: str
+    title: str, law: Mapping[str, LawNumber], causes: Sequence[Cause], of_law: str, formula: str
 ) -> Table:
     """Return the law refitted with the causes, and below it the law alone.
 
-    `of_fit` ends what the note says of the law alone, and `formula` the note.
+    `of_law` is what the note says of the law alone, and `formula` ends the note.
     """
     names = " and ".join(cause.effect for cause in causes)
     dampings = _dampings(law, causes)
@@ -133,7 +142,7 @@ def _with_causes(
         for whose, cells in _numbers(law, lambda number: number.after)
     ]
     rows += [
-        [f"{whose}, law alone (biased)".removeprefix(", "), *cells, *([""] if dampings else [])]
+        [f"{whose}, law alone".removeprefix(", "), *cells, *([""] if dampings else [])]
         for whose, cells in _numbers(law, lambda number: number.before)
     ]
     return Table(
@@ -141,9 +150,19 @@ def _with_causes(
         ["", *_heads(law), *damping],
         rows,
         label="use",
-        note=f"{HALF} The law alone is biased, since it takes up a part of the force of {names}"
-        f"{of_fit}{slope}{formula}",
+        note=f"{HALF} {of_law}{slope}{formula}",
     ).filled()
+
+
+def _biased_words(biased: Mapping[str, LawNumber], causes: Sequence[Cause]) -> str:
+    """Return what the law alone has wrong, a sentence without its full stop."""
+    takes_up = f"takes up a part of the force of {' and '.join(c.effect for c in causes)}"
+    if not biased:
+        return f"The law alone {takes_up}, which moves none of its numbers beyond their errors"
+    return (
+        f"The law alone {takes_up}: {', '.join(biased)} {'is' if len(biased) == 1 else 'are'} "
+        f"more than {APART:g} combined standard deviations off"
+    )
 
 
 def _slope_of(causes: Sequence[Cause]) -> str:

@@ -44,6 +44,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
             ".",
         ],
         title="Sim-to-real gap",
+        points=list(_of_joints(record)),
     )
 
 
@@ -112,9 +113,29 @@ def _nothing_left(record: DiagnosisFile) -> bool:
     )
 
 
+def is_sound(record: DiagnosisFile) -> bool:
+    """Tell whether held-out data confirm the numbers to enter of every joint."""
+    return all(
+        bool(joint.enter and joint.gap.held_out)
+        and joint.verdict in ("no-gap", "named")
+        and joint.gap.held_out_excess == 0
+        and why_untrusted(joint) is None
+        for joint in record.joints or (record,)
+    )
+
+
+def _of_joints(record: DiagnosisFile) -> Iterator[list[Inline]]:
+    """Yield the verdict of each joint, with its own sentence; nothing for a single one."""
+    for joint in record.joints:
+        verdict = VERDICTS[joint.verdict]
+        yield [Strong(f"{joint.joint}: {verdict[:1].lower()}{verdict[1:]}."), f" {joint.sentence}"]
+
+
 def _with_meanings(record: DiagnosisFile) -> str:
     """Return the verdict's sentence, in which each cause is followed by what it is."""
     said = record.sentence
+    if record.joints:  # each has its own sentence below
+        said = said.partition(f" At {record.joint}: ")[0]
     if not record.joints and why_untrusted(record) is not None:  # told at the numbers, below
         effects = record.causes or record.considered
         said = said.removesuffix(f" {held_out_words(record.gap, effects, record.verdict)}")
