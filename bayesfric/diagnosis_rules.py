@@ -86,6 +86,9 @@ class DiagnosisThresholds:
         [1; inclusion]
     axes_alike: axes whose functions have a larger canonical correlation are confounded [1; where]
     effects_alike: effects whose responses have a larger cosine are one class [1; inclusion]
+    beyond_prior: an amplitude farther from the centre of its prior lies beyond it [sd;
+        tight-priors]
+    wider: priors that are too tight are made wider by this factor [1; tight-priors]
     effect_felt: an effect with less squared signal over noise cannot be noticed [1; recalibration]
     effect_absorbed: the law takes up an effect of whose squared response it leaves less [1;
         recalibration]
@@ -161,6 +164,8 @@ class DiagnosisThresholds:
     friction_nothing: float = 0.05
     axes_alike: float = 0.95
     effects_alike: float = 1 - 1e-4
+    beyond_prior: float = 2.0
+    wider: float = 10.0
     effect_felt: float = 1e-2
     effect_absorbed: float = 1e-4
     effect_shows: float = 10.0
