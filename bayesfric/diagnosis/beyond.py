@@ -31,7 +31,8 @@ def too_tight(question: Question, compared: Compared, judged: Judged) -> tuple[s
 
     They are those of a hypothesis that lacks a cause, in which their amplitudes lie beyond
     their priors, and which is not surely less likely than the best with all causes once these
-    priors are wide. A prior that the user stated stands.
+    priors are wide; and those that lie beyond in that best one. A prior that the user stated
+    stands.
 
     Parameters
     ----------
@@ -100,14 +101,16 @@ def _of_rivals(
         return set()
     best = max(standing, key=search.worth)
     noise = best.at.psi[: len(model.noise)]
-    least = search.worth(best) + max(_gained(model, best, noise, stated)[1], 0.0)
+    of_best, best_gain = _gained(model, best, noise, stated)
+    least = search.worth(best) + max(best_gain, 0.0)
     least -= float(np.log(RULES.sure / (1 - RULES.sure)))
     tight: set[str] = set()
     for rival in weighed:
         if not named <= rival.hypothesis:
             names, gain = _gained(model, rival, noise, stated)
             if names and search.worth(rival) + gain >= least:
-                tight |= names
+                # A cause that lies beyond its own prior is not to lose by that.
+                tight |= names | of_best
     return tight
 
 

@@ -20,21 +20,21 @@ VISCOUS = 0.8
 """Five times the scale of the prior of its slope [s/m]."""
 
 
-def points(folder, viscous, drag=0.0, *, fastest):
-    """Return 60 points of five pulleys under the law, with friction that grows with speed."""
+def points(folder, viscous, drag=0.0, *, fastest=0.3, pulleys=5):
+    """Return 60 points of some pulleys under the law, with friction that grows with speed."""
     rng = np.random.default_rng(1)
     tension = np.tile([5.0, 10.0, 15.0, 20.0], 15)
     speed = np.repeat(np.linspace(0.05, fastest, 15), 4)
-    law = (0.0042 * tension + 0.0165) * 5
-    at_reference = (0.0042 * 15 + 0.0165) * 5
-    friction = law * (1 + 0.01 * rng.standard_normal(60)) + 0.002 * rng.standard_normal(60)
+    law = (0.0042 * tension + 0.0165) * pulleys
+    at_reference = (0.0042 * 15 + 0.0165) * pulleys
+    friction = law * (1 + 0.01 * rng.standard_normal(60)) + 4e-4 * pulleys * rng.standard_normal(60)
     friction += viscous * speed * at_reference + drag * speed**2
     table = {
         "velocity_m_s": speed,
         "tension_n": tension,
         "friction_n": friction,
         "pulley_size": ["medium"] * 60,
-        "n_pulleys": [5] * 60,
+        "n_pulleys": [pulleys] * 60,
         "wrap_angle_deg": [85.0] * 60,
     }
     return recorded(folder, table)
@@ -43,7 +43,7 @@ def points(folder, viscous, drag=0.0, *, fastest):
 @pytest.fixture(scope="module")
 def slow(tmp_path_factory):
     """Slow points, on which friction in proportion to speed looks much like its square."""
-    return points(tmp_path_factory.mktemp("slow"), VISCOUS, fastest=0.3)
+    return points(tmp_path_factory.mktemp("slow"), VISCOUS)
 
 
 def asked(recording, analysis=None):
@@ -101,6 +101,23 @@ def test_a_prior_that_a_user_stated_stands(by_tight_priors, stated):
     question, compared, judged = by_tight_priors
     own = replace(question, analysis=Analysis.model_validate(stated))
     assert "viscous" not in too_tight(own, compared, judged)
+
+
+@pytest.mark.parametrize(
+    ("drag", "tight", "named"),
+    [
+        (0.0, ("viscous",), {"viscous"}),
+        (0.3, ("air-drag", "viscous"), {"viscous", "air-drag"}),
+    ],
+)
+def test_no_effect_stands_for_one_beyond_its_prior(tmp_path, drag, tight, named):
+    """Of one pulley an air drag inside of its prior does what viscous friction does."""
+    question = asked(points(tmp_path, VISCOUS, drag, pulleys=1))
+    compared, judged = sorted_effects(question)
+    assert judged.named == ["air-drag"]
+    assert too_tight(question, compared, judged) == tight
+    _, judged = sorted_effects(with_wider_priors(question, tight, judged))
+    assert set(judged.named) == named
 
 
 def test_only_where_a_verdict_names_a_cause(by_tight_priors):
