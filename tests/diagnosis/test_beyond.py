@@ -65,6 +65,8 @@ def by_tight_priors(slow):
 def test_viscous_friction_far_beyond_its_prior_is_named_alone(slow, tmp_path):
     """Also where pieces are kept: those with other priors are other pieces."""
     summary = diagnose(slow, checkpoint=tmp_path / "kept").summary
+    pieces = {path.name for path in (tmp_path / "kept").iterdir()}
+    assert {"weigh-0000.npz", "viscous-weigh-0000.npz"} <= pieces
     assert summary.verdict == "named"
     (cause,) = summary.causes
     assert cause.effect == "viscous"
