@@ -35,7 +35,7 @@ class Scatter(Section):
     ------
     by_size: A tau and an omega for each size, instead of one.
     trial: Distribution of a trial's scatter on the gravity board; student-t forgives outliers.
-        Other rigs have normal scatter, and results say so.
+        Other rigs have normal scatter, and results state this.
     assembly: Distribution of an assembly's scatter. Trial and assembly cannot both be student-t.
     degrees_of_freedom: Degrees of freedom of the student-t. Its scale is tau, or omega and
         omega_intercept.
@@ -94,12 +94,16 @@ Share = Annotated[float, Field(gt=0, lt=1)]
 class ClaimRules(Section):
     """When a claim is supported, refuted, or neither.
 
-    A claim may have rivals: effects that it says are absent. It is refuted where the Bayes
+    A claim may have rivals: effects that the claim denies. It is refuted where the Bayes
     factor favours a rival, the rival's effect is large enough to matter, and it improves
     prediction. It is supported where the Bayes factor favours the claim and the rival's effect
-    is too small to matter. Otherwise it stays undecided. To refute, the Bayes factor must hold
-    over a tenfold change of the width of the rivals' priors; to support, a weaker one must. A
-    claim without rivals rests on a probability.
+    is too small to matter. Otherwise it stays undecided.
+
+    The Bayes factor depends on the width of the rivals' priors, so it is computed for a tenfold
+    range of widths around the width of the analysis. To refute a claim, it must reach the
+    threshold for refuting at every width of this range. To support a claim, it must reach the
+    threshold for supporting at the width of the analysis, and a lower threshold at every width of
+    the range. A claim without rivals is judged by a probability.
 
     Fields
     ------
@@ -169,7 +173,7 @@ class HypothesisPriors(Section):
 
 
 class DiagnosisRules(Section):
-    """What counts as a gap between simulation and reality, and the prior probabilities.
+    """The size from which a gap matters, and the prior probabilities of the hypotheses.
 
     Fields
     ------

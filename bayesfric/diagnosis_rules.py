@@ -16,103 +16,124 @@ class DiagnosisThresholds:
 
     Fields
     ------
-    sure: an effect acts, a gap is there or is not, from this probability on [1; inclusion]
-    likely: an unknown force, a gap and the size of a cause count from this probability on [1;
+    sure: an effect acts, or a gap is there or absent, if its probability is at least this [1;
         inclusion]
-    possible: an effect is possible, and an unknown force doubtful, from this probability on [1;
+    likely: an unknown force, a gap or the size of a cause is reported if its probability is at
+        least this [1; inclusion]
+    possible: an effect is possible, and an unknown force doubtful, if its probability is at least
+        this [1; inclusion]
+    rare: a hypothesis with a smaller probability gets no draws and changes nothing [1; gap]
+    listed: a hypothesis with a smaller probability is not listed [1; hypotheses-alike]
+    felt: an error of a reading or a current is named if its strength is at least this [friction;
+        strength]
+    unresolved: rms gap that windows and linearisation leave on data without noise [friction; gap]
+    has_figure: a smaller gap is reported as below this value [friction; gap]
+    beside_effects: prior probability that an unknown force acts together with effects [1;
+        unknown-force]
+    foreign: if causes leave a larger part of the squared gap, they did not make it [gap²;
+        unknown-force]
+    made_by_most: effects that leave a smaller part of the squared gap make most of it [gap²;
         inclusion]
-    rare: a hypothesis that is less probable has no draws, and moves nothing [1; gap]
-    listed: a hypothesis that is less probable is not listed [1; hypotheses-alike]
-    felt: an error of a reading or a current is named from this strength on [friction; strength]
-    unresolved: a gap that windows and linearisation leave of data without noise [friction; gap]
-    has_figure: a gap below it is stated as a bound, without a figure [friction; gap]
-    beside_effects: of unknown forces, the share that is expected beside effects [1; unknown-force]
-    foreign: causes that leave more of the squared gap did not make it [gap²; unknown-force]
-    made_by_most: effects that leave less of the squared gap make most of it [gap²; inclusion]
-    alike_clocks: late clocks that leave less of the square of what causes do stand for them [1;
+    alike_clocks: if late clocks explain the response of the causes up to a smaller part of its
+        square, they can replace the causes [1; held-out]
+    above_floor: a shrink is reported if the gap is above its floor with at least this probability
+        [1; floor]
+    most_shrink: a held-out shrink with a larger median is not reported, because it contradicts
+        itself [1; floor]
+    shrink_missed: causes are overruled if the interval of their held-out shrink is this much below
+        that of the model [gap²; held-out]
+    predicts_better: causes must predict held-out data better by this many standard errors [errors;
         held-out]
-    above_floor: a gap shrinks where it is above its floor with this probability [1; floor]
-    most_shrink: a shrink on held-out data whose median is above it contradicts itself [1; floor]
-    shrink_missed: causes whose held-out shrink is this much below the model's are overruled [gap²;
+    predicts_beside: a cause of a joint that acts together with others must predict held-out data
+        better by this many standard errors, because about twenty effects are tried [errors;
         held-out]
-    predicts_better: causes have to predict held-out data better by so many standard errors [errors;
-        held-out]
-    predicts_beside: a cause of a joint beside others, of some twenty effects, predicts better by so
-        many [errors; held-out]
-    few_blocks: of fewer the error of what they tell is itself hardly known [blocks; held-out]
-    remainder_tells: held-out data leave at most this times what a remainder beside the causes tells
+    few_blocks: with fewer held-out blocks the standard error of their sum is itself uncertain
+        [blocks; held-out]
+    remainder_tells: a remainder explains what held-out data leave up to this multiple of its force
         [1; held-out]
-    number_open: a number whose 90 % interval is this much of its median is hardly known [1; joints]
-    inertia_apart: from this factor on, by which gravity makes its error larger, inertia is not told
-        alone [1; joints]
-    shrink_sure: then one error is enough beside a held-out shrink that is surely this at least
-        [gap²; held-out]
-    least_blocks: with fewer held out nobody says whether causes predict better [blocks; held-out]
-    contradicted: the share of a hypothesis that is an unknown force once it is overruled [1;
-        held-out]
-    extrapolated: the share of the range of tension above which a trial is extrapolated to [1;
-        held-out]
-    like_scatter: residuals whose order or size is rarer by chance than this are no scatter [1;
+    number_open: a coefficient is poorly determined if its 90 % interval is wider than this part of
+        its median [1; joints]
+    inertia_apart: inertia is not reported alone if gravity increases its standard error by a larger
+        factor [1; joints]
+    shrink_sure: one standard error is sufficient if the held-out shrink is at least this with
+        probability 0.95 [gap²; held-out]
+    least_blocks: with fewer held-out blocks no predictive density is compared [blocks; held-out]
+    contradicted: part of the probability of overruled hypotheses that is moved to an unknown force
+        [1; held-out]
+    extrapolated: trials above this part of the range of tension form the extrapolation to the top
+        tension [1; held-out]
+    like_scatter: residuals are not scatter if scatter makes their order or size with a smaller
+        probability [1; scatter-in-order]
+    order_matters: order in residuals below this part of the practical share is ignored [practical;
         scatter-in-order]
-    order_matters: order in residuals below this part of the practical share is let be [practical;
+    order_of_friction: if the gap is larger, the order of its residuals is not tested [friction;
         scatter-in-order]
-    order_of_friction: a gap above it is judged without the order of its residuals [friction;
-        scatter-in-order]
-    remainder_left: a remainder matters where surely more than this is left of the gap [gap²;
-        inclusion]
-    remainder_log10: a remainder is significant above this log10 Bayes factor [1; unknown-force]
-    other_joints_left: other joints may pull where a gap of this size is left [friction;
+    remainder_left: a remainder matters if, with probability 0.95, causes leave a larger part of the
+        squared gap [gap²; inclusion]
+    remainder_log10: a remainder is significant if its log10 Bayes factor is larger [1;
+        unknown-force]
+    other_joints_left: other joints may exert forces if causes leave a gap of at least this size
+        [friction; axis-windows]
+    other_joints_of_gap: and if what causes leave is at least this part of the gap [gap;
         axis-windows]
-    other_joints_of_gap: and where it is also at least this part of the gap [gap; axis-windows]
-    stray: a reading that is farther off counts little: one of a million is [sd; strays]
-    most_strays: where a larger share is as far off, a force is there and no stray [1; strays]
-    stray_freedom: degrees of freedom of the Student-t by which a stray's weight is less [1; strays]
-    stray_least_rows: among fewer there are no strays [readings; strays]
-    stray_told: a stray of a smaller weight is listed by name [1; strays]
-    windows_a_number: with fewer for each number of the law a recording shows no gap [windows;
-        inclusion]
-    windows_a_number_of_joints: the same of a joint, whose windows hang together along its path
+    stray: a reading with a larger residual gets less weight; with normal errors that is one reading
+        in a million [sd; strays]
+    most_strays: if a larger part of the readings is as far away, a force acts and no reading is a
+        stray [1; strays]
+    stray_freedom: degrees of freedom of the Student-t that gives the weight of a stray [1; strays]
+    stray_least_rows: with fewer readings no reading is a stray [readings; strays]
+    stray_told: a stray with a smaller weight is listed by name [1; strays]
+    windows_a_number: with fewer windows for each coefficient of the law a recording cannot show a
+        gap [windows; inclusion]
+    windows_a_number_of_joints: the same for a joint, whose windows are correlated along its path
         [windows; inclusion]
-    instrument_errors: where an instrument alarms a cause is held that it tells from zero [sd;
+    instrument_errors: if the instrument shows that least squares are biased, a cause is kept only
+        if its instrumental estimate exceeds zero by this many standard errors [sd; joints]
+    instrument_keeps: and if this estimate is at least this part of the least-squares estimate [1;
         joints]
-    instrument_keeps: and of which it tells this part of what least squares tell [1; joints]
-    instrument_weak: an instrument whose F statistic is smaller tells no numbers [1; joints]
-    instrument_sure: but that least squares are bent, where chance makes less than this [1; joints]
-    runs_of_scatter: fewer do not tell how far the law is off for runs to come [runs; joints]
-    unknown_less_likely: by so much must an unknown force be less likely than none for no gap [nat;
+    instrument_weak: an instrument with a smaller F statistic gives no estimates [1; joints]
+    instrument_sure: such an instrument still shows that least squares are biased if chance makes
+        its result with a smaller probability [1; joints]
+    runs_of_scatter: with fewer runs the scatter between runs is not estimated [runs; joints]
+    unknown_less_likely: no gap requires that none has a larger log evidence than an unknown force
+        by at least this [nat; inclusion]
+    friction_loose: if the error of friction is larger, a gap cannot be excluded [friction;
         inclusion]
-    friction_loose: with an error of friction above it no gap can be excluded [friction; inclusion]
-    friction_nothing: a number of the law may be nothing where more of its draws are at its least
-        [1; inclusion]
-    axes_alike: axes whose functions have a larger canonical correlation are confounded [1; where]
-    effects_alike: effects whose responses have a larger cosine are one class [1; inclusion]
+    friction_nothing: a coefficient of the law may be zero if a larger part of its draws is at its
+        minimum [1; inclusion]
+    axes_alike: two axes are confounded if the canonical correlation of their functions is larger
+        [1; where]
+    effects_alike: two effects form one class if the cosine between their responses is larger [1;
+        inclusion]
     beyond_prior: an amplitude farther from the centre of its prior lies beyond it [sd;
         tight-priors]
     wider: priors that are too tight are made wider by this factor [1; tight-priors]
-    effect_felt: an effect with less squared signal over noise cannot be noticed [1; recalibration]
-    effect_absorbed: the law takes up an effect of whose squared response it leaves less [1;
+    effect_felt: an effect with a smaller squared signal-to-noise ratio cannot be detected [1;
         recalibration]
-    effect_shows: and does not where what it leaves has more squared signal over noise [1;
+    effect_absorbed: the law absorbs an effect if it leaves a smaller part of its squared response
+        [1; recalibration]
+    effect_shows: but not if what it leaves has a larger squared signal-to-noise ratio [1;
         recalibration]
-    rival: a next trial separates hypotheses that are at least so probable [1; next-trial]
-    next_trial_factor: a trial whose expected Bayes factor is smaller is not proposed [1;
-        next-trial]
-    discrepancy_share: the discrepancy of every hypothesis, as a part of the practical share
+    rival: a next trial separates hypotheses with at least this probability [1; next-trial]
+    next_trial_factor: a trial with a smaller expected Bayes factor is not proposed [1; next-trial]
+    discrepancy_share: rms of the discrepancy of every hypothesis, as a part of the practical share
         [practical; small-amounts]
-    discrepancy_least: and at the least this share of friction [friction; small-amounts]
-    most_effects: more are not looked for at a time [effects; finalists]
-    tried: so many are tried beside a hypothesis, best first [effects; finalists]
-    beam: so many of each number of effects are gone on from [hypotheses; finalists]
-    finalists: so many are compared again at the most [hypotheses; finalists]
-    effect_gains: a hypothesis is gone on with where a further effect gains more [nat; finalists]
-    weighed_within: a hypothesis whose first look is farther below the best is not weighed [nat;
+    discrepancy_least: the rms of the discrepancy is at least this part of friction [friction;
+        small-amounts]
+    most_effects: hypotheses contain at most this many effects [effects; finalists]
+    tried: this many extensions of a hypothesis are evaluated, the best first [effects; finalists]
+    beam: this many hypotheses of each number of effects are extended [hypotheses; finalists]
+    finalists: at most this many hypotheses are compared again [hypotheses; finalists]
+    effect_gains: an extended hypothesis is evaluated if the further effect raises the log evidence
+        by at least this [nat; finalists]
+    weighed_within: a hypothesis whose first look is farther below the best is not evaluated [nat;
         finalists]
     compared_within: a hypothesis that is farther below the best is not compared again [nat;
         finalists]
-    own_noise_within: a hypothesis nearer to the best has the volume of its own noise [nat;
+    own_noise_within: a hypothesis closer to the best has the Laplace volume of its own noise [nat;
         finalists]
-    followed_within: forms, laws and unknown forces farther below the best are not followed [nat;
-        finalists]
+    followed_within: errors of laws, further laws and unknown forces farther below the best are not
+        examined [nat; finalists]
     """
 
     sure: float = 0.9

@@ -1,9 +1,9 @@
 """The errors and smallest effects that a recording allows, from its conditions alone.
 
-The trials are laid out anew, without noise, on time by a law: what was measured does not
-enter. Around that law everything is linear, so that friction's scatter and the errors of a
-good rig give the error with which the data know each coefficient and each effect's amplitude;
-:mod:`bayesfric.inference.power` turns an error into the smallest effect that is found.
+The trials are simulated from a law without noise, so measured values do not enter. Around that law
+the model is linear. The scatter and the errors of a good rig then give the error of each
+coefficient and of the amplitude of each effect. :mod:`bayesfric.inference.power` converts such an
+error to the smallest effect that is found.
 """
 
 from collections.abc import Mapping, Sequence

@@ -52,7 +52,7 @@ class Priors(Section):
     Table I (docs/decisions/friction-priors.md). Under them friction is positive and boards move.
 
     - c1: a rope sheave on rolling bearings has an efficiency of 0.98 to 0.99, so c1 is about 0.01.
-    - c2: 0.04 N is the weight of 4 g for each pulley, where masses weigh about a kilogram.
+    - c2: 0.04 N is the weight of 4 g for each pulley. The masses of a board weigh about 1 kg.
     - wrap_share: friction in proportion to the bearing's load 2 T sin(θ/2) would grow by
       ½ cot(θ/2) = 0.0095/deg at 85°. Friction of bending the cable would not grow at all.
     - tau, omega: a rig whose friction repeats worse than 5 % is loose.
@@ -63,10 +63,10 @@ class Priors(Section):
     - The cable is that of model (3). It matters only where it stretches. 0.61 mm 7×19 stainless
       cable has an EA of 14 to 16 kN after running in, and less when new. A length of 1.6 m
       (95 %: 1.1 to 2.4 m) and the damping (95 %: 1.3 to 20 % of the critical) are assumptions. Only
-      EA over length counts.
+      the ratio of EA to length matters.
     - Motor board: a torque constant is as good as its data sheet, about 5 %. Currents of a few
-      ampere are known to 20 mA and to 2 % of the load. A motor with 1 A of idle current would need
-      most of its current for itself.
+      ampere are known to 20 mA, plus 2 % of the part of the current that carries the load. A motor
+      with 1 A of idle current would need most of its current for itself.
     - rig_difference: two rigs of one drawing hardly differ by 20 % in friction. What makes them
       differ (weights, motor, axles) is the same for all sizes, apart from differences between
       assemblies.

@@ -1,9 +1,8 @@
-"""A simulator of the user's own: what it must offer, how it is found, and how it is called.
+"""A user's simulator: what it must provide, how it is found, and how it is called.
 
-A simulator takes a run (the drive force over time, and where the axis began) and says where
-the axis went. It adds a further force to the generalised force when it is given one: by such a
-force a simulation is kept on the path that was measured, and what it takes to keep it there is
-what the simulator lacks.
+A simulator receives a run (the drive force over time, and the initial position of the axis) and
+returns the position of the axis. It can add a further force to the generalised force. With such a
+force a simulation is kept on the measured path, and this force is what the simulator lacks.
 """
 
 import sys

@@ -6,6 +6,7 @@ with what this would write.
 
 import json
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal, get_args, get_origin
 
@@ -84,7 +85,7 @@ def _results() -> str:
         "# What holds of every result",
         "",
         "A stored result obeys the rules below for any data. If a result breaks a rule, the",
-        "computation is wrong: a diagnosis then says so in `checks` and `attention`, and its",
+        "computation is wrong. A diagnosis then lists this in `checks` and `attention`, and its",
         "verdict is `undecided`. `bayesfric report` checks every file that it reads. Your own",
         "test or CI job can check a file, too:",
         "",
@@ -95,8 +96,8 @@ def _results() -> str:
         "assert all(check.holds for check in checks)",
         "```",
         "",
-        "Each check has a name (`check`), whether it `holds`, and a `detail` that says what "
-        "breaks it.",
+        "Each check has a name (`check`), whether it `holds`, and a `detail` that describes "
+        "the violation.",
     ]
     found = statements()
     common = set.intersection(*(set(rules) for rules in found.values()))
@@ -208,22 +209,92 @@ def _loop() -> str:
 
 
 ACTS_ON = {
-    "friction": "friction: a force against the motion, with the scatter of all friction",
-    "drive": "the drive: a force against the motion that does not scatter",
+    "friction": (
+        "friction: a force against the motion. It varies between assemblies and trials in the same "
+        "proportion as the rest of friction"
+    ),
+    "drive": "the drive: a force against the motion that is the same in all assemblies and trials",
     "reading": "the readings of events",
     "current": "the motor's current",
 }
+
+NEEDED = {
+    "acting-gravity": "gravity that acts on the load (`rig.gravity_m_s2` above 0)",
+    "angle": "an axis that turns",
+    "commanded-force": "a commanded force, not a measured one (`rig.force_is`)",
+    "direction": "motion in both directions",
+    "drive": "the drive force at each sample of a run",
+    "dwell": "rests of different lengths before the motion starts",
+    "known-load": "a load of known mass or torque",
+    "law-without-coulomb": "a friction law without a Coulomb term",
+    "law-without-offset": "a friction law without a constant offset",
+    "limit": "a drive with a force limit, which must be above friction",
+    "load-both-ways": "a load that is lifted and lowered at the same pose, or two different loads",
+    "period": "the position at each sample of a run",
+    "play": "at least 6 reversals",
+    "position": "the position at each sample of a run",
+    "pulleys": "a rig with pulleys",
+    "spring": "at least 6 reversals",
+    "test": "runs whose `role` is `test`",
+    "turns": "at least 4 reversals",
+    "warmth": (
+        "a driven axis with a logged temperature that varies (without one, the diagnosis uses the "
+        "work done by friction, unless it only grows with the order of the runs), or friction "
+        "points without pulleys and without a temperature column (the diagnosis uses their order)"
+    ),
+}
+"""What an effect needs (`Effect.needs`), in words."""
+
+BEHIND = "The variants differ in the share of the mass that is behind the {part} (see `share`)"
+GEAR_LOAD = (
+    "In `of-what-is-held` the load of the gear is only that of gravity and springs; in the other "
+    "{count}, it includes the force that accelerates the mass"
+)
+VARIANTS = {
+    "backlash": f"{BEHIND.format(part='backlash')}; in `friction` no mass is behind it",
+    "load-friction": GEAR_LOAD.format(count="variant"),
+    "load-quadratic": GEAR_LOAD.format(count="variant"),
+    "load-stribeck": (
+        f"{GEAR_LOAD.format(count='variants')}. In `half-stays` friction falls to half at high "
+        "speed, in the others to zero"
+    ),
+    "transmission-compliance": (
+        f"{BEHIND.format(part='spring')}; in `rings-mass-alone` only mass is behind it. In the "
+        "variants with `rings` the load is simulated as a mass on a spring, which may oscillate; "
+        "the others are formulas for a load that follows without oscillation. In `seen-at-load` "
+        "the position is measured behind the spring, and elsewhere at the motor"
+    ),
+}
+"""What the variants of an effect are (`Effect.laws`), if their names do not say it."""
+
+
+def _needed(needs: frozenset[str]) -> list[str]:
+    if not needs:
+        return []
+    words = dict.fromkeys(NEEDED.get(need, f"the column `{need}`") for need in sorted(needs))
+    return [f"- The diagnosis examines this effect only with: {'; '.join(words)}."]
+
+
+def _variants(name: str, laws: Iterable[str]) -> str:
+    words = f" {VARIANTS[name]}." if name in VARIANTS else ""
+    return f"- Variants: {', '.join(laws)}.{words}"
 
 
 def _effects() -> str:
     lines = [
         "# Effects",
         "",
-        "A diagnosis examines these effects, which the friction law lacks. `bayesfric simulate",
-        "--effect NAME` adds one to a recording. Strength 1 changes friction, or its equivalent,",
-        "by 10 % rms over the design. The variants of an effect have equal weight.",
-        "The prior says which sizes the diagnosis looks for. The plausible range says which sizes",
-        "are physically credible. [You can write your own](howto/effect.md).",
+        "A diagnosis examines these effects. The friction law does not contain them.",
+        "`bayesfric simulate --effect NAME` simulates a recording with an effect, at strength 1.",
+        "Strength 1 changes friction by 10 % rms, or changes a force, a reading or a current by",
+        "the equivalent of 10 % of friction ([definition](decisions/strength.md)).",
+        "",
+        "An effect may have several variants: functional forms to which the diagnosis gives",
+        "equal weight. `Along` lists the axes along which the force of the effect changes.",
+        "The prior of a parameter covers the sizes that the diagnosis looks for. Its plausible",
+        "range contains the sizes that are physically credible.",
+        "",
+        "[You can write your own effect](howto/effect.md).",
     ]
     for name, effect in sorted(all_effects(None).items()):
         lines += [
@@ -234,8 +305,8 @@ def _effects() -> str:
             "",
             f"- Acts on {ACTS_ON[effect.acts_on]}.",
             f"- Along: {', '.join(axis.replace('_', ' ') for axis in sorted(effect.axes))}.",
-            f"- Variants: {', '.join(effect.laws)}.",
-            *([f"- Needs of a rig: {', '.join(sorted(effect.needs))}."] if effect.needs else []),
+            _variants(name, effect.laws),
+            *_needed(effect.needs),
             "",
             "| parameter | unit | meaning | prior | plausible | reference |",
             "|---|---|---|---|---|---|",
@@ -268,9 +339,9 @@ def _claims() -> str:
         ]
         if claim.instead is not None:
             lines.append(
-                "- Without a board with weights, it is judged on friction at constant speed: "
-                "that of "
-                "a motor board, or steady points that have all columns."
+                "- If the recording has no gravity board, the claim is judged on friction at "
+                "constant speed. This friction comes from a motor board, or from friction points "
+                "whose table has all the columns that the claim uses."
             )
         if not claim.about_these_data:
             lines.append("- It depends on the paper's numbers or on priors, not on a recording.")

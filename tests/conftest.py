@@ -1,5 +1,6 @@
 """Fits that several tests read and none changes."""
 
+import gc
 import os
 import pickle
 import time
@@ -11,6 +12,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
+from diagnosis.driven_axis import fitted_axis
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.claims import checking
@@ -25,6 +27,18 @@ from bayesfric.simulate import simulate_recording
 
 # All draws are stored, and no walker stays where it is for all of them.
 QUICK_SAMPLER = Sampler(burn=20, steps=75, thin=3, extensions=0, independence_share=0.7)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection():
+    """Look for no garbage in what is imported and collected, which stays to the end."""
+    gc.disable()
+
+
+def pytest_collection_finish():
+    """Look for garbage again, but not in what is there by now: that took a twentieth of all."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(autouse=True)
@@ -106,6 +120,13 @@ def small_fit(small_recording, tmp_path_factory):
     os.environ.pop("SOURCE_DATE_EPOCH", None)
     analysis = Analysis(seed=5, sampler=QUICK_SAMPLER)
     return shared(tmp_path_factory, "small-fit", lambda: fit(small_recording, analysis))
+
+
+@pytest.fixture(scope="session")
+def driven_axis(tmp_path_factory):
+    """An axis that a script of the tests simulated, and its law: for ``model_of_axis``."""
+    folder = tmp_path_factory.mktemp("driven")
+    return shared(tmp_path_factory, "driven-axis", lambda: fitted_axis(folder))
 
 
 @pytest.fixture(scope="session")

@@ -72,14 +72,14 @@ def why_untrusted(diagnosis: DiagnosisFile) -> str | None:
     is_share = gap.no_share is None and friction > 0
     is_far = left > FAR_FROM_SCATTER * scatter or (is_share and left > FAR_FROM_FRICTION * friction)
     force = f"{two_digits(left)} {gap.unit} rms"
-    size = f"{_of_friction(left / friction)} ({force})" if is_share else force
+    size = f"{force} ({_of_friction(left / friction)})" if is_share else force
     advice = NOT_YET if is_far else "Enter these numbers with care"
     of = "" if diagnosis.joint is None else f" for the joint {diagnosis.joint}"
-    whose = "those of least squares" if is_by_instrument(diagnosis) else "them"
+    whose = "those of least squares" if is_by_instrument(diagnosis) else "these numbers"
     return (
-        f"{advice}{of}: the law with {whose} misses data that the fit has not seen by "
-        f"{size} more than scatter explains, which is {two_digits(scatter)} {gap.unit}. Something "
-        "acts that they do not describe"
+        f"{advice}{of}. On data that the fit has not seen, the law with {whose} is off by {size} "
+        f"after scatter is subtracted; scatter alone makes {two_digits(scatter)} {gap.unit} rms. A "
+        "force acts that these numbers do not describe"
     )
 
 
@@ -166,7 +166,7 @@ def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
             yield f"Held-out data contradict {names}{'' if why is None else f': {why}'}."
     # What is missed beyond scatter is told once, by `why_untrusted` where there are numbers.
     if diagnosis.gap.floor_disagreement is not None and why_untrusted(diagnosis) is None:
-        yield f"The assumed scatter is wrong: {diagnosis.gap.floor_disagreement}."
+        yield f"Held-out data contradict the assumed scatter: {diagnosis.gap.floor_disagreement}."
 
 
 def _of_cause(cause: Cause) -> Iterator[str]:

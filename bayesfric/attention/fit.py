@@ -128,8 +128,8 @@ def _of_boards(
     yield from population
     if len(fits) < FEW_BOARDS:
         yield (
-            f"{len(fits)} boards say little of the scatter between boards: its prior, "
-            "priors.boards of the analysis, weighs in it and in what is said of a new board"
+            f"{len(fits)} boards hardly inform the scatter between boards: its prior "
+            "(priors.boards of the analysis) affects it, and with it the prediction for a new board"
         )
     for name, fit in fits.items():
         lines = len(fit.attention)
@@ -186,11 +186,11 @@ def unsettled(
     converged = all(figures.converged for figures in convergence.values())
     open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
-        decide = "its prior decides it" if len(open_names) == 1 else "their priors decide them"
+        decide = "its prior decides" if len(open_names) == 1 else "their priors decide"
         beside = all(entries[name].prior_sensitivity is None for name in open_names)
         advice = "; state priors of your own, or measure what they rest on"
         none = f"; {UNAFFECTED}" if beside else advice
-        yield f"These data say little of {', '.join(open_names)}: {decide}{none}"
+        yield f"These data hardly inform {', '.join(open_names)}: {decide}{none}"
 
 
 def contradicted(
@@ -271,9 +271,9 @@ def _outlying(
         if check.p_value < NOT_UNIFORM:
             yield (
                 f"The {rig}'s assemblies, each predicted from all others, lie {check.spread:.2f} "
-                "times as far from their predictions as the model says "
+                "times as far from their predictions as the model expects "
                 f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
-                f"{check.p_value:.2g}): a diagnosis tells whether the law lacks a force"
+                f"{check.p_value:.2g}): a diagnosis shows whether the law lacks a force"
             )
 
 
@@ -307,8 +307,8 @@ def _not_uniform(uniformities: Sequence[Uniformity]) -> Iterator[str]:
             rig = all_rigs()[uniformity.rig].words.rig
             yield (
                 f"The {rig}'s trials, each predicted by the fit to all others, lie "
-                f"{uniformity.spread:.2f} times as far from their predictions as the model says "
+                f"{uniformity.spread:.2f} times as far from their predictions as the model expects "
                 f"({uniformity.spread_q05:.2f} to {uniformity.spread_q95:.2f} by chance); their "
                 "leave-one-out probabilities depart from uniform with p = "
-                f"{uniformity.p_value:.2g}: a diagnosis tells whether the law lacks a force"
+                f"{uniformity.p_value:.2g}: a diagnosis shows whether the law lacks a force"
             )

@@ -1,8 +1,7 @@
 """The generating prior: recordings are drawn from it and fitted with it.
 
-The default priors of a fit are wider than anything that a board does: most of their draws
-would not move it. Calibration takes a prior that is narrow enough, stated in ``[calibration]``,
-for both.
+The default priors of a fit are too wide for calibration: most of their draws would not move the
+board. Calibration uses a narrower prior for both purposes, stated in ``[calibration]``.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
-"""Ranks of truths among posterior draws, and how far they are from uniform.
+"""Ranks of true values among posterior draws, and their deviation from a uniform distribution.
 
-Where prior, simulator and posterior agree, the truth of each recording ranks among L draws of
-its posterior as any of L + 1 equally likely places.
+If prior, simulator and posterior agree, the rank of the true value among L posterior draws has
+L + 1 equally probable values.
 
 References
 ----------

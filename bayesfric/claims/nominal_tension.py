@@ -30,7 +30,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     return Finding(
         "supported" if worst <= tolerance else "refuted",
         f"Eq. (16) gives the quoted tensions within {worst:.2f} N. This is arithmetic on Table I "
-        "and says nothing of these data.",
+        "and does not depend on these data.",
         figures | {"tolerance_n": tolerance},
         why="arithmetic has no rival",
     )

@@ -97,7 +97,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
         verdict_by(rules, probability),
         f"With probability {stated(probability)} all {len(sizes)} conditions agree within "
         f"{share(rules.rig_tolerance)} and most within {share(rules.rig_usual_tolerance)}. "
-        "That counts how uncertain the calibration of each rig is. "
+        "This includes the uncertainty of each rig's calibration. "
         f"The largest median difference is {100 * medians[furthest]:+.2g} % ({furthest}).",
         figures,
         why="the claim rests on a probability",

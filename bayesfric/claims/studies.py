@@ -1,4 +1,4 @@
-"""A hypothesis studied: its evidence, what it predicts, and how large its effect is."""
+"""A hypothesis of a claim: its evidence, its predictions, and the size of its effect."""
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, as_completed

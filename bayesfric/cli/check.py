@@ -18,10 +18,10 @@ def check(
     config: options.Config = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Check the telemetry of a recording, and say what it can tell and what to record next.
+    """Check the telemetry of a recording, and print what it can determine and what to record next.
 
     It takes seconds and writes nothing. Errors are the standard deviations that a
-    posterior would have with the noise of these data. If a recording can tell nothing, check and
+    posterior would have with the noise of these data. If it can determine no number, check and
     diagnose end with status 2.
 
     Example: bayesfric check my-joint

@@ -91,7 +91,7 @@ def margins(
     """Compute controller margins over the draws of a fit; write margins.json.
 
     The output names every loop that misses its spec. If a diagnosis names causes, the law with
-    these causes counts. --fail-on spec then exits with status 1.
+    these causes is used. --fail-on spec then exits with status 1.
 
     Example: bayesfric margins raven-elbow --draws my-results/draws.nc -o my-results
     """

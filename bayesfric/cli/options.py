@@ -78,9 +78,7 @@ Scheduler = Annotated[
         "--scheduler", "ADDRESS", "Address of a Dask cluster that runs the cases: tcp://host:8786."
     ),
 ]
-Verbose = Annotated[
-    bool, switch("--verbose", "Print all that the results say, and not one screen of it.")
-]
+Verbose = Annotated[bool, switch("--verbose", "Print all results, not only one screen.")]
 Quiet = Annotated[bool, switch("--quiet", "Print results only, without progress and remarks.")]
 
 

@@ -20,7 +20,7 @@ def report(
         Path | None,
         options.path(
             "--compare",
-            "Folder with results of an earlier run. The report says what changed since then.",
+            "Folder with results of an earlier run. The report lists what changed since then.",
         ),
     ] = None,
     quiet: options.Quiet = False,

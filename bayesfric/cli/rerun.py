@@ -45,7 +45,7 @@ def rerun(
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("rerun")] = "",
 ) -> set[str]:
-    """Repeat the run of a folder with its settings and seed, and say what differs.
+    """Repeat the run of a folder with its settings and seed, and print what differs.
 
     Example: bayesfric rerun my-results --fail-on changed
     """

@@ -16,7 +16,7 @@ def validate(
     power: Annotated[
         bool,
         options.switch(
-            "--power", "Say what the conditions can tell. The measured values are not used."
+            "--power", "Print what the conditions can determine. The measured values are not used."
         ),
     ] = False,
     config: options.Config = None,

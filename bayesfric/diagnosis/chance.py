@@ -1,4 +1,4 @@
-"""Residual forces redrawn: what measurement and friction's scatter make of a right law."""
+"""Residual forces of a correct law, drawn with measurement error and the scatter of friction."""
 
 import numpy as np
 

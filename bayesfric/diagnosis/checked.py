@@ -1,7 +1,7 @@
-"""How good the closed form of a hypothesis' evidence is: importance draws of its noise.
+"""The error of the Laplace approximation of an evidence, from importance draws of the noise.
 
-Given the noise the evidence is exact; over the noise it is a Laplace approximation around the
-mode. Draws around that mode say by how much it is off, and how sure they are of it.
+Given the noise the evidence is exact. Over the noise it is a Laplace approximation around the mode.
+Draws around that mode give the error of this approximation, and its uncertainty.
 """
 
 from dataclasses import dataclass

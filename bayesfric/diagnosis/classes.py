@@ -1,4 +1,4 @@
-"""Which effects can be told apart at all: by rank, before any evidence."""
+"""Which effects the data can distinguish at all: by rank, before any evidence."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""A hypothesis at the mode of its noise, and how sharp that mode is."""
+"""The mode of the noise of a hypothesis, and the curvature at this mode."""
 
 from collections.abc import Mapping
 from dataclasses import replace

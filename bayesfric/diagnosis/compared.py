@@ -1,4 +1,4 @@
-"""Hypotheses compared: around the baseline first, and the finalists around the leader's law."""
+"""Hypotheses compared around the baseline, and the best around the law of the leading one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -99,7 +99,7 @@ def compare_hypotheses(question: Question, keeping: Checkpoint) -> Compared:
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
-    """Weigh hypotheses around the baseline."""
+    """Evaluate hypotheses around the baseline."""
     classes = classes_of(model, at.psi)
     model.merge(classes.members)
     curvature = curvature_at(model, at, Acting())
@@ -109,10 +109,10 @@ def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
 
 
 def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearModel, Search]:
-    """Compare the finalists alike, around the law that was fitted with the leader."""
+    """Compare the finalists in one model, around the law fitted with the leading hypothesis."""
     model = first
     if searched.probabilities().get(NONE, 0.0) > RULES.sure:
-        # All are compared alike already, and nothing is large enough to have another form.
+        # No effect is large enough to change the law, and all were compared in one model.
         return _with_best_weights(model, searched), searched
     for _ in range(ROUNDS):
         leader = searched.best()

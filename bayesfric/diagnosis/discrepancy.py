@@ -1,8 +1,8 @@
-"""What every hypothesis leaves open: smooth forces, and small amounts of every effect.
+"""The discrepancy of every hypothesis: smooth forces, and small amounts of every effect.
 
-All models are wrong by a little. Smooth forces along everything that varied, and traces of
-every effect that smooth forces do not cover, make together a share of rms friction. An unknown
-force is the smooth part, made wide along all axes or along one.
+All models are slightly wrong. The discrepancy contains smooth forces along all axes that varied,
+and small amounts of effects that smooth forces cannot describe. Its rms is a fraction of rms
+friction. An unknown force is the smooth part with a larger rms, along all axes or along one.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from bayesfric.observation.linear import LinearRows
 from bayesfric.rigs.base import Unsupported
 
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
-SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape
+SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape parameter
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class Wide:
     Parameters
     ----------
     share : float
-        Rms of the forces that are wide, as a share of rms friction.
+        Rms of these forces, relative to rms friction.
     axis : str or None
-        Along which; None is along all but those that are wide alone.
+        Their axis; None is all axes, without those that act only by themselves.
     alike : bool
-        Whether it is the same share of friction at all sizes, loads and rigs.
+        Whether the force is the same fraction of friction for all sizes, loads and rigs.
     """
 
     share: float
@@ -40,7 +40,7 @@ class Wide:
     alike: bool = False
 
     def has(self, smooth: Smooth) -> bool:
-        """Return whether a smooth force is one of those that are wide."""
+        """Return whether a smooth force has the larger rms."""
         if self.axis is None:
             return not smooth.alone
         return smooth.axis == self.axis and (smooth.alike or not self.alike)
@@ -53,7 +53,7 @@ class Discrepancy:
     Parameters
     ----------
     share : float
-        Rms of the smooth forces, as a share of rms friction.
+        Rms of the smooth forces, relative to rms friction.
     own, shared : tuple of Smooth
         Smooth forces of each size, and of all sizes.
     amounts : tuple of (Candidate, float)
@@ -73,7 +73,7 @@ class Discrepancy:
         share: float,
         amounts: Sequence[tuple[Candidate, float]] | None,
     ) -> "Discrepancy":
-        """Return the discrepancy on these rigs; `amounts` of None are those of all candidates."""
+        """Return the discrepancy on these rigs; without `amounts` all candidates have some."""
         own, shared = _smooth_forces(rows)
         if amounts is None:
             amounts = _small_amounts(rows, candidates, share)
@@ -85,10 +85,11 @@ class Discrepancy:
         return (*self.own, *self.shared)
 
     def rms(self, wide: Wide | None) -> tuple[Array, Array]:
-        """Return the rms of each number in its scale: of a size's own, and of what all share."""
+        """Return the rms of each coefficient in its scale: of each size, and shared by all."""
         shares = np.full(len(self.smooths), self.share)
         if wide is not None:
-            # The discrepancy's variance is shared by all, that of the wide ones by these.
+            # The variance of the discrepancy is divided among all forces, that of the unknown
+            # force among those that it contains.
             chosen = np.array([wide.has(smooth) for smooth in self.smooths])
             part = np.sqrt(len(self.smooths) / np.count_nonzero(chosen))
             shares[chosen] = np.hypot(self.share, part * wide.share)
@@ -100,7 +101,7 @@ class Discrepancy:
 
 
 def discrepancy_share(practical_share: float) -> float:
-    """Return the rms of the discrepancy of every hypothesis, as a share of rms friction."""
+    """Return the rms of the discrepancy of every hypothesis, relative to rms friction."""
     return max(RULES.discrepancy_share * practical_share, RULES.discrepancy_least)
 
 
@@ -110,7 +111,7 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
     Parameters
     ----------
     rows : sequence of LinearRows
-        The rigs. What a rig has beside others may differ from them by a constant share.
+        The rigs. A further rig may differ from the first by a constant fraction.
     """
     where = [rig_rows.covariates() for rig_rows in rows]
     span = {axis: Span.of(*(covariates[axis] for covariates in where)) for axis in SHARED_AXES}
@@ -118,8 +119,8 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
     shared = [
         smooth_along({axis: span[axis]}, relative=True, length=NARROW) for axis in SHARED_AXES
     ]
-    # Films and asperities answer to decades of speed: most of what a law of friction does along
-    # it may lie below a tenth of the highest speed, where functions of speed itself are one bump.
+    # Friction laws differ most below a tenth of the highest speed. A smooth function of speed
+    # cannot resolve this range; a function of its logarithm can.
     slow = {"velocity": replace(span["velocity"], logarithmic=True)}
     shared.append(smooth_along(slow, relative=True, length=NARROW))
     both = {axis: span[axis] for axis in ("velocity", "tension")}
@@ -127,12 +128,12 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
     for rig_rows, axes_of_rig in zip(rows, where, strict=True):
         for axis in rig_rows.trial_axes:
             along = {axis: Span.of(axes_of_rig[axis])}
-            # Events tell where along the travel a force is to millimetres: a worn spot that the
-            # functions cannot have would be put together from others that are too large.
+            # Events resolve forces along the travel to millimetres. If the functions were wider, a
+            # worn spot would be imitated by large forces that cancel.
             sharp = axis == "displacement"
             length, kept = (SHARP, WHOLE) if sharp else (NARROW, KEPT)
             smooth = smooth_along(along, rig_rows.name, relative=True, length=length, kept=kept)
-            # What scatter may do alike, an unknown force does where that is all it does.
+            # Scatter can make the same force, so such an unknown force acts only by itself.
             alone = axis in rig_rows.scattering_axes
             shared.append(replace(smooth, alone=True) if smooth and alone else smooth)
     for rig_rows, axes_of_rig in zip(rows[1:], where[1:], strict=True):

@@ -1,7 +1,6 @@
 """What is drawn of the effects: strengths, amplitudes and shapes, hypothesis after hypothesis."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,11 +12,9 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
-from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.priors import from_normal
 
 DRAWS = 1000
-MEANS = 5  # shapes at which the mean of a hypothesis' numbers is computed
 
 
 class EffectDraws:
@@ -176,57 +173,6 @@ def shape_values(model: LinearModel, law: Law, quantiles: Array) -> Array:
     """Return shapes of a law in their unit, from normal quantiles."""
     shape = model.candidates[law.places[0]].effect.shape
     return np.empty(0) if shape is None else np.asarray(from_normal(shape.prior, quantiles))
-
-
-def numbers_at_shapes(
-    model: LinearModel,
-    weighed: Weighed,
-    wide: Wide | None,
-    forms: Mapping[str, FormShare],
-    drawn: Array,
-    shapes: Sequence[Array],
-) -> Array:
-    """Return draws of a hypothesis' numbers, moved to drawn shapes, (S, p).
-
-    Given a shape, amplitudes and the law are better known than they are: a weight on a lever
-    whose angle nobody knows takes more or less of the offset by what its angle is. What is
-    drawn at the best shape moves as the mean of the numbers does with the shape.
-
-    Parameters
-    ----------
-    model, weighed
-        As of :func:`drawn_shapes`.
-    wide, forms
-        As of :meth:`~bayesfric.diagnosis.model.LinearModel.prior`.
-    drawn : ndarray, shape (S, p)
-        Numbers at the best shapes.
-    shapes : sequence of ndarray
-        As of :func:`drawn_shapes`.
-    """
-    acting, psi = weighed.acting, weighed.at.psi
-    places = [place for law in acting.laws for place in law.places]
-    said = model.said_of(psi, places, acting.phases)
-
-    def mean_at(column: int, quantile: float) -> Array:
-        shapes_there = (*acting.shapes[:column], quantile, *acting.shapes[column + 1 :])
-        moved_acting = replace(acting, shapes=shapes_there)
-        return model.integrated(
-            psi, moved_acting, model.mixed(said, places, moved_acting), wide, forms
-        ).mean
-
-    numbers = drawn.copy()
-    for column, quantiles in enumerate(shapes):
-        if not quantiles.size:
-            continue
-        nodes = np.linspace(quantiles.min(), quantiles.max(), MEANS)
-        moves = np.stack([mean_at(column, float(node)) for node in nodes])
-        moves -= mean_at(column, acting.shapes[column])
-        near = [np.interp(quantiles, nodes, unit) for unit in np.eye(MEANS)]
-        numbers += np.transpose(near) @ moves
-    for place, law in zip(model.places(len(acting.laws)), acting.laws, strict=True):
-        if is_positive(model.amplitude_prior(law)):
-            numbers[:, place] = np.abs(numbers[:, place])
-    return numbers
 
 
 def _shape_draws(

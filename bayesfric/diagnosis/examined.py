@@ -98,8 +98,8 @@ def remarks_on_priors(
         share = _width(prior) / _width(other)
         if share < NARROW:
             lines.append(
-                f"{name} is {share:.1g} times as wide as it is without your analysis: it says the "
-                "number, and the data do not (is it in another unit?)"
+                f"{name} is {share:.1g} times as wide as it is without your analysis: the prior "
+                "decides the number, and the data do not (is it in another unit?)"
             )
     return tuple(lines)
 

@@ -1,11 +1,11 @@
-"""Other forms of an effect: what its law may be wrong by.
+"""Errors of the law of an effect: its other functional forms.
 
-A law of an effect is one form of several: friction may grow with a power of speed rather than
-in proportion to it, a drift saturate, slip grow with travel. The difference is a share of what
-the effect does, which changes along what it acts over: along each axis a sum of Legendre
-polynomials over quantiles of the effect's square, so that they lie where it does something, the
-rougher the less, each without its mean, which is the amplitude's. How large a share it is, the
-same for all axes, or along speed alone, is averaged over.
+The law of an effect is one of several forms: friction may grow with a power of speed instead of in
+proportion to it, a drift may saturate, slip may grow with travel. The error is relative to the
+force of the effect and varies along the axes of the effect. Along each axis it is a sum of
+Legendre polynomials. Their argument is the quantile of the squared effect, so that they are large
+only where the effect is. Higher degrees have a smaller variance, and the mean belongs to the
+amplitude. The diagnosis averages over the size of the error, along all axes or along speed alone.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -38,13 +38,13 @@ AXES: Mapping[ActsOn, tuple[str, ...]] = {
     "current": ("speed_m_s", "load_current_a", "order"),
 }
 HIGHEST = 3  # degree
-UNLIKE = 0.05  # of a polynomial's rms where the effect acts, that lower degrees do not have
+UNLIKE = 0.05  # least part of a polynomial's rms that lower degrees do not explain
 SHARES = (0.0, 0.03, 0.1, 0.3)
-"""By which shares of what they do laws may be wrong, each as likely before the data."""
+"""Possible relative errors of laws, with equal prior probabilities."""
 
 
 class FormShare(NamedTuple):
-    """By which share of what it does a law may be wrong, along one axis or (None) along each."""
+    """Relative error of a law, along one axis or (None) along each."""
 
     size: float = 0.0
     axis: str | None = None
@@ -54,7 +54,7 @@ AS_IT_IS = FormShare()
 
 
 class Form(NamedTuple):
-    """A difference of form: the effect as it varies, its standard deviation at a share of 1."""
+    """An error of a law: the effect times a polynomial, its sd at a relative error of 1."""
 
     candidate: Candidate
     sd: float
@@ -64,15 +64,15 @@ class Form(NamedTuple):
 def other_forms(
     rows: Sequence[LinearRows], acting: Sequence[tuple[Candidate, float]]
 ) -> list[Form]:
-    """Return differences of form along each axis.
+    """Return the errors of laws along each axis.
 
     Parameters
     ----------
     rows : sequence of LinearRows
         The rigs.
     acting : sequence of (Candidate, float)
-        Effects that act, with their amplitudes. Errors of readings that go to and fro have no
-        other form, for there is no equivalent force to take a share of; exact laws have none.
+        Effects that act, with their amplitudes. Errors of readings that alternate along the travel
+        have no error of their law, because they have no equivalent force; exact laws have none.
     """
     forms: list[Form] = []
     for candidate, amplitude in acting:

@@ -11,8 +11,8 @@ from bayesfric.diagnosis.widening import INERTIA, Factors
 from bayesfric.diagnosis_rules import RULES
 
 NOT_APART = (
-    "These data do not separate inertia from gravity: the acceleration goes with the position, as "
-    "the pull of gravity does, and gravity that nobody knows makes the error of the inertia "
+    "These data do not separate inertia from gravity: the acceleration depends on the position, as "
+    "the pull of gravity does, and unknown gravity makes the error of the inertia "
     "{factor:.2g} times larger. Move over a longer stroke and at several speeds, or give the "
     "machine's model or the known force"
 )

@@ -1,10 +1,11 @@
-"""How far simulation and reality are apart on data that the fit has not seen.
+"""The difference between simulation and measurement on data that the fit has not seen.
 
-Every parameter is refitted in both arms, before and with the causes: residual forces in
-windows, equal weight a condition, what chance makes of them besides friction's scatter taken off:
-the windows' sampling variance, and the error of the refitted law, of the causes' amplitudes and
-of the rigs' own numbers. The floor is what friction's scatter leaves of a perfect law, from its
-posterior. Intervals come from drawing assemblies anew.
+Every parameter is refitted without and with the causes (the two arms). The residual forces in
+windows are squared, with equal weight for each condition. What chance makes of them, apart from the
+scatter of friction, is subtracted: the sampling variance of windows, and the errors of the refitted
+law, of the amplitudes of causes and of the parameters of the rigs. The floor is what the scatter of
+friction leaves of a perfect law, from its posterior. Intervals come from a bootstrap over
+assemblies.
 """
 
 from collections.abc import Sequence
@@ -28,15 +29,15 @@ EXAMPLES = 3
 
 @dataclass(frozen=True)
 class Squares:
-    """Weighted squares, chance taken off but for friction's scatter, (R,) each.
+    """Weighted squares minus what chance makes, except the scatter of friction, (R,) each.
 
     Parameters
     ----------
     as_shipped, before, after, floor : ndarray or None
-        In the unit squared; the mean of `before` and `after` is the floor for a law that
-        is right.
+        In squared units. For a correct law the expected sums of `before` and `after` equal that of
+        `floor`.
     unit : ndarray of int
-        Of each, by :func:`units_of`.
+        Unit of the bootstrap, from :func:`units_of`.
     """
 
     as_shipped: Array | None
@@ -46,12 +47,12 @@ class Squares:
     unit: Whole
 
     def by_unit(self, values: Array) -> Array:
-        """Return the sums of values, (R,), over each unit that there is."""
+        """Return the sums of values, (R,), over each unit."""
         _, inverse = np.unique(self.unit, return_inverse=True)
         return np.asarray(np.bincount(inverse, values), dtype=np.float64)
 
     def of(self, rows: Flags, weight: float) -> "Squares":
-        """Return those of some rows, for weights that add up to 1 again."""
+        """Return the squares of some rows, with weights that sum to 1 again."""
         shipped = None if self.as_shipped is None else self.as_shipped[rows] / weight
         before, after, floor = (
             squares[rows] / weight for squares in (self.before, self.after, self.floor)
@@ -66,24 +67,24 @@ class HeldOut:
     Parameters
     ----------
     residuals : Residuals
-        Around the reference law.
+        Residuals of the reference law.
     fold : ndarray of int, shape (R,)
-        In which each window was held out; :data:`IN_NONE` in none, since nothing else is of its
-        pulley size.
+        Fold in which each window was held out; :data:`IN_NONE` if its pulley size has no other
+        data.
     before, after : ndarray, shape (R,)
         Held-out residual force of each arm [N].
     inside : ndarray, shape (3, R)
         Residual force as shipped, before and after with nothing held out [N].
     rows : tuple of (str, Squares)
-        Of the folds, then of what was extrapolated to.
+        Of the folds, then of the extrapolations.
     in_sample : Squares
-        Of the same with nothing held out.
+        The same with nothing held out.
     trajectory : Squares or None
         In metres, from the first five events to the end of travel.
     examples : tuple of (str, Run)
-        Trials that run freely, with their ids.
+        Free-running trials, with their ids.
     by_chance : ndarray, shape (B,)
-        Draws of the squares that a right law would leave in folds after [N²].
+        Draws of the squares that a correct law would leave in folds [N²].
     """
 
     residuals: Residuals
@@ -99,7 +100,7 @@ class HeldOut:
 
 
 def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> HeldOut:
-    """Refit both arms fold by fold and return what is left.
+    """Refit both arms for each fold and return the residuals.
 
     Parameters
     ----------
@@ -156,9 +157,9 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
 
 
 def units_of(residuals: Residuals) -> Whole:
-    """Return what is held out as a whole and drawn again by a bootstrap, of each window, (R,).
+    """Return the unit of each window that is held out and resampled as a whole, (R,).
 
-    It is an assembly; of a pulley size with a single one, a trial.
+    It is an assembly, or a trial if a pulley size has a single assembly.
     """
     units, size = residuals.setup.copy(), residuals.size
     for own in (size == place for place in np.unique(size)):
@@ -187,22 +188,22 @@ def folds_of(residuals: Residuals, rng: np.random.Generator) -> Whole:
 
 
 def extrapolated(residuals: Residuals) -> dict[str, Flags]:
-    """Return the windows of what lies at the end of a range, and of each rig.
+    """Return the windows at the end of each range, and those of each rig.
 
     Returns
     -------
     dict of str to ndarray of bool, shape (R,)
-        Whole trials, by name; none that would leave a pulley size without windows.
+        Windows of whole trials, by name; none that would leave a pulley size without windows.
     """
     conditions: dict[str, Flags] = {}
     where = residuals.covariates
     tension, pulleys, wrap = (where[axis] for axis in ("tension", "n_pulleys", "wrap_angle"))
     running = np.isfinite(where["displacement"])
     if running.any():
-        # Trials of one pair of masses differ in tension by what they accelerate.
+        # Trials with the same masses differ in tension by their acceleration.
         low, high = tension[running].min(), tension[running].max()
         conditions["top tension"] = running & (tension > low + RULES.extrapolated * (high - low))
-        # Means over a window: as equal as rounding lets them be.
+        # Means over a window are equal up to rounding.
         conditions["largest number of pulleys"] = np.isclose(pulleys, pulleys.max())
         conditions["extreme wrap angle"] = np.isclose(wrap, wrap.max())
     conditions["trials of the role test, from the others"] = residuals.shown
@@ -223,7 +224,7 @@ def _by_chance(
     after: Sequence[Fitted],
     rng: np.random.Generator,
 ) -> Array:
-    """Draw the squares that chance makes in folds where the law is right, (DRAWS,) [N²]."""
+    """Draw the squares that chance makes in folds with a correct law, (DRAWS,) [N²]."""
     drawn = redrawn(residuals, DRAWS, rng)
     scatter2 = residuals.friction_n**2 * residuals.spread2
     squares = np.zeros(DRAWS)
@@ -249,7 +250,7 @@ def _squares(
 def _free_running(
     arms: Arms, residuals: Residuals, fold: Whole, by_fold: Sequence[Sequence[Fitted]]
 ) -> tuple[Squares | None, tuple[tuple[str, Run], ...]]:
-    """Return squares of the deviation of each held-out trial [m²], and some examples."""
+    """Return the squared deviation of each held-out trial [m²], and some examples."""
     first = np.unique(residuals.trial, return_index=True)[1]
     noise, start = arms.plain.noise.named(arms.psi), 0
     numbers = np.stack([[arm.local for arm in arms_of_fold] for arms_of_fold in by_fold])

@@ -1,9 +1,9 @@
-"""How much better causes predict what the fit has not seen, by log predictive densities.
+"""How much better the causes predict held-out data, by log predictive densities.
 
-Assemblies, or runs and parts of runs of an axis, are left out a block at a time. Given the noise,
-the density of a block given all others is a difference of two evidences in closed form. The law
-with and the law without the causes each have the noise of their own mode, beside the same further
-effects, so that neither is held to scatter that the other needs.
+Blocks of assemblies, or of runs and parts of runs of an axis, are left out one at a time. Given the
+noise, the log density of a block given all others is a difference of two log evidences in closed
+form. The law with the causes and the law without them contain the same further effects. Each has
+the noise of its own mode, because the law without causes needs more scatter.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -30,7 +30,7 @@ class BlockDensities:
     Parameters
     ----------
     without, beside : ndarray, shape (B,)
-        Of the law without the causes, and of the law with the causes beside it [nat].
+        Of the law without the causes, and of the law with the causes [nat].
     """
 
     without: Array
@@ -38,12 +38,12 @@ class BlockDensities:
 
     @property
     def difference(self) -> float:
-        """By how much the causes predict better, summed over blocks [nat]."""
+        """Gain in log predictive density by the causes, summed over blocks [nat]."""
         return float(np.sum(self.beside - self.without))
 
     @property
     def error(self) -> float:
-        """Standard error of that sum, from how far blocks differ [nat]."""
+        """Standard error of that sum, from the differences between blocks [nat]."""
         differences = self.beside - self.without
         return float(np.sqrt(differences.size) * np.std(differences, ddof=1))
 
@@ -51,7 +51,7 @@ class BlockDensities:
 def blocks_of(model: LinearModel, rng: np.random.Generator) -> list[Whole]:
     """Return the block of each trial, rig by rig.
 
-    A block is an assembly; where there are more than :data:`MOST_BLOCKS`, some of them together.
+    A block is an assembly; with more than :data:`MOST_BLOCKS` assemblies, a block has several.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Hypotheses that were weighed, and their posterior probabilities."""
+"""Hypotheses with their evidences, and their posterior probabilities."""
 
 import math
 from collections.abc import Mapping
@@ -19,36 +19,37 @@ from bayesfric.probabilities import normalised, total
 
 @dataclass(frozen=True)
 class Search:
-    """Hypotheses weighed.
+    """Hypotheses with their evidences.
 
     Parameters
     ----------
     weighed : dict of Hypothesis to Weighed
-        Those with effects, and none.
+        Hypotheses with effects, and `none`.
     rough : dict of Hypothesis to float
         Log evidence of hypotheses that were screened only.
     unknown : Unknown or None
-        An unknown force; None where there are no smooth forces.
+        An unknown force; None without smooth forces.
     classes : Classes
-        What is identical, absorbed or left out.
+        Effects that are identical, absorbed or left out.
     priors : HypothesisPriors
-        Of hypotheses by their number of effects.
+        Prior probabilities of hypotheses, by their number of effects.
     inverse : ndarray
-        Of the curvature of the noise without effects.
+        Inverse curvature of the noise without effects.
     volume : float
-        Log Laplace volume of the noise, where a hypothesis has none of its own.
+        Log Laplace volume of the noise, for hypotheses without their own.
     foreign : mapping of Hypothesis to float
-        By effects that act together: the probability, given that they do, that they leave so
-        much that an unknown force acts. That share of theirs counts as ``unknown``.
+        By effects that act together: the probability, given that they act, that they leave so much
+        of the gap that an unknown force acts. This part of their probability moves to ``unknown``.
     minor : tuple of (Hypothesis, float), or None
-        Effects that make most of the gap, and the probability that they leave a force that is like
-        what all other effects take: that share of hypotheses with others is theirs alone.
+        Effects that make most of the gap, and the probability that they leave a force as large as
+        what the other effects explain. This part of the probability of hypotheses with further
+        effects moves to the hypothesis with these effects alone.
     doubted : frozenset of str
-        Effects without which data held out are predicted as well: each hypothesis with one counts
-        as half of itself, and half as the same without it.
+        Effects without which held-out data are predicted as well. Half of the probability of a
+        hypothesis with such an effect moves to the same hypothesis without it.
     unheard : bool
-        Whether an unknown force was asked for and nothing varied along which it could show: the
-        data say of it what they say of none.
+        Whether no axis varied along which an unknown force could appear. Its evidence is then that
+        of `none`.
     """
 
     weighed: dict[Hypothesis, Weighed]
@@ -69,7 +70,7 @@ class Search:
         return self.weighed[NONE]
 
     def log_prior(self, hypothesis: Hypothesis, none: float | None = None) -> float:
-        """Return the log prior probability of a hypothesis, with another one of none."""
+        """Return the log prior probability of a hypothesis; `none` replaces the prior of none."""
         prior = self.priors
         rest = 1.0 if none is None else (1 - none) / (1 - prior.none)
         if hypothesis == NONE:
@@ -80,10 +81,10 @@ class Search:
         return float(np.log(rest * mass)) + self.classes.log_prior_among(hypothesis)
 
     def with_unknown(self, alone: Unknown, beside: Unknown, effects: Hypothesis) -> "Search":
-        """Return these with an unknown force, alone or beside the effects of a hypothesis.
+        """Return the search with an unknown force, alone or together with the effects given.
 
-        Of unknown forces that come beside effects, those beside certain ones are as rare as
-        these effects are among all: each of them could have been the leader.
+        The prior of an unknown force that acts together with these effects is multiplied by the
+        prior of these effects, given that effects act: any other effects could have led.
         """
         acting = self.priors.one + self.priors.two + self.priors.more
         among = self.log_prior(effects) - np.log(acting)
@@ -113,13 +114,13 @@ class Search:
         return self._with_foreign(ranked) if self.foreign else ranked
 
     def overruled(self, effects: Hypothesis) -> "Search":
-        """Return these where held-out data contradict that effects make the gap."""
+        """Return the search after held-out data contradicted that effects make the gap."""
         before = self.foreign.get(effects, 0.0)
         share = 1 - (1 - before) * (1 - RULES.contradicted)
         return replace(self, foreign={**self.foreign, effects: share})
 
     def _without_minor(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
-        """Return probabilities, those of effects beside the largest moved to the largest alone."""
+        """Return probabilities, moved from hypotheses with minor effects to the largest alone."""
         if self.minor is None:
             return chances
         largest, share = self.minor
@@ -131,7 +132,7 @@ class Search:
         return _ranked(moved)
 
     def _with_doubts(self, chances: dict[Hypothesis, float]) -> dict[Hypothesis, float]:
-        """Return probabilities, half of each with a doubted effect moved to the same without it."""
+        """Return probabilities, half of each doubted effect moved to the hypothesis without it."""
         for name in sorted(self.doubted):
             moved = dict(chances)
             for hypothesis, chance in chances.items():

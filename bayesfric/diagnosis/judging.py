@@ -1,9 +1,8 @@
-"""What is said of each effect, from hypotheses that were weighed to causes.
+"""From hypotheses with evidences to causes: what the diagnosis reports of each effect.
 
-An effect is named by what its laws do. They may be wrong by a share of themselves, and take up a
-part of a force that nobody named; what they then leave of the gap tells. Where effects that act
-leave more than a part of the squared gap, at whatever amplitudes and shapes, that hypothesis is
-one of an unknown force.
+Each law of an effect may have a relative error, so effects may imitate an unlisted force. What they
+leave of the gap without these errors shows this. If effects leave more than a given part of the
+squared gap, at their best amplitudes and shapes, their hypothesis counts as an unknown force.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -114,7 +113,7 @@ def judge(
 
     share, again = leaves(judged), judged
     if share >= RULES.rare:
-        # A shape that was found beside a share by which its law is wrong may be a poor one alone.
+        # A shape that was fitted together with an error of its law may be poor without this error.
         reshaped = _reshaped(model, judged)
         other = share if reshaped is None else leaves(reshaped)
         if reshaped is not None and other < share:
@@ -222,7 +221,7 @@ def _leaves_too_much(
     practical: float,
     own_force: Callable[[Hypothesis], Array | None] = lambda _: None,
 ) -> float:
-    """Return how probably the causes, if they act, leave too much of the gap.
+    """Return the probability that the causes, if they act, leave too much of the gap.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ between the ends scatter hides three times as much.
 import numpy as np
 from scipy.linalg import block_diag, solve_triangular
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.forms import SHARES, FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
@@ -44,10 +44,7 @@ def drawn_numbers(
     information = model.evaluate(weighed.at.psi, weighed.acting).information
     priors = [model.amplitude_prior(law) for law in weighed.acting.laws]
     mean, sd = model.prior(priors, None, dict.fromkeys(weighed.names, FormShare(1.0)))
-    layout, sizes = model.layout, len(model.layout.sizes)
-    own = [np.arange(COEFFICIENTS, layout.own) + layout.own * size for size in range(sizes)]
-    start = layout.own * sizes + len(weighed.acting.laws)
-    places = np.concatenate([*own, np.arange(start, start + layout.shared)])
+    places = sized_places(model, len(weighed.acting.laws))
     scale, rest = sd[places], np.delete(np.arange(sd.size), places)
     mixing, groups = _groups(model)
     reduced = information.reduced(mean, sd, places)
@@ -70,6 +67,24 @@ def drawn_numbers(
     half += rng.standard_normal(half.shape)
     draws[:, rest] = mean[rest] + sd[rest] * solve_triangular(factor.T, half, lower=False).T
     return draws
+
+
+def sized_places(model: LinearModel, acting: int) -> Whole:
+    """Return where numbers stand that have sizes of their own, beside so many effects that act.
+
+    They are those of smooth forces, small amounts and other forms.
+
+    Parameters
+    ----------
+    model : LinearModel
+        With the numbers.
+    acting : int
+        How many effects with columns act.
+    """
+    layout, sizes = model.layout, len(model.layout.sizes)
+    own = [np.arange(COEFFICIENTS, layout.own) + layout.own * size for size in range(sizes)]
+    start = layout.own * sizes + acting
+    return np.concatenate([*own, np.arange(start, start + layout.shared)])
 
 
 def _groups(model: LinearModel) -> tuple[Array, list[Group]]:

@@ -1,7 +1,7 @@
 """All rigs as one linear model, whose evidence is a closed form given the noise.
 
-The noise (scatter of friction, errors of events and currents) is not linear; derivatives by it
-are closed forms too (Fisher's identity), and each hypothesis climbs to its own mode of it.
+The noise (scatter of friction, errors of events and currents) is not linear. Its derivatives have
+closed forms too (Fisher's identity), and each hypothesis has the noise at its own mode.
 """
 
 from collections.abc import Mapping, Sequence

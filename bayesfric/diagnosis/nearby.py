@@ -1,8 +1,8 @@
-"""A model around a fitted law, and not so far from the last that nothing linear holds there.
+"""A model linearised around a fitted law, or around a law on the way to it.
 
-Effects are shares of the law's friction. Where several together take the law's place, as a fall
-and a rise with speed may on few speeds, the best law of what is linear has hardly any friction
-left: around it shares mean nothing, and no scatter is small.
+Effects are relative to the friction of the law. Several effects together may replace the law, for
+example a fall and a rise with speed that were measured at few speeds. The fitted law then has
+hardly any friction, so that relative effects and scatter have no meaning.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,8 +14,8 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import Candidate
 from bayesfric.physics.friction import Coefficients
 
-FARTHEST = 1.5  # times friction of the last law, or as small a part of it
-STEPS = (1.0, 0.5, 0.25)  # shares of the way that are tried
+FARTHEST = 1.5  # largest ratio of friction between the two laws, in either direction
+STEPS = (1.0, 0.5, 0.25)  # fractions of the way that are tried
 ROUNDING = 1e-300
 
 
@@ -27,16 +27,16 @@ def around_nearby(
     scattering: Sequence[tuple[Candidate, float]],
     forms: Sequence[Form],
 ) -> LinearModel:
-    """Return the model around other laws, or as far on the way to them as holds.
+    """Return the model around other laws, or around laws on the way to them.
 
     Parameters
     ----------
     model : LinearModel
         Around the last laws.
     laws : mapping of str to Coefficients
-        As they were fitted, by pulley size.
+        The fitted laws, by pulley size.
     candidates, scattering, forms
-        As of :meth:`~bayesfric.diagnosis.model.LinearModel.around`.
+        As for :meth:`~bayesfric.diagnosis.model.LinearModel.around`.
     """
     for step in (*STEPS, 0.0):
         part = {size: _between(model.laws[size], law, step) for size, law in laws.items()}
@@ -52,7 +52,7 @@ def _between(first: Coefficients, other: Coefficients, step: float) -> Coefficie
 
 
 def _is_near(model: LinearModel, around: LinearModel) -> bool:
-    """Return whether friction of every trial is of one size in both."""
+    """Return whether friction of every trial is similar in both."""
     for before, after in zip(model.rigs, around.rigs, strict=True):
         first, other = (np.maximum(rig.rows.friction_n, ROUNDING) for rig in (before, after))
         if np.abs(np.log(other / first)).max(initial=0.0) > np.log(FARTHEST):

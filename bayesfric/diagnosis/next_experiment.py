@@ -1,9 +1,9 @@
-"""The trial that would tell apart what these data leave open.
+"""The trial that would best distinguish the hypotheses that these data leave open.
 
-Conditions that a rig can have, by what was recorded, are laid out as trials without noise; the
-expected log Bayes factor of one trial is half the squared distance of what two hypotheses
-predict, in units of the noise, friction's scatter, what is not known of the law, and the
-discrepancy that every hypothesis leaves open.
+Feasible conditions, combined from recorded ones, are simulated as trials without noise. The
+expected log Bayes factor of a trial is half the squared difference of the predictions of two
+hypotheses. Its unit is their uncertainty: noise, scatter of friction, the posterior of the law, and
+the discrepancy of every hypothesis.
 """
 
 from collections.abc import Mapping

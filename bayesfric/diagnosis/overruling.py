@@ -11,6 +11,7 @@ from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.verdict import KnownEffect, sort_effects
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
+from bayesfric.probabilities import two_digits
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, Remainder
 from bayesfric.schemas.gap import Gap, HeldOutDensity
@@ -149,8 +150,8 @@ def why_overruled(
         )
     if leaves_too_much(gap, practical) and not told_as_remainder:
         return (
-            f"beyond friction's scatter {gap.held_out_excess:.3g} {gap.unit} rms are left of it "
-            "that no remainder tells"
+            f"after scatter is subtracted, held-out data leave {two_digits(gap.held_out_excess)} "
+            f"{gap.unit} rms, and no remainder explains them"
         )
     if implausible and (force_left or told_as_remainder):
         return (

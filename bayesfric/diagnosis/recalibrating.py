@@ -1,4 +1,4 @@
-"""The law recalibrated by the forces of some windows, and what chance leaves of it there."""
+"""The law recalibrated to the forces in windows, and the residuals that chance makes."""
 
 from dataclasses import dataclass
 

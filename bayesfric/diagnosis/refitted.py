@@ -1,8 +1,8 @@
 """The law refitted together with whatever acts: joint draws over all hypotheses.
 
-A law that was fitted alone has taken up part of what an effect does; adding the effect to
-it counts that part twice. Here coefficients and amplitudes are drawn together, a hypothesis
-as often as it is probable, so that an effect is 0 in the draws of hypotheses without it.
+A law that is fitted without an effect absorbs part of it, and adding the effect would include this
+part twice. Here coefficients and amplitudes are drawn together. The number of draws of a hypothesis
+is in proportion to its probability, and an effect is 0 in draws of hypotheses without it.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What the named causes leave: a further smooth force, laws far from right, or nothing."""
+"""What the named causes leave: a further smooth force, errors of their laws, or nothing."""
 
 from dataclasses import replace
 
@@ -26,18 +26,18 @@ def remainder_of(
     gap_share: float,
     left: Array | None = None,
 ) -> Remainder:
-    """Weigh a further smooth force beside the causes.
+    """Test for a further smooth force beside the causes.
 
     Parameters
     ----------
     model : LinearModel
-        In which hypotheses were compared.
+        The model in which hypotheses were compared.
     search : Search
         The hypotheses.
     weighed : Weighed
-        The most probable one with names; may be none.
+        The most probable hypothesis without an unknown force; may be none.
     gap_share : float
-        Rms of the gap over rms friction, of which the further force is a part.
+        Rms of the gap over rms friction.
     left : ndarray or None
         Draws of the part of the squared gap that the causes leave; None without causes.
     """
@@ -56,22 +56,22 @@ def remainder_of(
     found_by = [(*_beside(further, gap_share), gain)] if gain > RULES.remainder_log10 else []
     practical = model.analysis.diagnosis.practical_share
     if left is not None and left_matters(left, gap_share, practical):
-        # The causes' laws are wrong by so much that something else must act: along which axis
-        # a smooth force would do instead of their other forms.
+        # The errors of the causes' laws are so large that something else must act. The axis is that
+        # of a smooth force in place of these errors.
         plain = replace(weighed, form=AS_IT_IS)
         instead = unknown_force(model, plain, weighed.acting, search.inverse, search.volume)
         assert instead is not None
         asked = (instead.log_evidence - value_of(plain)) / LN10
-        # Laws that are wrong by a share leave little where the data do not ask for more.
+        # Errors of the laws suffice unless the data favour the smooth force.
         if asked > 0:
             found_by.append((Interval.of_draws(left), instead.best.axis or _widest(instead), asked))
-    # Both may speak of one force, of which each sees a part.
+    # Both may be parts of the same force.
     largest = max(found_by, key=lambda candidate: candidate[0].q50, default=(None, None, gain))
     return _remainder(*largest)
 
 
 def _remainder(share: Interval | None, axis: str | None, factor: float) -> Remainder:
-    """Return a further force that makes this share of the gap; None where none is asked for."""
+    """Return the remainder with this share of the gap; None if the data favour no force."""
     why = "no further force is asked for"
     return Remainder(
         significant=share is not None,
@@ -93,7 +93,7 @@ def all_left(search: Search, force: Unknown) -> Remainder:
     force : Unknown
         The unknown force.
     """
-    # What effects have found and cannot have made is there by their evidence.
+    # A force that effects describe but cannot have made is supported by their evidence.
     best_known = max(force.log_evidence, search.best().log_evidence if search.foreign else -np.inf)
     gain = (best_known - search.none.log_evidence) / LN10
     return Remainder(
@@ -106,7 +106,7 @@ def all_left(search: Search, force: Unknown) -> Remainder:
 
 
 def _beside(further: Unknown, gap_share: float) -> tuple[Interval, str]:
-    """Return the share of the gap of a smooth force beside the causes, and its axis."""
+    """Return the part of the gap that a smooth force beside the causes makes, and its axis."""
     shares = np.array([wide.share for wide in further.nodes])
     order = np.argsort(shares)
     ladder = (np.arange(DRAWS) + 0.5) / DRAWS
@@ -116,21 +116,21 @@ def _beside(further: Unknown, gap_share: float) -> tuple[Interval, str]:
 
 
 def left_matters(left: Array, gap_share: float, practical: float) -> bool:
-    """Return whether the causes surely leave much of the gap, or more than the practical share.
+    """Return whether the causes leave much of the gap, with probability 0.95.
 
     Parameters
     ----------
     left : ndarray
         Draws of the part of the squared gap that the causes leave.
     gap_share, practical : float
-        Rms of the gap, and what of it matters, over rms friction.
+        Rms of the gap, and the rms that matters, over rms friction.
     """
     least = float(np.quantile(left, 0.05))
     return least > RULES.remainder_left or np.sqrt(max(least, 0.0)) * gap_share > practical
 
 
 def _widest(further: Unknown) -> str:
-    """Return the axis that gains most where it alone is wide."""
+    """Return the single axis with the largest evidence."""
     rated = [
         (float(weight), node.axis)
         for weight, node in zip(further.log_weights, further.nodes, strict=True)

@@ -1,7 +1,8 @@
 """Which effects act: hypotheses of none, one, two and more effects, and of an unknown force.
 
-All hypotheses that are listed are weighed alike, in one model, each at its own mode of the
-noise. The search goes forward from the best ones; what is only screened is a bound.
+All listed hypotheses are evaluated in the same model, each with the noise at its own mode. The
+search adds effects to the best hypotheses. The evidence of a hypothesis that was only screened is a
+lower bound.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,17 +27,17 @@ from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, log_volume
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import NONE, Hypothesis
 
-NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
+NEAR = 3.0  # a start at most this far below a known mode is tried [nat]
 
 
 class Steps(NamedTuple):
-    """What takes long of a search, and may have been kept from one that was interrupted."""
+    """The slow steps of a search, whose results may come from a checkpoint."""
 
     weigh: Callable[..., Weighed]
     unknown_force: Callable[..., Unknown | None]
 
     def weigh_in(self, model: LinearModel, searched: Search, *asked: Any, **how: Any) -> Weighed:
-        """Weigh a hypothesis from its starts, against the noise of those that were searched."""
+        """Evaluate a hypothesis from its starts, with the volume of the noise of the search."""
         return self.weigh(model, *asked, searched.inverse, searched.volume, **how)
 
 
@@ -48,22 +49,22 @@ def search(
     classes: Classes,
     steps: Steps,
 ) -> Search:
-    """Look for effects that act, forward from none.
+    """Search for effects that act, starting from none.
 
     Parameters
     ----------
     model : LinearModel
-        With every candidate.
+        The model with every candidate.
     none : Weighed
         The baseline alone.
     inverse : ndarray
-        Of the curvature of its noise.
+        Inverse curvature of its noise.
     volume : float
-        Log Laplace volume of that.
+        Log Laplace volume of its noise.
     classes : Classes
         Effects that enter.
     steps : Steps
-        By which hypotheses are weighed.
+        Evaluate hypotheses.
     """
     priors = model.analysis.diagnosis.hypotheses
     searched = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
@@ -78,7 +79,7 @@ def search(
 def _weigh_alone(
     model: LinearModel, searched: Search, effects: Sequence[str], steps: Steps
 ) -> dict[str, float]:
-    """Weigh each effect alone, and return the best shapes of its laws."""
+    """Evaluate each effect alone, and return the best shapes of its laws."""
     none = leader = searched.none
     quiet = model.noise.quiet(none.at.psi)
     shapes: dict[str, float] = {}
@@ -99,9 +100,9 @@ def _weigh_alone(
 
 
 def _weigh_at_noise_of(model: LinearModel, searched: Search, leader: Weighed, steps: Steps) -> None:
-    """Weigh the others again from the leader's noise, where that is nearly as good for them.
+    """Evaluate the others again from the leader's noise, if it is nearly as probable for them.
 
-    Where scatter had taken up what an effect does, they look different without it.
+    Scatter may have absorbed what an effect does. With less scatter they look different.
     """
     for alone, weighed in list(searched.weighed.items()):
         if alone in (NONE, leader.hypothesis):
@@ -291,7 +292,7 @@ def _finalists(first: Search) -> list[Hypothesis]:
         for rival in ranked[: RULES.finalists]
         if first.worth(rival) > top - RULES.compared_within
     ]
-    # Each part of the leader: a cause counts against the best without it.
+    # Each part of the leader: a cause is compared with the best hypothesis without it.
     for number in range(1, len(best.names)):
         parts = map(Hypothesis, combinations(best.names, number))
         chosen += [part for part in parts if part in first.weighed]

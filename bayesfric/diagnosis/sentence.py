@@ -20,10 +20,10 @@ WINDOWS = ", each the mean friction over a stretch of motion or at a steady poin
 PULLS = {
     False: (
         "other joints, which may have moved and are not in the log",
-        "log them, or hold them still and say so",
+        "log them, or hold them still and state that",
     ),
     True: (
-        "the other joints in the log, which no model of the machine tells",
+        "the other joints in the log, which no model of the machine describes",
         "give one (rig.robot), or hold them still",
     ),
 }
@@ -173,7 +173,7 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     if causes:
         removes = "it removes" if len(causes) == 1 else "they remove"
         return (
-            f"How much of the gap {removes} on data that the fit has not seen cannot be told: "
+            f"How much of the gap {removes} on data that the fit has not seen is unknown: "
             f"{gap.shrink_why}.{better}"
         )
     before, floor = two_digits(row.before.q50), two_digits(row.floor.q50)
@@ -226,9 +226,9 @@ def _no_gap(statement: Statement) -> str:
     if statement.present and not statement.causes:
         absorbed = f" {statement.beside}, {_below(statement, 'with less than that', 'make')}."
     off = f"less than {statement.share:.1%} of friction {statement.chance}; "
-    off += f"the median estimate is {statement.size}."
+    off += f"the median of the gap is {statement.size}."
     if statement.gap.no_share is not None:
-        off = f"{statement.size} {statement.chance}; as a share of friction it cannot be told, "
+        off = f"{statement.size} {statement.chance}; as a share of friction it is unknown, "
         off += f"since {statement.gap.no_share}."
     by = f" This rests on {statement.recorded}{WINDOWS}." if statement.recorded else ""
     return f"Once recalibrated, the simulation is systematically off by {off}{absorbed}{by}"
@@ -239,8 +239,10 @@ def _undecided(statement: Statement) -> str:
     if statement.open_because is not None and not statement.considered:
         if gap.probability_above_practical < RULES.likely:
             chance = stated(gap.probability_above_practical)
-            there = f"Whether there is a gap that counts stays open (probability {chance})"
-            return f"{there}: {statement.open_because}.{statement.place}"
+            there = f"Whether there is a gap above {share:.1%} of friction stays open"
+            return (
+                f"{there} (its probability is {chance}): {statement.open_because}.{statement.place}"
+            )
         there = f"There is a gap of {statement.size} {statement.chance}"
         return f"{there}; its cause stays open: {statement.open_because}.{statement.place}"
     if statement.open_because is not None:
@@ -256,9 +258,9 @@ def _undecided(statement: Statement) -> str:
         return f"These data could not have shown a gap of {share:.1%} of friction: {reason}."
     if statement.unlike_scatter is not None:
         return (
-            "No effect examined makes a gap that counts, but more is left than scatter explains: "
-            f"{statement.unlike_scatter}. Either something else acts, or the assumed scatter is "
-            "wrong."
+            f"No effect examined makes a gap of {share:.1%} of friction, but scatter does not "
+            f"explain the residuals: {statement.unlike_scatter}. Either something else acts, or "
+            "the assumed scatter is wrong."
         )
     if not statement.causes and gap.systematic.q05 >= share * gap.friction_rms:
         there = f"There is a gap of {statement.size} {statement.chance}"
@@ -269,9 +271,9 @@ def _undecided(statement: Statement) -> str:
         return f"{there}; {statement.beside}, {below}{else_}.{statement.place}"
     left = "no cause is sure enough to be named"
     if statement.causes:
-        left = f"{statement.acting}; whether the gap is above the {share:.1%} that counts is open"
+        left = f"{statement.acting}; whether the gap is above {share:.1%} of friction stays open"
     elif statement.present:
-        left = f"{statement.beside}; whether the force is large enough to count is open"
+        left = f"{statement.beside}; whether its force is above {share:.1%} of friction stays open"
     return f"{_how_large(gap, share)}; {left}."
 
 
@@ -291,8 +293,8 @@ def _how_large(gap: Gap, share: float) -> str:
 def _unknown(statement: Statement) -> str:
     matters = statement.gap.systematic.q50 >= statement.share * statement.gap.friction_rms
     there = f"There is a gap of {statement.size}"
-    counts = f"a gap counts from {statement.share:.1%} on"
-    small = "" if matters else f" Its gap is small: {statement.size}; {counts}."
+    limit = f"below {statement.share:.1%} of friction a gap is negligible"
+    small = "" if matters else f" Its gap is small: {statement.size}; {limit}."
     if not statement.considered and not matters:
         return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
     if not statement.considered:

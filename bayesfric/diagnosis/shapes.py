@@ -1,7 +1,7 @@
 """The evidence of effects that act together: amplitudes, shapes and laws integrated out.
 
-Given the noise, amplitudes are normal (folded where they are positive: an orthant's
-probability), and columns at any shape are mixtures of those at the nodes.
+Given the noise, amplitudes are normal (positive amplitudes are truncated at zero, which needs an
+orthant probability). The column at any shape is a combination of those at the nodes.
 """
 
 from collections.abc import Callable, Mapping, Sequence

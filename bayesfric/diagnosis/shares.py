@@ -1,8 +1,8 @@
-"""Shares of the systematic force: how much of its variance each axis explains.
+"""Shares of the systematic force: which part of its mean square each axis explains.
 
-Axes compete for the same draws of the same force. A refitted law is part of every regression, since
-the gap is what such a law leaves; on top of it comes friction times smooth functions of some of the
-axes, and of two axes of the machine's state times their product.
+Each draw of the force is regressed on friction times smooth functions of the axes. For two axes
+that describe the state of the machine, the regression also contains their product. Every regression
+contains the refitted law, because the gap is what this law leaves.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,37 +16,37 @@ from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.inference.shapley import Block, explained_by_subsets, shapley_values
 from bayesfric.inference.smooths import BROAD, NARROW, Span, smooth_along
 
-DRAWS = 300  # of the force: a 5 % quantile of a share is known to a tenth of its width
-PLAYERS = 12  # axes that compete; the rest of more are taken together
-RIDGE = 1e-3  # of a smooth's own variance: shrinks what a hundredth of the windows tells
-PAIRED = 0.3  # sd of a product of two axes, where a smooth's is 1
+DRAWS = 300  # of the force; the error of a 5 % quantile of a share is 0.1 of its interval
+PLAYERS = 12  # axes at most; if there are more, the weakest form one group
+RIDGE = 1e-3  # of a smooth function's variance: shrinks what 1 % of the windows determine
+PAIRED = 0.3  # sd of a product of two axes; that of a smooth function is 1
 FINE_AT_FIRST = ("travel_since_reversal",)
-"""Axes along which a force changes by ratios."""
+"""Axes on a logarithmic scale."""
 HISTORY = ("order", "time", "trial_in_setup")
-"""Axes of when a trial was made: what changes along them is broad, and is no product."""
-SEEN = 1e-3  # of an axis' largest function: less is left of one by a law, or by other axes
-NOTHING = 1e-9  # of friction, rms: a force below it has no shares
-FINE = 400  # windows, of which fewer are told apart by chance along functions that are not broad
-GRID = 25  # places along an axis
-ROUNDING = 1e-9  # of a covariate's size, or of all of a force: it is no variation, and no share
+"""Axes of the time of a trial: their functions are broad and enter no product."""
+SEEN = 1e-3  # part of the largest function below which the law or other axes leave nothing
+NOTHING = 1e-9  # rms relative to friction below which a force has no shares
+FINE = 400  # with fewer windows only broad functions are used, since fine ones fit chance
+GRID = 25  # positions along an axis
+ROUNDING = 1e-9  # relative: a smaller variation, or a smaller share, is rounding error
 
 
 @dataclass(frozen=True)
 class AxisFunctions:
-    """Functions of an axis, as shares of friction.
+    """Functions of an axis, relative to friction.
 
     Parameters
     ----------
     name : str
         Of the axis.
     is_known : ndarray of bool, shape (R,)
-        Where a window has such a place.
+        Windows with a position on the axis.
     columns : ndarray, shape (R, k)
-        At the windows; 0 where it has none.
+        At the windows; 0 without a position.
     grid : ndarray, shape (G,)
-        Places along the axis; of a category its values.
+        Positions along the axis; for a category its values.
     on_grid : ndarray, shape (G, k)
-        The functions there.
+        The functions at these positions.
     """
 
     name: str
@@ -63,13 +63,13 @@ class Shares:
     Parameters
     ----------
     share : dict of str to ndarray
-        In the mean over all orders of axes; with `unexplained` they add up to 1.
+        Shapley values; the shares and `unexplained` sum to 1.
     alone : dict of str to ndarray
-        Of a regression on functions of that axis alone.
+        From a regression on functions of that axis alone.
     unexplained : ndarray
-        What functions of no axis explain.
+        The part that no axis explains.
     there : ndarray of bool
-        Draws that have a force.
+        Draws with a force.
     """
 
     share: dict[str, Array]
@@ -86,9 +86,9 @@ def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> A
     residuals : Residuals
         Windows.
     name : str
-        Of a covariate of theirs.
+        Of a covariate of these windows.
     length : float
-        Length scale of smooth functions, as a share of the covariate's range.
+        Length scale of smooth functions, relative to the range of the covariate.
     """
     values = residuals.covariates[name]
     is_finite = np.isfinite(values)
@@ -103,7 +103,7 @@ def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> A
         return AxisFunctions(name, is_finite, columns, grid, np.eye(grid.size))
     span = replace(Span.of(values[is_finite]), logarithmic=name in FINE_AT_FIRST)
     smooth = smooth_along({name: span}, length=length)
-    if smooth is None:  # it varies by less than a span is told to
+    if smooth is None:  # it varies by less than the resolution of a span
         return None
     columns = np.where(
         is_finite, smooth.columns({name: np.where(is_finite, values, span.low)}), 0.0
@@ -127,16 +127,15 @@ def shares_of(
     force : ndarray, shape (R, S)
         Draws of it, the law recalibrated [N].
     hidden2 : mapping of str to ndarray, shape (S,)
-        Mean square of forces along an axis whose phases nobody recorded, by that axis [N²].
+        Mean square of periodic forces with unrecorded phase, by their axis [N²].
     waves : sequence of (frozenset of str, ndarray of shape (R,))
-        Forces that come back along a path, each with the axes that they lie along [N]. They are
-        finer than the smooth functions of these axes, and join them.
+        Periodic forces along a path, each with its axes [N]. They are finer than the smooth
+        functions of these axes and are added to them.
 
     Returns
     -------
     Shares
-        Of a part of the draws, evenly taken. A draw without any force is unexplained: there is
-        nothing that could be explained.
+        For evenly spaced draws. A draw without a force is unexplained.
     """
     taken = np.linspace(0, force.shape[1] - 1, min(DRAWS, force.shape[1])).astype(np.intp)
     response = np.sqrt(residuals.weight)[:, None] * force[:, taken]
@@ -175,14 +174,14 @@ def shares_of(
 
 
 def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, Array]:
-    """Return friction times the functions of each axis, less what a law takes, weighted, (R, k)."""
+    """Return friction times the functions of each axis, the law projected out, weighted, (R, k)."""
     ready = {axis.name: _ready(residuals, axis.columns, axis.is_known) for axis in axes}
     if "setup" in ready:
-        # An assembly stands for all that it is made of and for its day: what it is beyond these.
+        # Assemblies differ in everything that the other axes describe: only the rest is theirs.
         rest = [columns for name, columns in ready.items() if name != "setup"]
         ready["setup"] = _beyond(ready["setup"], rest)
     if "travel_since_reversal" in ready:
-        # Between two ends it is the position, once the direction is known.
+        # Within a stroke, direction and position determine the travel.
         state = [name for name in ("displacement", "direction") if name in ready]
         rest = [ready[name] for name in state]
         rest += [block.columns for block in _products(residuals, state)]
@@ -191,7 +190,7 @@ def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, 
 
 
 def _ready(residuals: Residuals, columns: Array, there: Flags) -> Array:
-    """Centre functions where they are known; weigh them, and take a refitted law off."""
+    """Centre functions where they are known, weight them, and project a refitted law out."""
     weight = residuals.weight * residuals.friction_n**2
     mean = (weight * there) @ columns / (weight * there).sum()
     force = np.where(there[:, None], columns - mean, 0.0) * residuals.friction_n[:, None]
@@ -200,7 +199,7 @@ def _ready(residuals: Residuals, columns: Array, there: Flags) -> Array:
 
 
 def _beyond(columns: Array, others: Sequence[Array]) -> Array:
-    """Return what other functions leave of some, as few as there are left."""
+    """Return a basis of what other functions leave of these."""
     if others:
         basis, size, _ = np.linalg.svd(np.concatenate(others, axis=1), full_matrices=False)
         basis = basis[:, size > SEEN * size[0]] if size[0] > 0 else basis[:, :0]
@@ -217,12 +216,12 @@ def _competing(
     response: Array,
     waves: Sequence[tuple[frozenset[str], Array]],
 ) -> dict[str, Array]:
-    """Return what each axis adds in the mean over all orders, by name, (S,) [N²]."""
+    """Return the Shapley value of each axis, by name, (S,) [N²]."""
     order = sorted(weighted, key=lambda name: (-float(alone[name].mean()), name))
     single, together = order, []
     if len(order) > PLAYERS:
         single, together = order[: PLAYERS - 1], order[PLAYERS - 1 :]
-    # What has many functions comes first, when there are few subsets.
+    # Axes with many functions come first, when there are few subsets.
     single = sorted(single, key=lambda name: (-weighted[name].shape[1], name))
     blocks = [Block((place,), weighted[name]) for place, name in enumerate(single)]
     blocks += _products(residuals, single)
@@ -240,7 +239,7 @@ def _competing(
 
 
 def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
-    """Return the product of each two axes of the machine's state."""
+    """Return the product of each two axes that describe the machine's state."""
     state = {
         place: _standardised(residuals.covariates[name])
         for place, name in enumerate(names)
@@ -259,7 +258,7 @@ def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
 def _waves_along(
     residuals: Residuals, waves: Sequence[tuple[frozenset[str], Array]], names: Sequence[str]
 ) -> list[Block]:
-    """Return each wave, in all of whose axes that vary it enters."""
+    """Return each wave, as a block of all its axes that vary."""
     blocks = []
     for axes, wave in waves:
         players = tuple(place for place, name in enumerate(names) if name in axes)
@@ -271,6 +270,6 @@ def _waves_along(
 
 
 def _standardised(values: Array) -> Array:
-    """Return values less their mean over their standard deviation; nan where there is none."""
+    """Return values minus their mean, over their standard deviation; nan for missing values."""
     finite = values[np.isfinite(values)]
     return np.asarray((values - finite.mean()) / finite.std())

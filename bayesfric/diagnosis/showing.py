@@ -1,7 +1,7 @@
-"""Whether the data could have shown a gap: without that, none is no finding.
+"""Whether the data could have shown a gap. Otherwise finding no gap means nothing.
 
-A recording in which nothing varied, or with fewer windows than the law has numbers, leaves no
-gap whatever the truth is. So does one that tells no unknown force from none.
+A recording in which nothing varied, or with fewer windows than the law has coefficients, leaves no
+gap for any truth. So does a recording that cannot distinguish an unknown force from none.
 """
 
 import numpy as np

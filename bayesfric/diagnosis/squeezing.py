@@ -1,4 +1,4 @@
-"""Fewer numbers for what every hypothesis leaves open: those of which the data tell nothing."""
+"""The discrepancy without the combinations of coefficients that the data do not inform."""
 
 from copy import copy
 from dataclasses import replace

@@ -156,8 +156,8 @@ def floor_disagrees(
     more_or_less = "less" if less < RULES.like_scatter else "more"
     return (
         f"on data that the fit has not seen the law is off by {two_digits(left)} {unit} rms, "
-        f"{more_or_less} than the {two_digits(expected)} {unit} that scatter and the remaining gap "
-        "would make"
+        f"{more_or_less} than the {two_digits(expected)} {unit} rms that scatter and the remaining "
+        "gap together would make"
     )
 
 

@@ -1,9 +1,9 @@
-"""Readings and rows far from all others: they count less, as in a Student-t distribution.
+"""Readings and rows far from all others get less weight, as with a Student-t distribution.
 
-A linear model is normal given the weight of each row. A row that lies far from what the likeliest
-hypothesis says by all others has the weight that a Student-t density has there; all others have 1.
-Hypotheses are compared with the same weights, which are looked at again where the likeliest has
-changed.
+A linear model is normal given the weight of each row. A row that is far from the prediction of the
+most probable hypothesis has the weight of a Student-t density; all other rows have weight 1.
+Hypotheses are compared with the same weights. The weights are computed again if the most probable
+hypothesis has changed.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,7 +19,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import UNKNOWN
 from bayesfric.inference.symmetric import root_of
 
-TO_SD = 1.4826  # of the median of absolute values of normal numbers
+TO_SD = 1.4826  # sd of a normal variable over the median of its absolute values
 ROUNDS = 8
 SETTLED = 0.3  # of the logarithm of a weight
 MOST_LEVERAGE = 1 - 1e-6
@@ -28,23 +28,24 @@ MOST_LEVERAGE = 1 - 1e-6
 def few_strays(
     off: Array, before: Array | None = None, surely: Array | None = None
 ) -> Array | None:
-    """Return the weight of each row, or None where too many are far away.
+    """Return the weight of each row, or None if too many rows are far away.
 
     Parameters
     ----------
     off : ndarray, shape (N,)
-        How far each is from what is expected, in standard deviations of any size.
+        Deviation of each row from its prediction, in any multiple of standard deviations.
     before : ndarray, shape (N,), or None
-        Weights with which it was expected. Beside those that are strays by these, the farthest
-        alone is one: it may have pulled what was expected of others. None where one row pulls
-        nothing, and all strays are taken at once.
+        Weights with which the prediction was made. Only the farthest row is added to the strays of
+        these weights, because it may have changed the prediction of the others. None if a single
+        row changes no prediction; all strays are then taken at once.
     surely : ndarray, shape (N,), or None
-        The same as `off`, less where what is expected is uncertain: by this one is the farthest.
+        Like `off`, but smaller where the prediction is uncertain. It decides which row is the
+        farthest.
 
     Returns
     -------
     ndarray, shape (N,), or None
-        1 but for strays.
+        1 except for strays.
 
     References
     ----------
@@ -72,12 +73,12 @@ def without_strays(
     search: Search,
     anew: Callable[[Mapping[str, Array]], tuple[LinearModel, Search]],
 ) -> tuple[LinearModel, Search]:
-    """Return a model in which strays count little, and the hypotheses in it.
+    """Return a model in which strays have little weight, and the hypotheses in it.
 
     Parameters
     ----------
     model : LinearModel
-        In which hypotheses were compared with equal weights.
+        The model in which hypotheses were compared with equal weights.
     search : Search
         The hypotheses.
     anew : callable

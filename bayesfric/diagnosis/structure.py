@@ -17,6 +17,7 @@ from bayesfric.diagnosis.overruling import leaves_too_much
 from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.diagnosis.systematic import Posterior
 from bayesfric.diagnosis_rules import RULES
+from bayesfric.probabilities import two_digits
 from bayesfric.schemas.gap import Gap
 
 SLOW = "slow_axis"
@@ -54,8 +55,8 @@ class Together:
     def words(self, size: str) -> str:
         """Say that it is there, a force of a size in words."""
         return (
-            f"a force of {size} goes together along {self.axis.replace('_', ' ')} (scatter makes "
-            f"as much with a probability of {self.p_value:.2g})"
+            f"residuals next to each other along {self.axis.replace('_', ' ')} share a force of "
+            f"{size} (scatter alone makes as much with probability {self.p_value:.2g})"
         )
 
 
@@ -155,7 +156,8 @@ def unlike_scatter(
     if gap.before.q50 > RULES.order_of_friction * gap.friction_rms:
         return None
     if leaves_too_much(gap, practical):
-        return f"{gap.held_out_excess:.3g} {gap.unit} rms of data held out, beyond scatter"
+        excess = f"{two_digits(gap.held_out_excess)} {gap.unit} rms"
+        return f"after scatter is subtracted, held-out data leave {excess}"
     structured = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
     if structured is None:
         return None

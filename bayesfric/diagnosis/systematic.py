@@ -12,13 +12,9 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.at_shapes import numbers_at_shapes
 from bayesfric.diagnosis.discrepancy import Wide
-from bayesfric.diagnosis.effect_draws import (
-    DRAWS,
-    EffectDraws,
-    drawn_shapes,
-    numbers_at_shapes,
-)
+from bayesfric.diagnosis.effect_draws import DRAWS, EffectDraws, drawn_shapes
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
@@ -104,12 +100,14 @@ def posterior_of(
         rows = slice(len(hypotheses), len(hypotheses) + count)
         own, weighed, wide = _hypothesis_of(model, search, hypothesis)
         drawn = _numbers(own, weighed, wide, count, rng)
-        shapes = drawn_shapes(own, weighed, count, rng)
         forms = weighed.forms if wide is None or search.unknown is None else search.unknown.forms
         numbers = drawn
         at: Sequence[Array | float] = weighed.acting.shapes
         if model.data.rigs[0].along_path:
-            numbers, at = numbers_at_shapes(own, weighed, wide, forms, drawn, shapes), shapes
+            numbers, shapes = numbers_at_shapes(own, weighed, wide, forms, drawn, rng)
+            at = shapes
+        else:
+            shapes = drawn_shapes(own, weighed, count, rng)
         moves = []
         for start in range(0, count, AT_ONCE):  # forces of all draws are large
             some = drawn[start : start + AT_ONCE]

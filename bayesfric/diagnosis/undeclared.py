@@ -42,19 +42,19 @@ def undeclared(
         ]
         if names:
             yield (
-                "Nobody says what kind of force was logged (rig.force_is): "
+                "The kind of the logged force is not declared (rig.force_is): "
                 f"{' and '.join(names)} can act on a force that was commanded, and not on one "
                 "that was measured"
             )
     by_load = sorted(BY_LOAD.intersection(named))
     if by_load and "load-asymmetry" not in examined:
         yield (
-            f"{' and '.join(by_load)} may be of one way of the power alone: what a gear loses more "
-            "when driving than when driven back looks like an error of the force's gain, of "
-            "inertia and of gravity. A load whose torque is known tells them apart"
+            f"{' and '.join(by_load)} may act in one direction of the power only: a gear that "
+            "loses more when driving than when driven back looks like an error of the force's "
+            "gain, of inertia and of gravity. A load whose torque is known separates them"
         )
     if verdict == "unknown" and other_joints == "unknown" and rig.rotary:
         yield (
-            "Nobody says what the machine's other joints did (rig.other_joints): their pull, if "
-            "they moved and are not in the log, may be what is unknown"
+            "The motion of the machine's other joints is not declared (rig.other_joints): if they "
+            "moved and are not in the log, their pull may be the unknown force"
         )

@@ -1,4 +1,4 @@
-"""A smooth force that nobody named, beyond the discrepancy: how large, and along which axis."""
+"""An unknown smooth force beyond the discrepancy: how large it is, and along which axis."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,28 +16,29 @@ from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.weighing import Weighed, log_volume, over_amplitudes
 from bayesfric.inference.information import Information
 
-LIKELY = 50.0  # nat from the best, of an unknown force that is looked at again
+LIKELY = 50.0  # an unknown force within this of the best is evaluated again [nat]
 QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A smooth force that nobody named, weighed.
+    """An unknown smooth force with its evidence.
 
     Parameters
     ----------
     nodes : tuple of Wide
-        How large it may be, along which axis, and whether alike at all sizes, loads and rigs.
+        Its possible rms values and axes, and whether it is the same fraction of friction for all
+        sizes, loads and rigs.
     log_weights : ndarray
-        Of each node, normalised.
+        Posterior weight of each node, normalised.
     log_evidence : float
-        As of :class:`~bayesfric.diagnosis.weighing.Weighed`.
+        As in :class:`~bayesfric.diagnosis.weighing.Weighed`.
     at : At
-        With the most probable node.
+        Posterior with the most probable node.
     acting : Acting
-        Effects beside it, which make less of the gap than it does.
+        Effects that act together with it; they make less of the gap than it does.
     form : FormShare
-        The share by which their laws are wrong.
+        The relative error of their laws.
     """
 
     nodes: tuple[Wide, ...]
@@ -54,7 +55,7 @@ class Unknown:
 
     @property
     def forms(self) -> dict[str, FormShare]:
-        """The share of each effect beside it."""
+        """The relative error of each effect that acts together with it."""
         return dict.fromkeys(self.acting.names, self.form)
 
 
@@ -67,22 +68,22 @@ def unknown_force(
     starts: Sequence[Array] = (),
     near: float | None = None,
 ) -> Unknown | None:
-    """Weigh a smooth force beyond the discrepancy, along all axes or any single one.
+    """Return the evidence of a smooth force beyond the discrepancy, along all axes or one.
 
     Parameters
     ----------
     model : LinearModel
         All rigs.
     without : Weighed
-        The same without the force.
+        The hypothesis without the force.
     acting : Acting
-        What acts beside it.
+        Effects that act together with it.
     inverse, volume
-        Of the noise without effects.
+        Inverse curvature and log volume of the noise without effects.
     starts : sequence of ndarray
-        Further noises to climb from.
+        Further noise parameters to start from.
     near : float or None
-        Log evidence from which on the force's own noise is integrated over.
+        With a log evidence above this, the volume of the noise is computed for this force.
     """
     model = model.full
     axes = model.acting_axes
@@ -112,7 +113,7 @@ def unknown_force(
     psi = tried[int(np.argmax([values(node, middling).max() for node in tried]))]
     log_evidences = values(psi, np.arange(len(nodes)))
     for _ in range(2):
-        # The climb needs few of the numbers; the evidence has all of them.
+        # The search for the mode needs few coefficients; the evidence contains all of them.
         small = squeezed(model, psi, nodes[int(np.argmax(log_evidences))])
         there = climb(small, psi, acting, None, form, inverse)
         settled = bool(np.abs(there.psi - psi).max() < 0.05)
@@ -130,20 +131,21 @@ def unknown_force(
     if near is not None and total > near:
         noise = slice(len(model.noise))
         total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume
-    # Along all axes is as likely as along any one.
+    # All axes together and each single axis have the same prior probability.
     return Unknown(nodes, log_evidences - logsumexp(log_evidences), total, at, acting, without.form)
 
 
 def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags]:
-    """Return how large a force may be and where, and which of these are scatter anyhow."""
+    """Return the possible rms values and axes of a force, and which of them are scatter."""
     scale = model.analysis.diagnosis.unknown_scale
     shares = [scale * float(ndtri((1 + node) / 2)) for node in QUANTILES]  # half-normal
-    # Where in speed a law is off events tell at hundreds of places, and forces that differ with
-    # size, load and rig as well are too many to be likely; along other axes few values are met.
+    # Events resolve an error along speed at hundreds of positions. Forces that also differ by size,
+    # load and rig need many coefficients there, and their evidence is low. Other axes have few
+    # values.
     where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]
     where += [(axis, True) for axis in axes if axis == "velocity"]
     nodes = tuple(Wide(share, *node) for node in where for share in shares)
-    # Along these, what is smaller than matters is scatter.
+    # Along these axes a force below the practical share is scatter.
     practical = model.analysis.diagnosis.practical_share
     scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
     return nodes, np.array([node.axis in scattering and node.share < practical for node in nodes])

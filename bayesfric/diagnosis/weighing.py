@@ -1,4 +1,4 @@
-"""One hypothesis weighed: its noise climbed to its own mode, laws and shapes integrated out."""
+"""The evidence of a hypothesis: noise at its mode, laws and shape parameters integrated out."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,10 +16,11 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 from bayesfric.hypothesis import Hypothesis
 
-ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
-FLATTEST = 0.01  # curvature of a logarithm: a noise that is known to a factor of e^10
-SETTLED = 0.05  # of a shape, in normal quantiles
-# Along speed alone too, as an unknown force may be: that has no price of other axes.
+ROUNDS = 3  # in which laws and shapes, and the mode of the noise, are found in turn
+FLATTEST = 0.01  # least curvature of a log noise parameter, whose sd is then 10
+SETTLED = 0.05  # change of a shape parameter, in normal quantiles
+# Along speed alone too, because an unknown force may act along speed alone, without coefficients
+# for other axes.
 FORM_SHARES = (
     *map(FormShare, SHARES),
     *(FormShare(size, "speed_m_s") for size in SHARES[1:]),
@@ -30,7 +31,7 @@ START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
 
 @dataclass(frozen=True)
 class Weighed:
-    """Effects that act together, weighed.
+    """Effects that act together, with their evidence.
 
     Parameters
     ----------
@@ -39,8 +40,8 @@ class Weighed:
     log_evidence : float
         With the log Laplace volume of the noise.
     curvature : ndarray or None
-        Negative Hessian by the noise and the amplitudes of phases; None where another
-        hypothesis' volume stands for its own.
+        Negative Hessian by the noise and the amplitudes of phases; None if the volume of another
+        hypothesis is used.
     acting : Acting
         The most probable laws and shapes.
     at : At
@@ -48,9 +49,9 @@ class Weighed:
     choices : tuple of Choice
         Of laws, the best first, at that noise.
     form : FormShare
-        The most probable share by which laws are wrong.
+        The most probable relative error of the laws.
     bound : bool
-        Whether the noise was not climbed to its mode, so that the evidence is a lower bound.
+        Whether the mode of the noise was not reached, so that the evidence is a lower bound.
     """
 
     names: tuple[str, ...]
@@ -69,7 +70,7 @@ class Weighed:
 
     @property
     def volume(self) -> float | None:
-        """Log Laplace volume of its own noise; None where another hypothesis' stands for it."""
+        """Log Laplace volume of its own noise; None if that of another hypothesis is used."""
         if self.curvature is None:
             return None
         noise = len(self.curvature) - len(self.acting.phases)

@@ -1,10 +1,9 @@
 """Where the gap lies: which part of the systematic force each axis explains, and its curve.
 
-Shares are of the posterior of the force, averaged over hypotheses. Beside them, as a check that
-knows nothing of hypotheses, residuals of data held out are regressed on smooth functions of a
-covariate, shared by all pulley sizes; a p-value comes from recordings redrawn under the baseline
-with its scatter of trials and assemblies, refitted, and is adjusted by the largest statistic of
-all axes.
+Shares are computed from the posterior of the systematic force, averaged over hypotheses. A check
+needs no hypothesis: held-out residuals are regressed on smooth functions of each covariate, which
+all pulley sizes share. Recordings are drawn under the baseline, with its scatter of trials and
+assemblies, and refitted. They give a p-value, adjusted by the largest statistic over all axes.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,10 +23,10 @@ from bayesfric.schemas.causes import Shape
 from bayesfric.schemas.gap import Axis
 
 DRAWS = 400
-SCALE = 0.1  # prior sd of a smooth, as a share of friction
+SCALE = 0.1  # prior standard deviation of a smooth function, relative to friction
 BAND = 0.95
-TINY = 1e-300  # a statistic that never moves is not divided by zero
-VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
+TINY = 1e-300  # avoids division by zero if a statistic is constant
+VISIBLE = 0.02  # relative size below which a function does not vary in these windows
 BLIND = "it did not vary in these data"
 NO_PHASE = "where it was in its round is not recorded"
 NOT_APART = "no axis varied in these data"
@@ -43,27 +42,27 @@ def where_it_lies(
     effects: Mapping[str, Effect],
     rng: np.random.Generator,
 ) -> tuple[tuple[Axis, ...], Interval, str]:
-    """Return every axis, the largest share first, what none explains, and why it is all of it.
+    """Return every axis by its share, the unexplained share, and why that is all of the force.
 
     Parameters
     ----------
     residuals : Residuals
-        Of all rigs, by the law alone.
+        Of all rigs, from the law alone.
     before : ndarray, shape (R,)
         Held-out residual force of the recalibrated baseline [N].
     windows : Residuals
-        In which the posterior's forces are known.
+        Windows in which the forces of the posterior are computed.
     posterior : Posterior
         Draws of the systematic force.
     effects : mapping of str to Effect
-        Those that were weighed, by name.
+        Effects that were evaluated, by name.
     rng : Generator
         For the bootstrap.
 
     Returns
     -------
     tuple of Axis, Interval, str
-        Blind axes last; the reason is empty where what none explains is not all of it.
+        Axes that did not vary are last. The reason is empty unless all of the force is unexplained.
     """
     columns = (functions_along(residuals, name) for name in residuals.axes)
     designs = {axis.name: axis for axis in columns if axis is not None}
@@ -97,7 +96,7 @@ def where_it_lies(
 
 
 def _why_all(shares: Shares) -> str:
-    """Return why no axis has a share; nothing where one has."""
+    """Return why no axis has a share; empty if an axis has one."""
     if not shares.share:
         return NOT_APART
     if not shares.there.any():
@@ -106,14 +105,14 @@ def _why_all(shares: Shares) -> str:
 
 
 def _leads(shares: Sequence[Interval]) -> bool:
-    """Return whether the first of some shares is surely above the next."""
+    """Return whether the 5 % quantile of the first share is above the median of the next."""
     return bool(shares) and shares[0].q05 > (shares[1].q50 if len(shares) > 1 else 0.0)
 
 
 def _hidden2(
     residuals: Residuals, posterior: Posterior, effects: Mapping[str, Effect]
 ) -> dict[str, Array]:
-    """Return the mean square of forces of unknown phase, by the axis that they go round with."""
+    """Return the mean square of periodic forces with unrecorded phase, by their axis."""
     hidden: dict[str, Array] = {}
     for name, strength in posterior.strengths.items():
         effect = effects[name]
@@ -144,7 +143,7 @@ def _blind(name: str, unit: str) -> Axis:
 
 
 def _smoothing(columns: Array, precision: Array) -> Array:
-    """Return what turns relative residuals into the numbers of a smooth, shape (k, R)."""
+    """Return the matrix from relative residuals to coefficients of a smooth function, (k, R)."""
     weighted = columns.T * precision
     inner = weighted @ columns + np.eye(columns.shape[1]) / SCALE**2
     return np.asarray(np.linalg.solve(inner, weighted))
@@ -157,7 +156,7 @@ def _tests(
     precision: Array,
     rng: np.random.Generator,
 ) -> tuple[dict[str, float], dict[str, Shape]]:
-    """Return adjusted p-values, and each axis' curve with its band."""
+    """Return adjusted p-values, and the curve of each axis with its band."""
     if not designs:  # a single trial varies along no axis
         return {}, {}
     drawn = redrawn(residuals, DRAWS, rng) / residuals.friction_n[:, None]
@@ -178,7 +177,8 @@ def _tests(
         off[name] = np.abs(moved / np.maximum(sd, TINY)[:, None]).max(axis=0)
         curves[name] = (design.on_grid @ numbers, sd)
     largest = np.max(list(null.values()), axis=0)
-    # One width for all axes: a board without a gap leaves some band by chance one time in twenty.
+    # One width for all axes: on a board without a gap some curve leaves its band with
+    # probability 0.05.
     width = float(np.quantile(np.max(list(off.values()), axis=0), BAND))
     return {
         name: float((1 + np.count_nonzero(largest >= value)) / (1 + DRAWS))
@@ -200,7 +200,7 @@ def _shape(grid: Array, middle: Array, half: Array) -> Shape:
 
 
 def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Array]:
-    """Return the projection on what the coefficients of each size can take up."""
+    """Return the projection on what the coefficients of each size can explain."""
     sizes = np.unique(residuals.size)
     columns = np.zeros((residuals.size.size, sizes.size * COEFFICIENTS))
     own = residuals.columns[:, :COEFFICIENTS] / residuals.friction_n[:, None]
@@ -216,7 +216,7 @@ def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Arra
 def _confounded(
     name: str, designs: Mapping[str, AxisFunctions], precision: Array
 ) -> tuple[str, ...]:
-    """Return the axes whose functions say almost the same at these windows."""
+    """Return the axes whose functions are nearly the same in these windows."""
     alike = []
     for other in designs:
         if other == name or name not in designs:
@@ -233,7 +233,7 @@ def _confounded(
 
 
 def _orthonormal(columns: Array, precision: Array) -> Array:
-    """Return an orthonormal basis of the functions, their constant taken off."""
+    """Return an orthonormal basis of the functions without their constant."""
     root = np.sqrt(precision / precision.sum())
     centred = columns - (precision / precision.sum()) @ columns
     left, singular, _ = np.linalg.svd(root[:, None] * centred, full_matrices=False)

@@ -27,8 +27,9 @@ SURELY_BELOW = 4.0  # standard deviations, by which viscous friction is below ze
 HARDLY = 0.05  # of a number, that its interval reaches beyond zero
 SQUEEZED = 2.0  # standard deviations of a bound below the mean, within which it cuts much off
 BELOW_ZERO = (
-    "Viscous friction is told as below 0, which no friction is: the law lacks what drives the "
-    "joint, or a controller answers what disturbs it. Take no number of the law from this log"
+    "The estimate of viscous friction is below 0, which is impossible: the law lacks a force that "
+    "drives the joint, or a controller reacts to a disturbance. Use no number of the law from this "
+    "log"
 )
 POSITIVE = frozenset({MASS, INERTIA, ARMATURE, "coulomb"})
 

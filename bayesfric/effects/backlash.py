@@ -31,12 +31,13 @@ LAWS: dict[str, Law] = {
 EFFECT = Effect(
     name="backlash",
     acts_on="drive",
-    sentence="after a reversal the drive runs through play before it takes the load along",
+    sentence="after a reversal the drive crosses the backlash before it moves the load",
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="part of the friction that is behind the gap, and of the mass none, half as "
-        "large a part, or as large a one; or of the mass alone",
+        meaning="share of the friction that is behind the backlash. By variant, the share of the "
+        "mass behind it is 0, half of this share, or this share. In `mass-alone` only mass is "
+        "behind it",
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 1.0),
         reference="by definition: between nothing and all of it is behind the gap",
@@ -44,7 +45,7 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="gap",
         unit="m",
-        meaning="play",
+        meaning="width of the backlash",
         prior=LogNormal(median=0.004, sd_log=1.0),
         plausible=(1e-4, 0.06),
         reference="argued: from a thousandth of the travel to a tenth of it, which one would see",

@@ -42,7 +42,7 @@ EFFECT = Effect(
         meaning="trials after which 1/e of the excess is left, or half of it",
         prior=LogNormal(median=3.0, sd_log=0.7),
         plausible=(0.3, 20.0),
-        reference="argued: what takes longer than an assembly's trials is wear or warm-up",
+        reference="argued: a change that lasts longer than an assembly's trials is wear or warm-up",
         typical=3.0,
     ),
     laws={"exponential": _exponential, "hyperbolic": _hyperbolic},

@@ -26,7 +26,8 @@ def _with_inertia(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="cable-weight",
     acts_on="drive",
-    sentence="cable passes from the load side to the drive side, and its weight drives",
+    sentence="cable passes from the load side to the drive side, so the weight of the cable adds "
+    "to the drive",
     amplitude=EffectParameter(
         name="density",
         unit="kg/m",

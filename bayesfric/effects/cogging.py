@@ -22,11 +22,11 @@ def _wave(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="cogging",
     acts_on="drive",
-    sentence="the drive pulls to and fro with a period along the path",
+    sentence="the drive force varies periodically along the path",
     amplitude=EffectParameter(
         name="force",
         unit="N",
-        meaning="largest force of the wave",
+        meaning="amplitude of the periodic force",
         prior=HalfNormal(scale=0.3),
         plausible=(0.0, 2.0),
         reference="argued: magnets and teeth pull with some per cent to a fifth of the rated "
@@ -35,7 +35,7 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="period",
         unit="m",
-        meaning="of the wave",
+        meaning="wavelength of the periodic force",
         prior=LogNormal(median=0.05, sd_log=0.8),
         plausible=(0.002, 0.3),
         reference="argued: a pole pair or a tooth is a hundredth of the travel at the least, and "

@@ -27,7 +27,7 @@ EFFECT = Effect(
         meaning="Coulomb friction that is missing",
         prior=HalfNormal(scale=1.5),
         plausible=(0.0, 3.0),
-        reference="argued: it is that friction itself, as plain least squares tell it roughly",
+        reference="argued: about the Coulomb friction that plain least squares estimate",
     ),
     laws={"constant": _constant},
     along_path=True,

@@ -24,7 +24,7 @@ EFFECT = Effect(
         meaning="time from the logged force to the force that acts",
         prior=HalfNormal(scale=0.01),
         plausible=(0.0, 0.05),
-        reference="argued: field buses and drives take one to some cycles of 1 to 10 ms",
+        reference="argued: field buses and drives need one to some cycles of 1 to 10 ms",
     ),
     laws={"late": _late},
     along_path=True,

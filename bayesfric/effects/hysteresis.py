@@ -27,7 +27,7 @@ def _bouc_wen(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="hysteresis",
     acts_on="friction",
-    sentence="friction remembers the path since the last reversal",
+    sentence="friction depends on the path since the last reversal",
     amplitude=EffectParameter(
         name="share",
         unit="1",

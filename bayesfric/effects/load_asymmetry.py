@@ -29,11 +29,11 @@ def _driven_back(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="load-asymmetry",
     acts_on="drive",
-    sentence="the gear loses another share of its load when driving than when driven back",
+    sentence="the gear's loss per load differs between driving and being driven back",
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="friction more for each unit of the load, one way of the power alone",
+        meaning="additional friction per unit of load, in one direction of the power only",
         prior=HalfNormal(scale=0.2),
         plausible=(0.0, 0.5),
         reference=f"{LADDER}: 0 to 0.38 on the motor's side, 0 to 0.25 on the other",

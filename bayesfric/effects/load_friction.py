@@ -35,7 +35,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="friction more for each unit of the load",
+        meaning="additional friction per unit of load",
         prior=HalfNormal(scale=0.15),
         plausible=(0.0, 0.5),
         reference=f"{LADDER}: 0.06 to 0.22 of five servos and two harmonic drives; a worm that "

@@ -28,7 +28,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="rate",
         unit="1/N",
-        meaning="friction more for each square of the load",
+        meaning="additional friction per square of the load",
         prior=HalfNormal(scale=0.03),
         plausible=(0.0, 0.1),
         reference=f"{LADDER}: 0.002 to 0.01 for each N·m, of joints whose friction is 0.02 to "

@@ -34,11 +34,11 @@ def _dying(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="load-stribeck",
     acts_on="drive",
-    sentence="friction by the gear's load is higher at low speed",
+    sentence="friction that grows with the gear's load is higher at low speed",
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="friction more at standstill for each unit of the load",
+        meaning="additional friction at standstill per unit of load",
         prior=HalfNormal(scale=0.15),
         plausible=(0.0, 0.5),
         reference=f"{LADDER}: 0.05 to 0.25",

@@ -25,7 +25,7 @@ def _waves(p: Mapping[str, Array], reading: Reading) -> Array:
 EFFECT = Effect(
     name="magnet-spacing",
     acts_on="reading",
-    sentence="the magnets of the sensor pulleys are off their places",
+    sentence="the magnets of the sensor pulleys are displaced",
     amplitude=EffectParameter(
         name="error",
         unit="m",

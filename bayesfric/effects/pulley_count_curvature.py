@@ -19,11 +19,12 @@ def _power(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="pulley-count-curvature",
     acts_on="friction",
-    sentence="friction grows as a power of the number of pulleys other than one",
+    sentence="friction is proportional to a power of the number of pulleys, with an exponent "
+    "that is not 1",
     amplitude=EffectParameter(
         name="exponent",
         unit="1",
-        meaning="friction grows as n to the power of one plus this",
+        meaning="friction is proportional to n to the power of 1 plus this number",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.1, 0.1),
         reference="argued: the pulley-by-pulley form of eq. (15) departs from it by less than 1 %"

@@ -18,7 +18,7 @@ def _once(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="runout",
     acts_on="friction",
-    sentence="friction varies once a revolution of the pulleys",
+    sentence="friction varies once per revolution of the pulleys",
     amplitude=EffectParameter(
         name="share",
         unit="1",

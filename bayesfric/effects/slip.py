@@ -32,8 +32,8 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="travel that the load end's sensor misses, as a share of travel, at the "
-        "board's typical friction; negative where the drive end's does",
+        meaning="travel that the sensor at the load end does not see, as a share of travel, at "
+        "the board's typical friction; negative if the sensor at the drive end does not see it",
         prior=Normal(mean=0.0, sd=0.03),
         plausible=(-0.01, 0.01),
         reference="argued: elastic creep over a pulley is the difference of strain, under 33 N / "

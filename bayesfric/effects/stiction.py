@@ -24,7 +24,7 @@ def _after_dwell(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="stiction",
     acts_on="friction",
-    sentence="after a rest it takes more to get the axis going",
+    sentence="after a rest a larger force is needed to start the axis",
     amplitude=EffectParameter(
         name="rise",
         unit="1",

@@ -30,7 +30,7 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="limit",
         unit="N",
-        meaning="force from which on it is lost",
+        meaning="force above which the drive loses a part of the command",
         prior=LogNormal(median=2.5, sd_log=0.6),
         plausible=(1.0, 40.0),
         reference="argued: drives are chosen for some times the friction; where commands are "

@@ -54,8 +54,8 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="part of the friction that is behind the spring, and of the mass half as large a "
-        "part, as large a one, or one that is looked for by itself",
+        meaning="share of the friction that is behind the spring. By variant, the share of the "
+        "mass behind it is half of this share, this share, or a share of its own",
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 1.0),
         reference="by definition: between nothing and all of it is behind the spring",
@@ -63,9 +63,9 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="length",
         unit="m",
-        meaning="travel after a reversal over which friction winds the transmission up: twice "
-        "the friction over the stiffness; were as much of it behind the spring as of the mass, "
-        "where that has a share of its own",
+        meaning="travel after a reversal over which friction winds up the transmission: twice "
+        "the friction over the stiffness. If the mass has a share of its own, friction with that "
+        "share is meant",
         prior=LogNormal(median=6e-4, sd_log=1.0),
         plausible=(1e-5, 0.02),
         reference="argued: harmonic drives, belts and long screws give a ten-thousandth to a "

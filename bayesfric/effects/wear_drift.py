@@ -41,8 +41,8 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="rate",
         unit="1",
-        meaning="by how many e-folds the change speeds up over the recording; negative where it "
-        "dies out, 0 where it is in proportion to the trials that were run",
+        meaning="rate of an exponential change, in e-folds over the recording; positive if the "
+        "change accelerates, negative if it decays, 0 if it is linear in the order of trials",
         prior=Normal(mean=0.0, sd=5.0),
         plausible=(-15.0, 15.0),
         reference="argued: surfaces run in over a twelfth of the recording or more, or wear "

@@ -1,6 +1,7 @@
 """Numbers to enter in a simulator, in words: digits by the error, fields, and what is lost."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Literal
 
 from bayesfric.attention.diagnosis import is_by_instrument, why_untrusted
 from bayesfric.export.digits import by_error
@@ -84,15 +85,16 @@ def off_now(diagnosis: DiagnosisFile) -> str:
         return ""
     now = gap.as_shipped.q50
     share = "" if gap.no_share is not None else f" ({now / gap.friction_rms:.0%} of friction)"
-    whose = "the numbers that were shipped" if diagnosis.shipped else "its own numbers (now)"
-    these = "these"
+    whose = "the shipped numbers" if diagnosis.shipped else "its own numbers (now)"
+    these = "the proposed numbers"
     if is_by_instrument(diagnosis):
-        these = "those of least squares, and not these of an instrument"
+        these = "the numbers of least squares, which differ from the proposed ones,"
     if any(_has_no_field(number) for number in diagnosis.enter):
-        these += ", and those below that have no field"
+        these += " and those below that no simulator has a field for,"
+    these = these.removesuffix(",")
     return (
-        f"With {whose} it misses held-out data by {now:.2g} {gap.unit} rms{share}; with {these}, "
-        f"by {gap.after.q50:.2g} {gap.unit}."
+        f"With {whose} the simulator's error on held-out data is {now:.2g} {gap.unit} rms{share}. "
+        f"With {these}, it is {gap.after.q50:.2g} {gap.unit} rms."
     )
 
 
@@ -119,13 +121,47 @@ def remarks_of_numbers(enter: Sequence[Enter]) -> Iterator[str]:
     ]
     if below:
         yield (
-            f"Below zero, which no simulator takes: {', '.join(below)}. The law misses what makes "
-            "it so: see the verdict."
+            f"Below zero, which no simulator accepts: {', '.join(below)}. The law lacks the force "
+            "that causes this: see the verdict."
         )
 
 
+def rows_without_field(joints: Mapping[str, Sequence[Enter]]) -> list[tuple[str, ...]]:
+    """Return a row for each number that no simulator has a field for.
+
+    Parameters
+    ----------
+    joints : mapping of str to sequence of Enter
+        Numbers by the joint's name, which is empty for one that needs none.
+
+    Returns
+    -------
+    list of tuple of str
+        The joint, the number, its value with half of its 90 % interval, and the rms force that a
+        simulation lacks without it.
+    """
+    return [
+        (
+            joint,
+            MEANT.get(number.parameter, number.parameter),
+            _value(number),
+            "" if number.lost_without is None else _lost(number.lost_without, enter),
+        )
+        for joint, enter in joints.items()
+        for number in enter
+        if _has_no_field(number)
+    ]
+
+
+def callbacks(enter: Iterable[Enter]) -> Iterator[str]:
+    """Yield where `export` writes a callback for a number without a field, a sentence each."""
+    snippets = {number.snippet for number in enter if _has_no_field(number)}
+    for snippet in sorted(filter(None, snippets)):
+        yield f"`bayesfric export --to mjcf` writes a callback for it, {snippet}.py."
+
+
 def remarks_of_fields(
-    joints: Mapping[str, Sequence[Enter]], *, any_simulator: bool = True
+    joints: Mapping[str, Sequence[Enter]], lacked_by: Literal["any", "all", "some"] = "any"
 ) -> Iterator[str]:
     """Yield what simulators lack a field for, a sentence for all joints that lack the same.
 
@@ -133,40 +169,35 @@ def remarks_of_fields(
     ----------
     joints : mapping of str to sequence of Enter
         Numbers by the joint's name, which is empty for one that needs none.
-    any_simulator : bool
-        Whether also what only some of them lack.
-
-    Yields
-    ------
-    str
-        What has no field in any simulator is told with its value.
+    lacked_by : {"any", "all", "some"}
+        Numbers that some or all simulators lack; only those that all lack, whose values are told
+        with them; only those that some have.
     """
-    alike: dict[tuple[str, str, str], list[tuple[str, Enter]]] = {}
+    alike: dict[tuple[str, str], list[tuple[str, Enter]]] = {}
     for joint, enter in joints.items():
         at = f" at {joint}" if joint else ""
         for number in enter:
             lacking = [CALLED[name] for name, field in number.fields.items() if field is None]
             nobody = _has_no_field(number)
-            if not lacking or not (nobody or (any_simulator and number.lost_without is not None)):
+            if not lacking or not (nobody or number.lost_without is not None):
+                continue
+            if lacked_by == ("some" if nobody else "all"):
                 continue
             has = "have" if len(lacking) > 1 else "has"
             who = "No simulator has a" if nobody else f"{' and '.join(lacking)} {has} no"
-            key = (who, number.parameter, number.snippet or "")
-            alike.setdefault(key, []).append((at, number))
-    for (who, parameter, snippet), numbers in alike.items():
-        value = ""
+            alike.setdefault((who, number.parameter), []).append((at, number))
+    for (who, parameter), numbers in alike.items():
+        said = [f"{who} field for {MEANT.get(parameter, parameter)}."]
         if _has_no_field(numbers[0][1]):
-            value = f", which is {_listed(f'{_value(number)}{at}' for at, number in numbers)}"
+            said.append(f"It is {_listed(f'{_value(number)}{at}' for at, number in numbers)}.")
         lost = _listed(
             f"{_lost(number.lost_without, joints[at.removeprefix(' at ')])}{at}"
             for at, number in numbers
             if number.lost_without is not None
         )
-        left = f": without it the simulation stays off by {lost}" if lost else ""
-        instead = ""
-        if snippet:
-            instead = f" `bayesfric export --to mjcf` writes a callback for it, {snippet}.py."
-        yield f"{who} field for {MEANT.get(parameter, parameter)}{value}{left}.{instead}"
+        if lost:
+            said.append(f"A simulation without it is off by {lost}.")
+        yield " ".join([*said, *callbacks(number for _, number in numbers)])
 
 
 def _lost(force: float, enter: Sequence[Enter]) -> str:
@@ -229,7 +260,7 @@ def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[
     if fields:
         yield from (f"  {remark}" for remark in entered_remarks(diagnosis.enter))
     else:
-        alone = remarks_of_fields({"": diagnosis.enter}, any_simulator=False)
+        alone = remarks_of_fields({"": diagnosis.enter}, "all")
         yield from (f"  {remark}" for remark in alone)
 
 

@@ -1,6 +1,6 @@
-"""Draws of a fit laid out as ArviZ, and everyone who reads its files, expects them.
+"""Draws of a fit in the format of ArviZ.
 
-All groups but the prior's speak of the same draws. ``log_likelihood`` holds ``friction``, the
+All groups except the prior contain the same draws. ``log_likelihood`` holds ``friction``, the
 density of each trial given all others, and ``assembly``, that of each assembly given all
 others: either can be left out. Neither adds up to the density of the whole, so a third,
 ``overlap``, holds what is missing: the group as a whole sums to the log likelihood, which is

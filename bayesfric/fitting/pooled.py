@@ -1,4 +1,4 @@
-"""Several recordings, each fitted by itself, to the stored fit of their population."""
+"""From several recordings, each with its own fit, to the stored fit of their population."""
 
 import hashlib
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Boards of several recordings as draws of one population: the density, and draws of it."""
+"""Boards of several recordings as draws from one population: its density, and draws."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,10 +1,9 @@
 """Diagnostics of draws and of weights: R-hat, effective sample size, Pareto k, power-scaling.
 
-Walkers of one ensemble depend on one another, so R-hat pools them into the chain of
-their ensemble, and the effective sample size is the smaller of ArviZ's and that of
-batch means of the ensemble average. A walker has few effective draws, so that R-hat with each
-walker as a chain exceeds 1 by chance; what is asked of walkers is that none stays in a
-place of its own.
+Walkers of one ensemble depend on one another. R-hat therefore treats all walkers of an ensemble as
+one chain, and the effective sample size is the smaller of that of ArviZ and that from batch means
+of the ensemble average. A walker has few effective draws, so R-hat with each walker as a chain
+exceeds 1 by chance. The walker-wise R-hat detects only walkers that stay apart from the others.
 
 References
 ----------

@@ -1,9 +1,9 @@
-"""Normal numbers in groups, each group with an unknown standard deviation of its own.
+"""Normal coefficients in groups, each group with its own unknown standard deviation.
 
-The numbers are those of a linear Gaussian model. One size for all would be that of the groups
-that the data tell most of; a group that is larger than the others would be taken for noise.
-Sizes are drawn with the numbers integrated out, one group after another (Gibbs), and the
-numbers then given the sizes.
+The coefficients are those of a linear Gaussian model. A common standard deviation would be that of
+the groups that the data inform best, and a larger group would be taken for noise. The standard
+deviations (sizes) are drawn with the coefficients integrated out, one group after another (Gibbs),
+and then the coefficients are drawn given the sizes.
 
 References
 ----------
@@ -19,22 +19,22 @@ from scipy.special import softmax
 from bayesfric.arrays import Array, Whole
 
 BURN_IN = 10  # sweeps over all groups before the first draw
-DRAWS_A_SWEEP = 10  # draws of numbers at the same sizes
-LEAST_INFORMATION = 1e-3  # information beside a prior of 1, below which data tell nothing
+DRAWS_A_SWEEP = 10  # draws of coefficients for the same sizes
+LEAST_INFORMATION = 1e-3  # relative to the prior; below it data do not inform
 
 
 @dataclass(frozen=True)
 class Group:
-    """Numbers that have one size.
+    """Coefficients with a common standard deviation.
 
     Parameters
     ----------
     places : ndarray of int
-        Of the numbers.
+        Of the coefficients.
     sizes : ndarray, shape (K,)
-        Standard deviations that they may have, ascending; 0 is none.
+        Possible standard deviations, ascending; 0 is none.
     log_weights : ndarray, shape (K,)
-        Of each before the data.
+        Log prior weight of each.
     """
 
     places: Whole
@@ -50,18 +50,18 @@ def drawn_in_groups(
     count: int,
     rng: np.random.Generator,
 ) -> Array:
-    """Draw the numbers given the data, over the sizes of their groups.
+    """Draw the coefficients and the sizes of their groups given the data.
 
     Parameters
     ----------
     precision : ndarray, shape (m, m)
-        ``log p(data | g) = slopeᵀg − gᵀ precision g / 2`` of mixtures g of the numbers.
+        ``log p(data | g) = slopeᵀg − gᵀ precision g / 2`` for combinations g of coefficients.
     slope : ndarray, shape (m,)
         As above.
     mixing : ndarray, shape (m, n)
-        The mixtures, of numbers that are normal of mean zero.
+        The combinations; the coefficients are normal with mean zero.
     groups : sequence of Group
-        Every number is in one.
+        Every coefficient is in one group.
     count : int
         S of draws.
     rng : Generator
@@ -74,7 +74,7 @@ def drawn_in_groups(
     values, vectors = np.linalg.eigh(0.5 * (precision + precision.T))
     seen = values > LEAST_INFORMATION
     root = np.sqrt(values[seen])
-    # The data as q readings of unit error.
+    # The data as q readings with unit error.
     design = root[:, None] * (vectors[:, seen].T @ mixing)
     readings = vectors[:, seen].T @ slope / root
     sizes = _Sizes(design, readings, groups)
@@ -91,7 +91,7 @@ def drawn_in_groups(
 
 
 class _Sizes:
-    """The sizes that a chain of Gibbs steps has come to, given q readings of unit error."""
+    """The present sizes of a Gibbs chain, given q readings with unit error."""
 
     def __init__(self, design: Array, readings: Array, groups: Sequence[Group]) -> None:
         self._design = design
@@ -109,7 +109,7 @@ class _Sizes:
         return np.asarray(np.linalg.inv(np.eye(self._readings.size) + wide @ wide.T))
 
     def sweep(self, rng: np.random.Generator) -> None:
-        """Draw the size of each group anew, given those of the others."""
+        """Draw the size of each group, given those of the others."""
         inverse = self.whitening()
         for place in rng.permutation(len(self._groups)):
             group, columns = self._groups[place], self._thin[place]

@@ -1,10 +1,10 @@
 """Several boards as draws of one population: normal approximations and their correction.
 
-Each board's posterior is taken as normal; with its prior divided out it is a likelihood of the
-board's coefficients, correlations kept. The population's mean and scatter are drawn with the
-boards integrated out in closed form. A second stage evaluates each board's own density at
-boards drawn for every population and accepts or rejects by that: the result is exact,
-whatever the approximation, and costs more draws the worse that is.
+The posterior of each board is approximated by a normal density. Divided by its prior, it is a
+likelihood of the board's coefficients with their correlations. The mean and the scatter of the
+population are drawn with the boards integrated out in closed form. A second stage evaluates the
+exact density of each board at boards drawn for every population, and accepts or rejects by it. The
+result is exact for any approximation; a poor one needs more draws.
 
 References
 ----------

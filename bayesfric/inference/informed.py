@@ -1,4 +1,4 @@
-"""Which parameters the data inform, and which only their priors."""
+"""Which parameters the data inform, and which only their prior determines."""
 
 import numpy as np
 from numpy.typing import NDArray

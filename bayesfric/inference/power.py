@@ -1,11 +1,11 @@
-"""The smallest effect that data would have shown, from how well they know its amplitude.
+"""The smallest effect that data would have shown, from the error of its amplitude.
 
-Data of which an effect's amplitude A is known with the error σ show an estimate
+If data determine the amplitude A of an effect with the error σ, they give an estimate
 Â ~ N(A, σ²). The Bayes factor for the effect follows from the estimate and the prior,
 
     B(Â) = ∫ N(Â; A, σ²) p(A) dA / N(Â; 0, σ²),
 
-and rises with it. The effect is found where B reaches a threshold, at the estimate a; an
+and rises with it. The effect is found if B reaches a threshold, at the estimate a. An
 amplitude of a + z σ is found with the probability Φ(z). The error may come from draws of a
 posterior, or from the information of a design before anything was measured.
 """

@@ -1,8 +1,8 @@
-"""A Student-t fitted to a density: what ensembles and importance samples propose from.
+"""A Student-t fitted to a density: the proposal of ensembles and importance samples.
 
 It is fitted in the coordinates of a :class:`Chart`, to points of an importance sample around
-the mode. Where no such sample can be relied on, :mod:`bayesfric.inference.sampling` fits it
-to pilot runs.
+the mode. If no such sample is reliable, :mod:`bayesfric.inference.sampling` fits it to pilot
+runs.
 
 References
 ----------

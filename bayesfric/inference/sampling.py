@@ -1,11 +1,10 @@
 """Sampling of a log density: proposals, ensembles and progress.
 
-Nothing here knows of friction, and nothing of how a sampler moves
-(:mod:`bayesfric.inference.samplers`). Most moves are proposals from a Student-t that is fitted.
-The proposal (:mod:`bayesfric.inference.proposals`) is fitted to an importance sample or,
-where its weights are not to be relied on, to pilot runs, before the first draw that is kept,
-and then left alone. Draws that have not converged are taken as a better pilot, and the
-ensembles are run on for new draws.
+This module is independent of friction and of the moves of a sampler
+(:mod:`bayesfric.inference.samplers`). Most moves propose from a fitted Student-t
+(:mod:`bayesfric.inference.proposals`). It is fitted to an importance sample or, if the weights of
+this sample are unreliable, to pilot runs. It is fixed before the first draw that is kept. Draws
+that have not converged are used as a further pilot run, and the ensembles continue with new draws.
 """
 
 from collections.abc import Callable, Sequence

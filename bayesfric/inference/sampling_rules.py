@@ -11,23 +11,23 @@ class SamplingRules:
 
     Fields
     ------
-    r_hat: draws have converged where R-hat, walkers pooled by ensemble, is below [1; convergence]
-    r_hat_walkers: and where R-hat with each walker as a chain, freed of chance, is below [1;
+    r_hat: draws have converged if R-hat, with the walkers of an ensemble pooled, is below this [1;
         convergence]
-    effective_draws: and where the effective draws of bulk and tail are at least this many [1;
+    r_hat_walkers: and if walker-wise R-hat, without its part by chance, is below this [1;
         convergence]
-    pareto_k: importance weights whose tail has a larger shape are not to be relied on [1;
-        importance-evidence]
-    bridge_r_hat_ensembles: ensembles whose multivariate R-hat is larger lie in separate modes [1;
+    effective_draws: and if the effective draws of bulk and tail are at least this many [1;
+        convergence]
+    pareto_k: importance weights with a larger tail shape are unreliable [1; importance-evidence]
+    bridge_r_hat_ensembles: ensembles with a larger multivariate R-hat are in separate modes [1;
         separated-modes]
-    bridge_r_hat_walkers: and so do walkers: one has so few draws that its own R-hat is a tenth
-        above 1 by chance [1; separated-modes]
-    bridge_least_overlap: draws that overlap less with a Student-t fitted to them lie in separate
-        modes [1; separated-modes]
+    bridge_r_hat_walkers: walkers with a larger multivariate R-hat are in separate modes; with few
+        draws for each walker it is 1.1 by chance [1; separated-modes]
+    bridge_least_overlap: draws with a smaller overlap with a Student-t fitted to them are in
+        separate modes [1; separated-modes]
     difference_least_groups: with fewer groups the standard error of a difference of ELPD is too
         small [1; leave-one-out]
-    difference_least: and so it is where the difference itself is smaller (Sivula et al.) [nat;
-        leave-one-out]
+    difference_least: this standard error is also too small if the difference is smaller (Sivula et
+        al.) [nat; leave-one-out]
     """
 
     r_hat: float = 1.01

@@ -1,9 +1,9 @@
-"""Shapley shares: how much of a response's variance each of some regressors explains.
+"""Shapley values: which part of the variance of a response each regressor explains.
 
-A regressor that comes in adds to what those before it explain. Its share is what it adds in the
-mean over all orders in which regressors can come in (Shapley 1953; of a variance Lindeman, Merenda
-and Gold 1980, so LMG; Grömping, Am. Stat. 61, 2007). No share is negative, and they add up to what
-all explain together. What correlated regressors explain alike is divided among them.
+The value of a regressor is what it adds to the explained variance, averaged over all orders in
+which regressors can enter (Shapley 1953; for a variance Lindeman, Merenda and Gold 1980, hence LMG;
+Grömping, Am. Stat. 61, 2007). No value is negative, and they sum to what all regressors explain
+together. The part that correlated regressors have in common is divided among them.
 """
 
 from collections.abc import Sequence
@@ -22,8 +22,8 @@ class Block:
     Parameters
     ----------
     players : tuple of int
-        Regressors that must all be in for the functions to be: one of a regressor's own functions,
-        two of products of the functions of two.
+        The functions enter once all these regressors have entered: one regressor for its own
+        functions, two for a product of both.
     columns : ndarray, shape (R, k)
         The functions at the rows, times the square root of each row's weight.
     """
@@ -37,26 +37,25 @@ def explained_by_subsets(
 ) -> Array:
     """Return what the functions of every subset of regressors explain.
 
-    It is what a ridge regression takes off its penalised sum of squares, b'(G + λ)⁻¹b: it grows
-    with every function, and is never more than the response's sum of squares. Subsets share their
-    eliminations: each regressor in turn is taken off what is left of those after it, in every
-    subset of those before it at once.
+    It is the reduction of the penalised sum of squares of a ridge regression, b'(G + λ)⁻¹b. It
+    grows with every function and never exceeds the sum of squares of the response. Each regressor
+    is eliminated from those after it, for all subsets of those before it at once.
 
     Parameters
     ----------
     blocks : sequence of Block
         Of all regressors and pairs, in any order.
     players : int
-        How many regressors there are, P. Time and memory grow as 2^P.
+        Number of regressors, P. Time and memory grow as 2^P.
     response : ndarray, shape (R, S)
         Responses, times the square root of each row's weight.
     ridge : float
-        λ > 0, in the units of the columns' squares: what few rows say is shrunk.
+        λ > 0, in the units of the columns' squares; shrinks what few rows determine.
 
     Returns
     -------
     ndarray, shape (2^P, S)
-        Of the subset whose regressors are the bits that are set in the row's number.
+        Row n is the subset of the regressors whose bits are set in n.
     """
     explained = np.zeros((1, response.shape[1]))
     if not blocks:
@@ -86,7 +85,7 @@ def _entering(partner: Whole, player: int) -> Flags:
 def _eliminated(
     gram: Array, slope: Array, entering: Flags, ridge: float
 ) -> tuple[Array, Array, Array]:
-    """Return what the first functions leave of the rest, and what they explain themselves."""
+    """Return what the first functions leave of the rest, and what they explain."""
     width = entering.shape[1]
     kept = entering.astype(np.float64)
     inner = gram[:, :width, :width] * kept[:, :, None] * kept[:, None, :]
@@ -104,12 +103,12 @@ def _eliminated(
 
 
 def shapley_values(worth: Array) -> Array:
-    """Return what each regressor adds in the mean over all orders, shape (P, S).
+    """Return the Shapley value of each regressor, shape (P, S).
 
     Parameters
     ----------
     worth : ndarray, shape (2^P, S)
-        Of every subset, as of :func:`explained_by_subsets`.
+        What every subset explains, from :func:`explained_by_subsets`.
     """
     players = len(worth).bit_length() - 1
     subset = np.arange(len(worth))

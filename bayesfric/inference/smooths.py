@@ -1,9 +1,9 @@
-"""Smooth forces that nobody named: the discrepancy of every hypothesis.
+"""Smooth forces of the discrepancy and of an unknown force.
 
-A force along each covariate is a zero-mean Gaussian process with the squared exponential
-kernel; along two covariates it is a process of both. Each is reduced to its leading
-eigenvectors, so that the force is linear in a few standard normal numbers. Of a covariate
-that takes few values these are vectors over the values.
+The force along a covariate is a zero-mean Gaussian process with the squared exponential kernel;
+along two covariates it is a process of both. It is reduced to its leading eigenvectors, so that the
+force is linear in a few standard normal coefficients. If a covariate has few values, these are
+vectors over its values.
 """
 
 from collections.abc import Mapping
@@ -17,24 +17,24 @@ from numpy.typing import NDArray
 from bayesfric.arrays import Array
 
 NODES = 25
-BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, as shares of the range
-KEPT, WHOLE = 0.99, 0.999  # of a process' variance, and where much is told of it
-MOST_SEPARATE_VALUES = 9  # values of a covariate that are taken one by one
+BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, relative to the range
+KEPT, WHOLE = 0.99, 0.999  # part of the variance; the second where data inform most
+MOST_SEPARATE_VALUES = 9  # a covariate with at most so many values is discrete
 FINE = 50.0  # by which a logarithmic axis is finer at its low end than at its high end
 
 
 @dataclass(frozen=True)
 class Span:
-    """Where a covariate lies.
+    """The range of a covariate.
 
     Parameters
     ----------
     low, high : float
         Lowest and highest value.
     values : tuple of float
-        Its values where they are few, else none.
+        Its values if they are few, otherwise none.
     logarithmic : bool
-        Whether what changes along it does so by ratios, ever finer towards its low end.
+        Whether its scale is logarithmic, finest at its low end.
     """
 
     low: float
@@ -44,7 +44,7 @@ class Span:
 
     @classmethod
     def of(cls, *arrays: Array) -> "Span":
-        """Return the span of arrays; NaN is nowhere."""
+        """Return the span of arrays, without NaN."""
         whole = np.concatenate([np.ravel(values) for values in arrays])
         whole = whole[np.isfinite(whole)]
         if not whole.size:
@@ -55,7 +55,7 @@ class Span:
         return cls(low, high, few)
 
     def place(self, at: Array) -> Array:
-        """Return where values lie, from 0 at the lowest to 1 at the highest."""
+        """Return the positions of values, from 0 at the lowest to 1 at the highest."""
         share = np.clip((at - self.low) / (self.high - self.low), 0.0, 1.0)
         return np.log1p(FINE * share) / np.log1p(FINE) if self.logarithmic else share
 
@@ -69,17 +69,17 @@ class Smooth:
     axes : tuple of str
         Names of the covariates; none of a constant.
     spans : tuple of Span
-        Where each lies.
+        Their ranges.
     kept : ndarray of int, shape (k, len(axes))
         Which eigenvectors of each axis are multiplied.
     length : float
-        Length scale, as a share of each range.
+        Length scale, relative to each range.
     rig : str or None
         The only rig that it acts on; None is all.
     relative : bool
-        Whether it is a share of friction; else a force.
+        Whether it is a fraction of friction; otherwise a force.
     alone : bool
-        Whether it is wide by itself or not at all, not beside others.
+        Whether an unknown force contains it only by itself, not together with others.
     """
 
     axes: tuple[str, ...]
@@ -92,21 +92,21 @@ class Smooth:
 
     @property
     def axis(self) -> str:
-        """What the force depends on: the first covariate, or the rig."""
+        """The first covariate on which the force depends, or the rig."""
         return self.axes[0] if self.axes else "rig"
 
     @property
     def alike(self) -> bool:
-        """Whether it is the same share of friction whatever else varies."""
+        """Whether it is the same fraction of friction for all sizes, loads and rigs."""
         return self.relative and self.rig is None and len(self.axes) == 1
 
     @property
     def count(self) -> int:
-        """Numbers of the process."""
+        """Number of coefficients."""
         return len(self.kept)
 
     def columns(self, covariates: Mapping[str, Array]) -> Array:
-        """Return the process' functions, shape (k, …), of unit variance in all.
+        """Return the functions of the process, shape (k, …), with unit variance in total.
 
         Parameters
         ----------
@@ -137,20 +137,20 @@ def smooth_along(
     length: float = BROAD,
     kept: float = KEPT,
 ) -> Smooth | None:
-    """Return the process along covariates, or None where one of them does not vary.
+    """Return the process along covariates, or None if one of them does not vary.
 
     Parameters
     ----------
     spans : mapping of str to Span
-        By covariate; empty of a constant.
+        By covariate; empty for a constant.
     rig : str or None
         The only rig that it acts on.
     relative : bool
-        Whether it is a share of friction; else a force.
+        Whether it is a fraction of friction; otherwise a force.
     length : float
-        Length scale, as a share of each range.
+        Length scale, relative to each range.
     kept : float
-        Part of the process' variance that the functions have.
+        Part of the variance of the process that the functions contain.
     """
     if any(span.high <= span.low for span in spans.values()):
         return None
@@ -166,7 +166,7 @@ def smooth_along(
 
 
 def _functions(span: Span, length: float, at: Array) -> Array:
-    """Return all functions of one covariate at some places, shape (…, K)."""
+    """Return all functions of one covariate at some positions, shape (…, K)."""
     place = span.place(at)
     if not span.values:
         return np.asarray(_splines(length)(place))
@@ -184,7 +184,7 @@ def _decomposed(grid: Array, length: float) -> tuple[Array, Array]:
     kernel = np.exp(-0.5 * ((grid[:, None] - grid) / length) ** 2)
     values, vectors = np.linalg.eigh(kernel)
     values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
-    # Signs are settled, so that one machine's eigenvectors are another's.
+    # Fixed signs give the same eigenvectors on every machine.
     signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(grid.size)])
     return values, vectors * signs * np.sqrt(values)
 

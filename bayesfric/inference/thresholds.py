@@ -1,13 +1,13 @@
 """The probability that measurements of one group all lie above their thresholds.
 
-A trial that stays at rest says that its friction is at least the drive, and no more. Of
-the trials of an assembly, which share the numbers u that it drew for itself,
+A trial at rest shows only that its friction is at least the drive. The trials of an assembly share
+its deviations u. Their probability is
 
     log P = log ∫ N(u; m, V) ∏ᵢ Φ(aᵢᵀu − bᵢ) du,
 
-with m and V what else is known of u, and Φ the error that each trial has to itself. One
-trial is a closed form. For more, the integrand, which is log-concave, is integrated by the
-trapezoid rule around its mode, which converges exponentially: the error is about
+with m and V the mean and covariance of u from other data, and Φ the independent error of each
+trial. For one trial the integral has a closed form. For more, the log-concave integrand is
+integrated by the trapezoid rule around its mode, which converges exponentially: the error is about
 exp(−2 π² / (h² (1 + |a|²))) for a step of h, and the step follows the steepest a.
 """
 

@@ -63,7 +63,7 @@ def _finite(record: Mapping[str, Any]) -> list[str]:
     ]
 
 
-@rule(COMMON, "Quantiles of an interval ascend, and its standard deviation is not below 0.")
+@rule(COMMON, "The quantiles of an interval ascend, and its standard deviation is not negative.")
 def intervals_ordered(record: Mapping[str, Any]) -> list[str]:
     """Return each interval whose quantiles are not in their order, in words."""
     wrong = []
@@ -80,7 +80,7 @@ def intervals_ordered(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(COMMON, "A probability is within 0 and 1.")
+@rule(COMMON, "Every probability lies between 0 and 1.")
 def _probabilities_within_0_and_1(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, value in places(record):
@@ -93,7 +93,7 @@ def _probabilities_within_0_and_1(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(COMMON, "What is null has its reason beside it, and what is there has none.")
+@rule(COMMON, "Every null has its reason beside it, and no other value has one.")
 def _nulls_explained(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, value in places(record):

@@ -36,7 +36,9 @@ def _hypotheses_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
 
 
 @rule(
-    DIAGNOSIS, "Shares along axes are within 0 and 1, and add up to 1 with what no axis explains."
+    DIAGNOSIS,
+    "Each axis in `where` has a share of the mean square of the systematic force. Each share lies "
+    "between 0 and 1. Together with `unexplained` the shares add up to 1.",
 )
 def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
     wrong, sums = [], []
@@ -58,8 +60,9 @@ def _shares_add_up_to_1(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     DIAGNOSIS,
-    "A systematic gap is not far above what held-out data show before causes are "
-    "added, nor above scatter.",
+    "The estimated systematic gap is not much larger than what was measured. What was measured is "
+    "the rms residual that the law without the causes leaves in held-out data, or the rms of "
+    "scatter if that is larger.",
 )
 def _gap_is_measured(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
@@ -85,7 +88,8 @@ def _share_along(record: Mapping[str, Any], name: str) -> float:
 
 @rule(
     DIAGNOSIS,
-    "A shrink is told only of a gap that is above its floor with 0.95, and is 1.2 at most.",
+    "A shrink is reported only where the gap is above its floor with probability 0.95. The shrink "
+    "is at most 1.2.",
 )
 def _shrink_of_a_gap(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
@@ -108,9 +112,7 @@ def _shrink_of_a_gap(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(
-    DIAGNOSIS, "What the causes leave is significant only where its Bayes factor is in its favour."
-)
+@rule(DIAGNOSIS, "The remainder is significant only if its Bayes factor favours a further force.")
 def _remainder_by_evidence(record: Mapping[str, Any]) -> list[str]:
     left = record["remainder"]
     if left["significant"] and left["log10_bayes_factor"] <= 0:
@@ -118,7 +120,11 @@ def _remainder_by_evidence(record: Mapping[str, Any]) -> list[str]:
     return []
 
 
-@rule(DIAGNOSIS, "The verdict and its probability follow from the probabilities by the rules.")
+@rule(
+    DIAGNOSIS,
+    "The verdict and its probability follow from the probabilities of the hypotheses and of the "
+    "gap.",
+)
 def _verdict_follows(record: Mapping[str, Any]) -> list[str]:
     kind, chance = record["verdict"], record["verdict_probability"]
     chances, above = parsed(record["probabilities"]), record["gap"]["probability_above_practical"]
@@ -152,7 +158,8 @@ def _verdict_follows(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     DIAGNOSIS,
-    "A cause or a present effect acts with probability 0.9 or more, a possible one with 0.1.",
+    "A cause or a present effect acts with a probability of at least 0.9, a possible effect of "
+    "at least 0.1.",
 )
 def _causes_act(record: Mapping[str, Any]) -> list[str]:
     bounds = {
@@ -169,7 +176,10 @@ def _causes_act(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(DIAGNOSIS, "The probability that an effect acts is that of all hypotheses which have it.")
+@rule(
+    DIAGNOSIS,
+    "The probability that an effect acts is the sum over all hypotheses with this effect.",
+)
 def _inclusion_follows(record: Mapping[str, Any]) -> list[str]:
     wrong, hypotheses = [], parsed(record["probabilities"])
     for effect in record["inclusion"]:
@@ -180,7 +190,7 @@ def _inclusion_follows(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(DIAGNOSIS, "A limit of the drive lies above the friction that the drive overcomes.")
+@rule(DIAGNOSIS, "The force limit of a drive lies above the friction that the drive overcomes.")
 def _drive_limit_above_friction(record: Mapping[str, Any]) -> list[str]:
     friction = record["law"].get("coulomb")
     if friction is None:
@@ -196,7 +206,7 @@ def _drive_limit_above_friction(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(DIAGNOSIS, "Root mean squares, strengths and scatter are not below 0.")
+@rule(DIAGNOSIS, "Root mean squares, strengths and scatter are not negative.")
 def _sizes_above_0(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]
     numbers = {"gap.friction_rms": gap["friction_rms"]}

@@ -14,7 +14,9 @@ FIT: dict[str, Rule] = {}
 """Rules of ``fit.json``, by name."""
 
 
-@rule(FIT, "A parameter has draws, an R-hat about 1 or above, and a contraction of 1 at most.")
+@rule(
+    FIT, "Every parameter has draws, an R-hat of about 1 or more, and a contraction of at most 1."
+)
 def _parameters_are_drawn(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in places(record):
@@ -33,8 +35,8 @@ def _parameters_are_drawn(record: Mapping[str, Any]) -> list[str]:
 
 @rule(
     FIT,
-    "Scatter and noise are above 0, and so is friction that c1 and c2 make; an "
-    "offset, whose prior goes both ways, need not be.",
+    "Scatter and noise are above 0, and so is the friction of c1 and c2. An offset may have "
+    "either sign.",
 )
 def _positive_where_it_must_be(record: Mapping[str, Any]) -> list[str]:
     wrong = []
@@ -48,7 +50,7 @@ def _positive_where_it_must_be(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(FIT, "No more trials are used than were recorded.")
+@rule(FIT, "The number of used trials is at most the number of recorded trials.")
 def _trials_counted(record: Mapping[str, Any]) -> list[str]:
     quality = record["data_quality"]
     if quality["trials_used"] > quality["trials"]:
@@ -64,7 +66,7 @@ CLAIMS: dict[str, Rule] = {}
 """Rules of ``claims.json``, by name."""
 
 
-@rule(CLAIMS, "What cannot be tested has no Bayes factor, and a standard error is not below 0.")
+@rule(CLAIMS, "A claim that cannot be tested has no Bayes factor. No standard error is negative.")
 def _claims_follow(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for claim in record["claims"]:
@@ -81,9 +83,7 @@ MARGINS: dict[str, Rule] = {}
 """Rules of ``margins.json``, by name."""
 
 
-@rule(
-    MARGINS, "A spec has a probability that it is missed or a reason why not; nothing else has one."
-)
+@rule(MARGINS, "Every metric with a spec has a probability of missing it, or a reason why not.")
 def _violations_of_specs(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, metric in places(record["loops"], "loops"):
@@ -94,7 +94,9 @@ def _violations_of_specs(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(MARGINS, "Quantiles of a metric ascend, and so do the gains at which hunting is looked for.")
+@rule(
+    MARGINS, "The quantiles of a metric ascend, and so do the gains at which hunting is examined."
+)
 def _quantiles_ascend(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in places(record["loops"], "loops"):
@@ -110,7 +112,7 @@ def _quantiles_ascend(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(MARGINS, "Shares of a metric's variance are within 0 and 1.")
+@rule(MARGINS, "The shares of a metric's variance lie between 0 and 1.")
 def _variance_shares(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for loop in record["loops"]:
@@ -125,7 +127,7 @@ SCORECARD: dict[str, Rule] = {}
 """Rules of ``scorecard.json``, by name."""
 
 
-@rule(SCORECARD, "A rate lies within its interval, and both within 0 and 1.")
+@rule(SCORECARD, "Every rate lies within its interval, and the interval within 0 and 1.")
 def _rates_within_intervals(record: Mapping[str, Any]) -> list[str]:
     wrong = []
     for place, entry in _all_rates(record):
@@ -136,7 +138,7 @@ def _rates_within_intervals(record: Mapping[str, Any]) -> list[str]:
     return wrong
 
 
-@rule(SCORECARD, "The accuracy is that of the cases.")
+@rule(SCORECARD, "The accuracy agrees with the list of cases.")
 def _accuracy_of_cases(record: Mapping[str, Any]) -> list[str]:
     cases, rate = record["cases"], record["accuracy"]["rate"]
     if not cases or rate is None:

@@ -1,8 +1,8 @@
 """The cables between a motor and its joint, one or two in a row, seen from the motor's shaft.
 
 A cable that leaves a drum of ρ metres a radian of the motor turns its force T into ρT there, and
-a stiffness k into ρ²k. What lies behind a cable stretches it: friction of a second cable, of the
-shaft before it and of the joint all act behind the first.
+a stiffness k into ρ²k. Forces behind a cable stretch it: friction of a second cable, of the shaft
+before it and of the joint all act behind the first.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,13 +1,13 @@
-"""A loop with the law that a diagnosis refitted, and the effects on friction beside it.
+"""A loop with the law that a diagnosis refitted, and with the effects on friction.
 
-Coefficients and amplitudes are drawn together over all hypotheses, so that nothing counts
-twice and an effect weighs as much as it is probable. Only effects on friction come with the
-pulleys to another machine; those on the drive, the sensors or the currents of a board stay
-with the board, and what the law was mistaken for on their account goes with them.
+Coefficients and amplitudes are drawn together over all hypotheses. No part of an effect is then
+included twice, and each hypothesis has draws in proportion to its probability. Only effects on
+friction are transferred to another machine. Effects on the drive, the sensors or the currents of a
+board are not; the law was fitted together with them, so it contains no part of them.
 
-What an effect adds becomes friction of the loop: what is there at every speed is Coulomb
-friction, what grows with speed viscous, and what falls is extra friction at rest that dies
-out with speed.
+Effects become friction of the loop. The part that is present at every speed is Coulomb friction,
+the part that grows with speed is viscous, and the part that falls is extra friction at rest that
+decays with speed.
 """
 
 from collections.abc import Callable

@@ -1,12 +1,12 @@
-"""Motor and joint on an elastic cable that rubs along its way, in small equal steps.
+"""Motor and joint on an elastic cable with friction along it, in small equal steps.
 
-A cable that rings not far above the loop's own frequency lets the motor slip while the joint
-stands, splits breakaway between the two ends, and leads the joint behind the motor. Of the
-pulleys' friction a part acts at the joint's end, by the places of the pulleys, so that the cable
-stores behind it what the lost motion says.
+If the frequency of the cable is not far above that of the loop, the motor can slip while the joint
+is at rest, breakaway is divided between the two ends, and the joint lags behind the motor. The
+positions of the pulleys determine which part of their friction acts at the joint. The cable behind
+it stores the lost motion.
 
-Steps are semi-implicit (Euler): second order in the ringing, and none of its energy is lost.
-Friction takes speed off an end until none is left, and holds what it can hold.
+Steps are semi-implicit (Euler): second order in the oscillation, without loss of its energy.
+Friction reduces the speed of an end to zero and then holds it up to its limit.
 """
 
 from dataclasses import dataclass

@@ -94,14 +94,14 @@ def _tensions(
         )
     if peak > static:
         yield (
-            f"the tension of {name} peaks above the {high:.0f} N up to which friction was "
-            f"measured, in the fastest motion in {peak:.0%} of the draws: measure friction at that "
-            "tension, or move more slowly"
+            f"in {peak:.0%} of the draws the fastest motion raises the tension of {name} above "
+            f"{high:.0f} N, the highest tension at which friction was measured: measure friction "
+            "at that tension, or move more slowly"
         )
     if slack := int((least < 0).sum()):
         yield (
-            f"a side of the cable goes slack in the fastest motion in {slack} of {least.size} "
-            "draws: raise the pretension, or move more slowly"
+            f"in {slack} of {least.size} draws one side of the cable goes slack during the "
+            "fastest motion: raise the pretension, or move more slowly"
         )
 
 

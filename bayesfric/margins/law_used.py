@@ -1,4 +1,4 @@
-"""The law of the margins: that of the fit, or one refitted with the causes of a diagnosis."""
+"""The law of the margins: that of the fit, or that refitted with the causes of a diagnosis."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

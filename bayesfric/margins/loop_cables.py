@@ -133,10 +133,11 @@ class OtherJoint(Section):
 
 
 class Coupling(Section):
-    """Joints of a wrist that share motors (`[coupling]`): motor angles are the matrix times theirs.
+    """Joints of a wrist that share motors (`[coupling]`).
 
-    The file describes one motor with its loop, and the joint with the same number. The other
-    motors are taken to have the same drive, cable, friction and gains.
+    The motor angles are `matrix_rad_per_rad` times the joint angles. The file describes one motor
+    with its loop, and the joint with the same number. The other motors are taken to have the same
+    drive, cable, friction and gains.
 
     Fields
     ------

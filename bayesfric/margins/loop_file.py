@@ -125,7 +125,7 @@ class Controller(Section):
     velocity_filter: Filter of the derivative: none, or a first-order low-pass.
     velocity_cutoff_hz: Corner of that low-pass, required with it.
     relies_on_friction: Accept a loop that friction alone holds still: its linear margins do not
-        exist, and the amplitude margin counts. Otherwise such a loop is refused.
+        exist, and the amplitude margin decides. Otherwise such a loop is refused.
     """
 
     kp_n_m_per_rad: Positive
@@ -180,7 +180,7 @@ class Compensation(Section):
 
 
 class Kick(Section):
-    """The kicks and references with which the margins look for hunting.
+    """Disturbances and reference motions for the simulations that search for hunting.
 
     Fields
     ------
@@ -234,7 +234,7 @@ class Spec(Section):
     amplitude_margin_min_rad: Amplitude margin, at the motor.
     limit_cycle_probability_max: Probability of hunting that the largest safe compensation gain may
         have.
-    violation_probability_max: Any other spec counts as missed if its probability of being missed is
+    violation_probability_max: Any other spec is missed if the probability of violating it is
         above this.
     """
 
@@ -264,7 +264,7 @@ class Loop(Section):
     assumptions: Assumptions of the file, a sentence each. They become warnings.
     extrapolate: Conditions for which draws are accepted that do not know them: of which the
         recording informs no coefficient, and in which it tested nothing.
-    stiction_ratio: Breakaway friction over moving friction, 1 or more. The paper says 1.
+    stiction_ratio: Breakaway friction over moving friction, 1 or more. The paper states 1.
     joint: The joint.
     drive: Motor, gearbox and capstan.
     runs: Pulleys.

@@ -3,9 +3,9 @@
 The plant is continuous: motor and load on a cable with stiffness and damping, or on two with
 a shaft between them, play taken up, the encoder at either end. The controller's sampling enters
 as a delay e^{−sτ}, τ being the stated delay and half a sample of hold, and as the first difference
-(1 − e^{−sT})/T that stands for the derivative; low-passes of position and speed follow where there
-are any. This is the continuous stand-in for the sampled loop, good well below half the sampling
-rate.
+(1 − e^{−sT})/T in place of the derivative; low-passes of position and speed follow where there
+are any. This is the continuous approximation of the sampled loop, good well below half the
+sampling rate.
 """
 
 import numpy as np

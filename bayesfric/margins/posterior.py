@@ -1,4 +1,4 @@
-"""The draws of a fit for machines that are not built yet, and how far rigs differ."""
+"""The draws of a fit for machines that were not measured, and the difference between rigs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -248,10 +248,12 @@ def _linear_notes(
     elif direction is None:
         notes.append("it spreads with the loop's own numbers: Coulomb friction has no part in it")
     elif direction is not None:
-        notes.append("in an open run friction counts the load side 1/η or η, so c1 and c3 move it")
+        notes.append(
+            "in an open run friction weights the load side by 1/η or η, so c1 and c3 move it"
+        )
     if not linear.stable.all():
         notes.append(f"{1 - linear.stable.mean():.1%} of the draws are unstable without friction "
-                     "and count as none")  # fmt: skip
+                     "and have no such margin")  # fmt: skip
     if (linear.crossings[linear.stable] > 1).any():
-        notes.append("the smallest of several gain crossings counts")
+        notes.append("of several gain crossings, the smallest is used")
     return notes

@@ -1,8 +1,8 @@
-"""How a joint is used: the reference speeds and kicks over which hunting is looked for.
+"""The reference speeds and kicks for which hunting is simulated.
 
-A compensator of the measured speed is off for most of the time where the reference moves
-less than a count a sample, so that shafts slip and stick at gains far below those that make
-them hunt at rest. So a gain is safe only if it is safe at rest and at every speed.
+If the reference moves less than one count per sample, a compensator of the measured speed is off
+for most of the time. The shaft then slips and sticks at gains far below those at which it hunts at
+rest. A gain is therefore safe only if it is safe at rest and at every speed.
 """
 
 from dataclasses import dataclass

@@ -4,10 +4,10 @@ At each sample time t_k = k T the controller reads the encoder and commands a to
 acts from t_k + delay until the next command does. Between two changes of torque the motion of
 a stiff shaft is a closed form (:mod:`bayesfric.margins.shaft`), and that of motor and joint on
 an elastic cable goes in small steps (:mod:`bayesfric.margins.elastic_cable`); any delay is
-met exactly, whatever its ratio to the sample time. A shaft that stands still is taken at
-once to the sample before its torque reaches breakaway, which is a closed form too: slow
-hunting, in which the shaft mostly stands, costs little. A shaft that has moved, or stood only
-briefly, for as long as its linear loop takes to settle is judged by what follows at once.
+met exactly, whatever its ratio to the sample time. A shaft at rest is advanced in closed form to
+the sample before its torque reaches breakaway, so that slow hunting, with the shaft mostly at
+rest, needs little computation. If a shaft moves for a whole settling time of its linear loop,
+with at most brief rests, the part of the run after this time decides.
 """
 
 from collections.abc import Callable

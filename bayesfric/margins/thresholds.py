@@ -1,8 +1,8 @@
-"""The compensation gain at which each draw hunts, over the ways in which the joint is used.
+"""The compensation gain at which each draw starts to hunt, over all uses of the joint.
 
-A loop that is only held at rest has a closed form inside its conditions. Everything else is
-simulated: also loops without compensation or with one of the reference's velocity, which
-integral action, stiction or a loop that friction alone holds still can make hunt.
+For a loop at rest this gain has a closed form under some conditions. All other cases are simulated.
+This includes loops without compensation, or with compensation of the reference velocity: integral
+action, stiction or instability without friction can make them hunt.
 """
 
 from collections.abc import Iterator

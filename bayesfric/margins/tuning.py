@@ -1,8 +1,8 @@
 """The stiffest setting of a controller that meets all of its specs at once.
 
-Gains are scaled from the file's: kp as far up as the joint probability of all specs allows,
-with the kd that leaves it the most, and then γ. Steady error, torque and linear margins are
-closed forms, and hunting is simulated at every speed at which the joint is used.
+Gains are multiples of those of the file. For each kp the best kd is used. The largest kp is chosen
+with which few enough draws miss a spec that has a closed form (steady error, torque and linear
+margins), and then the largest γ. Hunting is simulated at every speed at which the joint is used.
 """
 
 from collections.abc import Iterator
@@ -22,10 +22,10 @@ from bayesfric.schemas.margins import Tuning
 
 STEPS = 11
 GRID_DRAWS, FINAL_DRAWS = 60, 2000
-"""Draws of the grid of gains, and of the last steps to the largest kp."""
+"""Draws on the grid of gains, and in the final search for the largest kp."""
 SIMULATED = 400
 SETTINGS_SIMULATED = 3
-"""Settings of which hunting is looked at: it may end where the loop is softer."""
+"""Settings whose hunting is simulated: a softer loop may not hunt."""
 HALVINGS = 6
 
 
@@ -37,9 +37,9 @@ def scaled(shaft: LoopAtShaft, kp: float, kd: float, gamma: float | None = None)
     shaft : LoopAtShaft
         The loop.
     kp, kd : float
-        Over those of the loop.
+        Multiples of those of the loop.
     gamma : float or None
-        Its compensation gain; None leaves it.
+        Its compensation gain; None keeps it.
     """
     return replace(
         shaft,
@@ -51,7 +51,7 @@ def scaled(shaft: LoopAtShaft, kp: float, kd: float, gamma: float | None = None)
 
 
 def meets_all_now(shaft: LoopAtShaft, hunting: Hunting) -> float:
-    """Return how probably a loop meets all of its specs at once, hunting among them."""
+    """Return the probability that a loop meets all of its specs at once and does not hunt."""
     missed = _missed(shaft.taken(hunting.rows)) | hunting.now
     return float(1 - missed.mean())
 
@@ -84,9 +84,9 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
 
 
 def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: bool) -> Tuning:
-    """Return a setting with its largest γ, or why it is none.
+    """Return a setting with its largest γ, or why it is not acceptable.
 
-    Two limits bound γ: that of missing any spec, and the file's own of hunting.
+    Two limits bound γ: the probability of missing any spec, and that of hunting from the file.
     """
     may_hunt = shaft.loop.spec.limit_cycle_probability_max
     some = _evenly(scaled(shaft, kp, kd), FINAL_DRAWS)
@@ -96,7 +96,7 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
     gamma, hunting_draws = float(np.median(shaft.gamma)), hunting.now
     chosen = False
     if feeds:
-        # the share of the draws that meet all closed forms that may still hunt
+        # of the draws that meet all closed forms, the fraction that may hunt
         left = (allowed - closed) / (1 - closed)
         others = replace(
             hunting, threshold=hunting.threshold[meets], condition=hunting.condition[meets]
@@ -135,7 +135,7 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
 
 @dataclass(frozen=True)
 class _Grid:
-    """The share of draws that miss any spec, over kp (rows) and kd (columns), and each alone."""
+    """Fraction of draws that miss any spec, over kp (rows) and kd (columns), and each spec."""
 
     scales: Array
     missed: Array
@@ -156,7 +156,7 @@ class _Grid:
         return cls(scales, np.array(missed), alone)
 
     def stiffest(self, final: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
-        """Yield settings at which no more than a share of many draws misses, the stiffest first."""
+        """Yield settings at which at most this fraction of draws misses, the stiffest first."""
         missed = self.missed.min(axis=1)
         chance = 2 * np.sqrt(share * (1 - share) / GRID_DRAWS)
         for place in reversed(np.flatnonzero(missed <= share + chance)):
@@ -184,7 +184,7 @@ def _none(grid: _Grid, final: LoopAtShaft) -> Tuning:
 
 
 def _no_setting(why: str, missed: float, error: float) -> Tuning:
-    """Return a tuning without a setting; its probability is that of the nearest one."""
+    """Return a tuning without a setting; its probability is that of the nearest setting."""
     return Tuning(
         kp_scale=None,
         kp_scale_why=why,
@@ -199,7 +199,7 @@ def _no_setting(why: str, missed: float, error: float) -> Tuning:
 
 
 def _largest_kp(shaft: LoopAtShaft, low: float, high: float, kd: float, share: float) -> float:
-    """Return the largest scale of kp, by halving steps, at which no more than a share misses."""
+    """Return the largest scale of kp, by bisection, at which at most this fraction misses."""
     for _ in range(HALVINGS if high > low else 0):
         middle = float(np.sqrt(low * high))
         if _missed(scaled(shaft, middle, kd)).mean() <= share:

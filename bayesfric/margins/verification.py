@@ -169,7 +169,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
             "lost motion",
             ratio <= 1 + MARGIN_RULES.verification_tolerance,
             ratio,
-            "no friction is behind the cable, it counts as stiff, or there is play before it",
+            "no friction is behind the cable, it is treated as stiff, or there is play before it",
         ),
     )
 

@@ -101,7 +101,7 @@ def _beyond_the_models(
         yield (
             "With integral action and stiction, describing functions are not to be relied on "
             "(Armstrong & Amin 1996): hunting rests on the simulator, and on the stiction ratio, "
-            "for which the paper says 1."
+            "which is 1 in the paper."
         )
     if (shaft.backlash > 0).any():
         yield (
@@ -110,7 +110,7 @@ def _beyond_the_models(
         )
     if shaft.wrist is not None:
         yield (
-            "Coupled joints: the other motors are taken to have the drive, cable, friction and "
+            "Coupled joints: the other motors are assumed to have the drive, cable, friction and "
             "gains of this one. Linear margins, hunting and tensions are those of one motor while "
             "the others hold still; errors at the tip are those of all motors."
         )
@@ -118,16 +118,17 @@ def _beyond_the_models(
     if slack:
         yield (
             f"Under the load at rest a side of the pair goes slack in {slack} of {shaft.taut.size} "
-            "draws: friction, hunting and backdrive take it as taut there, and are not to be "
-            "relied on."
+            "draws: friction, hunting and backdrive assume a taut cable there, and are not "
+            "reliable."
         )
     falls = float((np.abs(shaft.load_torque) > shaft.breakaway).mean())
     if falls > 0:
         yield f"With the motor off the load moves the joint by itself in {falls:.0%} of the draws."
     if shaft.directions != (None,):
         yield (
-            "Open run: friction grows with the load, so the load side counts 1/η when the motor "
-            "pulls and η when the load does; hunting is looked at with the mean friction of both."
+            "Open run: friction grows with the load, so the load side is weighted by 1/η when the "
+            "motor pulls and by η when the load does; hunting is examined with the mean friction "
+            "of both."
         )
     for direction, linear_along in linear.items():
         where = "" if direction is None else f" ({direction})"

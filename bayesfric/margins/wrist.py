@@ -1,12 +1,12 @@
 """Joints that share motors: motor angles φ = C θ, so torques map by τ_joints = Cᵀ τ_motors.
 
-Each motor has a loop of its own, and while one moves the others hold still. With D = C⁻¹, motor m
+Each motor has its own loop, and while one motor moves the others are held. With D = C⁻¹, motor m
 then turns joint j by D_jm: it carries the inertia Σ_j D_jm² I_j, the load Σ_j D_jm τ_j, and the
 friction Σ_j |D_jm| f_j of the joints. A joint's error is that of all motors, D times theirs, and a
 torque on the joints turns them by D Dᵀ over a motor's stiffness. To move a joint by hand while the
 others are held, all motors in its column of C give way.
 
-The other motors are taken to have the drive, cable, friction and gains of this one.
+The other motors are assumed to have the drive, cable, friction and gains of this one.
 """
 
 from collections.abc import Sequence

@@ -20,7 +20,7 @@ PAPER_SIZES = ("small", "medium", "large")
 LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
 LEAST_FRICTION_N = 1e-6  # of a size all of whose readings are 0, in a start
 MIDDLE_TENSION_N = 15.0
-LEAST_INTERCEPT = 0.1  # of the friction of one pulley at that tension
+LEAST_INTERCEPT = 0.1  # relative to the friction of one pulley at that tension
 NO_PULLEY = ""
 """The pulley size of a machine that has no pulleys."""
 
@@ -56,11 +56,11 @@ def law_of_rows(laws: Mapping[str, Coefficients], sizes: "pd.Series[str]") -> Co
 
 
 def intercept_of(law: Coefficients) -> Array:
-    """Return the part of one pulley's friction that has a scatter of its own [N]: c2.
+    """Return the force of one pulley to which the scatter of the intercept is relative [N].
 
-    Where an effect bends friction over tension, c2 is what a curve is extrapolated to at no
-    tension, which may be next to nothing and scatters by no share of itself: it counts as a
-    tenth of the friction of a pulley at 15 N at least. A law without c2 has none.
+    It is c2. If friction is not linear in tension, c2 is an extrapolation to zero tension and may
+    be near zero. The result is therefore at least 0.1 of the friction of a pulley at 15 N. A law
+    without c2 has no such scatter.
     """
     c1, c2 = np.asarray(law.c1, dtype=np.float64), np.asarray(law.c2, dtype=np.float64)
     least = LEAST_INTERCEPT * (c1 * MIDDLE_TENSION_N + c2)

@@ -1,10 +1,10 @@
-"""Student-t deviations of friction in a linear model: normal ones, each of a weight of its own.
+"""Student-t deviations of friction in a linear model: normal deviations, each with a weight.
 
-A deviation of R numbers is normal with variances over λ, and λ ~ Γ(ν/2, ν/2): together Student-t.
-Given the weights λ a linear model stays normal. They are taken at the mode of their logarithms,
-where λ = (ν + R) / (ν + E z²) with z the numbers over their scales, and the integral over each is
-that of a gamma density with the curvature there. That is exact where the data tell a deviation
-exactly, and where they tell nothing of it.
+A deviation of R components is normal with variances divided by λ, and λ ~ Γ(ν/2, ν/2). Together
+this is a Student-t. Given the weights λ a linear model is normal. log λ is set to the mode of its
+density, where λ = (ν + R) / (ν + E z²) with z the components over their scales. The integral over
+λ is approximated by that of a gamma density with the same curvature at this mode. This is exact if
+the data determine a deviation exactly, and if they do not inform it.
 
 References
 ----------
@@ -20,11 +20,11 @@ from scipy.special import gammaln
 
 from bayesfric.arrays import Array, Flags, Whole
 
-LEAST_SHAPE = 0.25  # of ν/2: a weight whose density is flatter is as wide as that
+LEAST_SHAPE = 0.25  # least shape of the gamma density, relative to ν/2
 
 
 class Deviations(NamedTuple):
-    """What all data say of M deviations of R numbers, in units of their standard deviations.
+    """Posterior of M deviations of R components, in units of their standard deviations.
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ class HeavyScatter:
     weight : ndarray, shape (M,)
         λ of each.
     volume : ndarray, shape (M,)
-        Log integral over its logarithm, less the log density at the mode, beyond that of a
-        deviation that is known exactly.
+        Log of the integral over log λ divided by the density at the mode, minus that of a deviation
+        that is known exactly.
     """
 
     level: str
@@ -63,16 +63,16 @@ class HeavyScatter:
 
     @classmethod
     def equal(cls, level: str, freedom: float, rank: int, count: int) -> "HeavyScatter":
-        """Return equal weights, a place to start from."""
+        """Return equal weights, as a start."""
         return cls(level, freedom, rank, np.ones(count), np.zeros(count))
 
     def updated(self, given: Deviations) -> "HeavyScatter":
-        """Return the weights that deviations given the data ask for.
+        """Return the weights at the mode, given the posterior of the deviations.
 
         Parameters
         ----------
         given : Deviations
-            At the present weights, in units of what these make of the scales.
+            At the present weights, in units of the scales with these weights.
         """
         half = self.freedom / 2
         mean, covariance = given

@@ -1,8 +1,8 @@
-"""Where panels stand in a figure: as large as what is written around them leaves room for.
+"""The layout of panels in a figure: as large as the labels around them permit.
 
-Matplotlib's constrained layout asks each axis several times for ticks that nobody has
-drawn yet, which takes longer than drawing. Here the words of ticks are measured, each
-once, and labels get the places that a renderer would otherwise look for again.
+Matplotlib's constrained layout asks each axis several times for its ticks before they are drawn,
+which takes longer than drawing. This layout measures each tick label once and gives labels their
+final positions.
 """
 
 import io

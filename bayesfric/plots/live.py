@@ -1,4 +1,4 @@
-"""Charts that a reader hovers, zooms and filters: the data of a figure, with words to each point.
+"""Charts that a reader can zoom and filter: the data of a figure, with a label for each point.
 
 A chart is data alone. ``report/live.js`` draws it in a reader's browser, in the place of the
 figure that is drawn from the same stored numbers.

@@ -94,7 +94,7 @@ class Part:
         """Yield it as lines of a terminal."""
         of = f" of {self.name}" if self.name else ""
         if self.power is None:
-            yield f"Nothing can be told{of}:"
+            yield f"These data can determine nothing{of}:"
             yield from (f"  {fault}" for fault in self.why_not)
             return
         yield f"Expected values and errors{of}"
@@ -105,7 +105,7 @@ class Part:
                 off = row["sd_where_law_is_off"]
                 text += f" by noise alone, ± {off:.2g}{unit} if the law is slightly wrong"
             said = text if row["informed"] else "decided by its prior"
-            said = "not told" if name in self.untold else said
+            said = "not estimated" if name in self.untold else said
             yield f"  {self._called(str(name)):<24} {said}"
         yield from (f"  {reason}" for reason in dict.fromkeys(self.untold.values()))
         if self.power.beside:
@@ -113,7 +113,7 @@ class Part:
             yield f"  These errors allow for {names}, which a first look shows."
         can, cannot = self.effects
         if can:
-            yield "Size from which on a diagnosis finds each effect"
+            yield "Smallest size of each effect that a diagnosis finds"
             yield from _in_two_columns([f"{name:<23} {size}" for name, size in can.items()])
         if cannot:
             yield f"Effects that these data cannot show: {', '.join(cannot)}"

@@ -92,7 +92,7 @@ def _said(file: str, what: str, copies: Copies) -> Iterator[str]:
     shown = ", ".join(f"{copy} of {first}" for copy, first in list(copies.items())[:NAMED])
     more = f" and {len(copies) - NAMED:,} more" if len(copies) > NAMED else ""
     copy = "an exact copy" if len(copies) == 1 else "exact copies"
-    yield f"{file}: {what} {shown}{more}: {copy}, counted once"
+    yield f"{file}: {what} {shown}{more}: {copy}, used once"
 
 
 def _unlike(file: str, what: str, pairs: Copies) -> Iterator[str]:

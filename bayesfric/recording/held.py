@@ -85,7 +85,7 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     """
     position = samples["position_m"].to_numpy(dtype=np.float64)
     force = samples["force_n"].to_numpy(dtype=np.float64)
-    position_held = position_held_for(position)
+    position_held = position_held_for(position, force)
     force_held = held_for(force) if force_is in SENSED else 1
     answers = answering(position, force) if position_held == 1 else None
     if answers is not None:
@@ -95,7 +95,7 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
         time, new = samples["time_s"].to_numpy(dtype=np.float64), renewed(force)
         samples = samples.assign(force_n=np.interp(time, time[new], force[new]))
     if position_held > 1:
-        samples = samples[renewed(position)].reset_index(drop=True)
+        samples = samples[_readings(position, force)].reset_index(drop=True)
     held = [
         f"{name} for {count} samples"
         for name, count in (("position", position_held), ("force", force_held))
@@ -103,7 +103,9 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
     ]
     said = [f"each reading is held, {' and '.join(held)}"] if held else []
     if answers is not None:
-        said.append("the force answers each count of the encoder, and was told by these between")
+        said.append(
+            "the force follows each encoder count, and was computed from these between its readings"
+        )
     late = stale(*(samples[name].to_numpy(dtype=np.float64) for name in ("position_m", "force_n")))
     if late.any():
         said.append(
@@ -143,15 +145,31 @@ def _quick(values: Array) -> Array:
     return np.asarray(np.diff(values, 2))
 
 
-def position_held_for(position: Array) -> int:
+def position_held_for(position: Array, force: Array) -> int:
     """Return how many samples each position is held for; 1 for a coarse encoder, which is not.
+
+    A coarse encoder moves by few counts at a time and may rest at one. It is held if it moves
+    only when the force is read anew: one clock then reads both.
 
     Parameters
     ----------
-    position : ndarray, shape (N,)
+    position, force : ndarray, shape (N,)
         Of a run.
     """
-    return held_for(position) if _jumps(position) else 1
+    if _jumps(position):
+        return held_for(position)
+    return held_for(force) if _moves_with(position, force) else 1
+
+
+def _moves_with(position: Array, force: Array) -> bool:
+    """Return whether a position moves only at samples at which the force differs too."""
+    moved = np.diff(position) != 0
+    return bool(moved.any()) and float(np.mean(renewed(force)[1:][moved])) >= MOSTLY
+
+
+def _readings(position: Array, force: Array) -> Flags:
+    """Return the samples at which a held position is read anew, (N,)."""
+    return renewed(position) if _jumps(position) else renewed(force)
 
 
 def _jumps(position: Array) -> bool:

@@ -1,4 +1,4 @@
-"""The figures of a document drawn side by side: here, and by whoever helps."""
+"""The figures of a document, drawn by this process and by a helper process."""
 
 import importlib
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What an effect changes of a rig's friction, relative to it: the measure of its strength."""
+"""The relative change of a rig's friction by an effect: the measure of its strength."""
 
 from collections.abc import Callable
 from typing import Any

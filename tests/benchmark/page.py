@@ -23,8 +23,8 @@ process of its own. It writes this page from `reports/evidence/benchmark.json`.
 - **Ours** takes `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default `fit` has
   40 walkers with longer chains.
 - **Agreement** compares means and standard deviations of all parameters with those of each peer
-  and of the limit, from the draws of all repeats together. The largest difference counts. Each
-  repeat has its own seed; the event-level posterior is run once.
+  and of the limit, from the draws of all repeats together. The table has the largest difference.
+  Each repeat has its own seed; the event-level posterior is run once.
 """
 
 

@@ -306,7 +306,7 @@ def promises(figures):
         ("joints", "empty_named"): ("an empty joint has something named", None, 0),
         ("joints", "outsiders_named"): ("an outsider is named as an effect", None, 0),
         ("joints", "contradicted"): ("held-out data contradict what is named", None, 0.02),
-        ("perfect", "exact"): ("perfect signals: at 10 % it is named, and nothing else", 0.95, None),
+        ("perfect", "exact"): ("perfect: at 10 % it is named, and nothing else", 0.95, None),
         ("perfect", "weak_named_or_possible"): ("at 3 % it is named or possible", 0.85, None),
         ("perfect", "empty_named"): ("an empty joint has something named", None, 0),
         ("perfect", "outsiders_named"): ("an outsider is named as an effect", None, 0),

@@ -11,15 +11,13 @@ from bayesfric.recording import read_recording
 from bayesfric.rigs.opening import with_own_priors
 
 
-def model_of_axis(folder, chosen):
-    """Return a model of an axis without any effect, and its noise.
+def fitted_axis(folder):
+    """Return what :func:`model_of_axis` is made of: a simulated axis with its law fitted.
 
     Parameters
     ----------
     folder : Path
         The recording is written there.
-    chosen : callable
-        From an effect to its candidates.
     """
     machine = Machine()
     table, samples = simulate(machine, runs=4, seconds=6.0, seed=3)
@@ -27,6 +25,20 @@ def model_of_axis(folder, chosen):
     data, law = data_of(recording, "paper", None)
     analysis = with_own_priors(Analysis(), data.rigs)
     data, _, laws, psi = fitted_baseline(data, analysis, frozenset(), shipped_of(None, data), law)
+    return data, laws, analysis, frozenset(law.without), psi
+
+
+def model_of_axis(fitted, chosen):
+    """Return a model of an axis without any effect, and its noise.
+
+    Parameters
+    ----------
+    fitted : tuple
+        Of :func:`fitted_axis`.
+    chosen : callable
+        From an effect to its candidates.
+    """
+    data, laws, analysis, without, psi = fitted
     examined, _ = examinable(data, {})
     candidates = [one for effect in examined.values() for one in chosen(effect)]
-    return LinearModel(data, laws, candidates, analysis, frozenset(law.without)), psi
+    return LinearModel(data, laws, candidates, analysis, without), psi

@@ -206,19 +206,21 @@ def test_no_effect_no_gap(empty):
     assert empty.gap.systematic.q95 < 0.02 * empty.gap.friction_rms
 
 
-def test_bands_of_an_empty_board_hold_zero(empty):
-    """Band and p-value are of the same residuals: an axis has both or neither."""
-    shapes = {axis.axis: axis for axis in empty.where if axis.shape is not None}
-    found = [
+def has_no_bands_off_zero(found):
+    """Assert that bands hold zero; band and p-value are of the same residuals."""
+    shapes = {axis.axis: axis.shape for axis in found.where if axis.shape is not None}
+    off = [
         name
-        for name, axis in shapes.items()
-        if any(
-            low > 0 or high < 0
-            for low, high in zip(axis.shape.low_n, axis.shape.high_n, strict=True)
-        )
+        for name, shape in shapes.items()
+        if any(low > 0 or high < 0 for low, high in zip(shape.low_n, shape.high_n, strict=True))
     ]
-    assert found == []
-    assert {"drive_end", "trial_in_setup", "setup"} <= {axis.axis for axis in empty.where}
+    assert off == []
+    assert {"drive_end", "trial_in_setup", "setup"} <= set(shapes)
+
+
+@pytest.mark.nightly  # one of accelerations alone has such bands too, in half of the time
+def test_bands_of_an_empty_board_hold_zero(empty):
+    has_no_bands_off_zero(empty)
 
 
 @pytest.mark.nightly
@@ -310,6 +312,7 @@ def test_accelerations_alone_of_one_assembly_are_diagnosed():
     found = explained(diagnose(alone).summary)
     assert not found.causes
     assert found.gap.trajectory is None
+    has_no_bands_off_zero(found)
 
 
 def test_accelerations_that_are_not_the_way_of_the_weights_enter_no_diagnosis():

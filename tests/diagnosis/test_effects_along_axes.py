@@ -62,8 +62,8 @@ def board():
 
 
 @pytest.fixture(scope="module")
-def axis(tmp_path_factory):
-    return forces_in(*model_of_axis(tmp_path_factory.mktemp("driven"), middle))
+def axis(driven_axis):
+    return forces_in(*model_of_axis(driven_axis, middle))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -67,7 +67,10 @@ def test_on_a_small_stroke_a_weight_is_no_spring(gravity, noise, seed):
 
 def test_a_weight_on_a_long_swing_of_one_frequency_is_told_beside_the_inertia():
     """Its law is exact: one that may vary with speed took most of the inertia, 0.013 for 0.060."""
-    joint = Joint(gravity=0.5, rates_hz=(0.31,), strokes_rad=(1.5,), noise=0.02, resolution=1e-4)
+    joint = Joint(
+        gravity=0.5, rates_hz=(0.31,), strokes_rad=(1.5,), noise=0.02, resolution=1e-4,
+        sampled_hz=100.0,
+    )  # fmt: skip
     diagnosed = bf.diagnose(joint.recording()).summary
     (cause,) = diagnosed.causes
     assert cause.parameters["torque"].mean == pytest.approx(0.5, rel=0.03)
@@ -305,10 +308,15 @@ def test_the_rung_that_made_it_is_named(machine, expected):
 
 def test_numbers_are_as_wide_as_parts_of_the_log_where_nothing_is_decided(monkeypatch):
     """However likely a gap is: three seconds with much noise show none, and tell no number well."""
-    joint = Joint(seconds=3.0, gravity=0.0, noise=0.1)
-    as_it_is = bf.diagnose(joint.recording()).summary
-    assert as_it_is.verdict == "undecided"
-    assert as_it_is.gap.probability_above_practical < 0.5
-    monkeypatch.setattr(answer, "by_parts", lambda law, *_: dict.fromkeys(law, (7.0, 7.0)))
-    wide = bf.diagnose(joint.recording()).summary.law["viscous"].after.sd
-    assert wide == pytest.approx(7 * as_it_is.law["viscous"].after.sd, rel=0.02)
+    fitted = {}
+
+    def seven_times(law, *_):
+        fitted.update(law)
+        return dict.fromkeys(law, (7.0, 7.0))
+
+    monkeypatch.setattr(answer, "by_parts", seven_times)
+    told = bf.diagnose(Joint(seconds=3.0, gravity=0.0, noise=0.1).recording()).summary
+    assert told.verdict == "undecided"
+    assert told.gap.probability_above_practical < 0.5
+    wide = told.law["viscous"].after.sd
+    assert wide == pytest.approx(7 * fitted["viscous"].after.sd, rel=0.02)

@@ -28,7 +28,7 @@ def test_the_rung_that_made_a_joint_is_named_or_possible(rung, seed):
     told = causes | {one.effect for one in (*found.possible, *found.considered)}
     assert RUNGS[rung] & told, found.sentence
     if rung in ("M3", "M5"):
-        assert any("one way of the power" in line for line in found.attention)
+        assert any("one direction of the power" in line for line in found.attention)
 
 
 def test_rungs_of_one_ladder_do_not_act_together_and_share_one_prior():

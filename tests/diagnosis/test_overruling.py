@@ -28,6 +28,7 @@ from bayesfric.diagnosis.stored import excess_of
 from bayesfric.diagnosis.verdict import KnownEffect
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
+from bayesfric.probabilities import two_digits
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.causes import IMPLAUSIBLE, Remainder
 from bayesfric.schemas.gap import HeldOutDensity
@@ -106,7 +107,7 @@ def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share
     gap = diagnosis().gap
     gap = gap.model_copy(update={"held_out_excess": share * gap.friction_rms})
     assert (why(gap, told=told) is not None) == expected
-    assert not expected or f"{gap.held_out_excess:.3g} N rms" in why(gap, told=told)
+    assert not expected or f"leave {two_digits(gap.held_out_excess)} N rms" in why(gap, told=told)
 
 
 @pytest.mark.parametrize(("told", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])])

@@ -10,8 +10,8 @@ from bayesfric.diagnosis.residuals import residuals_of
 
 
 @pytest.fixture(scope="module")
-def residuals(tmp_path_factory):
-    model, psi = model_of_axis(tmp_path_factory.mktemp("law"), lambda effect: [])
+def residuals(driven_axis):
+    model, psi = model_of_axis(driven_axis, lambda effect: [])
     return residuals_of(model, psi)
 
 

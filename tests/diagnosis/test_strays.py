@@ -112,9 +112,9 @@ def test_readings_with_weights_have_the_density_of_a_normal_with_their_variance(
 
 
 @pytest.mark.nightly
-def test_rows_of_an_axis_with_weights_have_so_much_less_error(tmp_path):
+def test_rows_of_an_axis_with_weights_have_so_much_less_error(driven_axis):
     """All rows with a weight of a quarter are rows whose own errors are twice as large."""
-    model, psi = model_of_axis(tmp_path, lambda effect: [])
+    model, psi = model_of_axis(driven_axis, lambda effect: [])
     (rig,) = model.rigs
     quarter = np.full(rig.rows.readings.count, 0.25)
     (weighted,) = model.around(model.laws, (), row_weights={rig.rows.name: quarter}).rigs

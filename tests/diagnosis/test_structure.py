@@ -71,7 +71,7 @@ def test_a_wave_a_start_and_a_resonance_of_three_per_cent_do(found, force, axis,
     assert together.axis == axis
     assert 0.015 < together.share < 0.035
     assert together.p_value < 0.01
-    assert f"a force of 1 N goes together along {axis}" in together.words("1 N")
+    assert f"along {axis} share a force of 1 N" in together.words("1 N")
 
 
 def test_what_goes_together_and_does_not_matter_is_left_alone(found):
@@ -106,7 +106,8 @@ def test_the_force_that_is_known_is_taken_off(monkeypatch):
 
 def test_what_is_left_of_held_out_data_is_no_scatter_either():
     gap = diagnosis().gap.model_copy(update={"held_out_excess": 0.05, "friction_rms": 1.0})
-    assert "0.05 N rms of data held out" in unlike_scatter(gap, None, None, None, 0.02, None)
+    said = unlike_scatter(gap, None, None, None, 0.02, None)
+    assert said == "after scatter is subtracted, held-out data leave 0.05 N rms"
     nothing = gap.model_copy(update={"before": interval(0.6)})  # of friction of 1 N
     assert unlike_scatter(nothing, None, None, None, 0.02, None) is None
 
@@ -132,7 +133,7 @@ def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     together = structure.Together("trial_in_setup", 0.028, 0.0025)
     told = Statement("undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%"))
     said = sentence_of(told)
-    assert "a force of 2.8% goes together along trial in setup" in said
+    assert "next to each other along trial in setup share a force of 2.8% (scatter" in said
     assert "Either something else acts, or the assumed scatter is wrong" in said
 
 

@@ -115,7 +115,7 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
 def test_a_gap_that_is_less_likely_than_not_is_not_said_to_be_there():
     gap = diagnosis().gap.model_copy(update={"probability_above_practical": 0.25})
     said = told("undecided", gap, 0.02, open_because="few windows")
-    assert "Whether there is a gap that counts stays open (probability 0.25): few windows" in said
+    assert "stays open (its probability is 0.25): few windows" in said
     assert "There is a gap" not in said
 
 
@@ -141,7 +141,7 @@ def test_an_undecided_gap_is_told_in_full_before_what_is_open():
     about = gap.model_copy(update={"systematic": systematic, "friction_rms": 2.13})
     assert told("undecided", about, 0.02, [cause("viscous")]) == (
         "The gap is 0.043 N rms, 2.0% of friction (1.98 to 2.02%); viscous acts; whether the gap "
-        "is above the 2.0% that counts is open."
+        "is above 2.0% of friction stays open."
     )
 
 
@@ -149,7 +149,9 @@ def test_a_gap_of_nothing_has_no_figure():
     gap = diagnosis().gap
     nothing = gap.systematic.model_copy(update={"q50": 1e-19})
     gap = gap.model_copy(update={"systematic": nothing})
-    assert told("no-gap", gap, 0.02).endswith("the median estimate is less than 0.1% of friction.")
+    assert told("no-gap", gap, 0.02).endswith(
+        "the median of the gap is less than 0.1% of friction."
+    )
 
 
 def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
@@ -162,7 +164,7 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
     small = sentence(1.1 * share)
     assert small.startswith("A force acts that none of the effects examined makes (probability ")
     assert f"Its gap is small: {gap.systematic.q50:.2g} N rms" in small
-    assert f"; a gap counts from {1.1 * share:.1%} on." in small
+    assert f"; below {1.1 * share:.1%} of friction a gap is negligible." in small
     assert "There is a gap" not in small
     assert sentence(0.9 * share).startswith(
         "With probability 0.970 there is a gap that none of the effects examined explains: 0.049 N"
@@ -208,7 +210,7 @@ def test_the_sentence_says_what_data_held_out_say():
     why = {"shrink": None, "shrink_why": "the gap is as likely below"}
     open_still = gap.model_copy(update=why | {"held_out": (nothing,)})
     assert held_out_words(open_still, viscous).startswith(
-        "How much of the gap it removes on data that the fit has not seen cannot be told: the gap"
+        "How much of the gap it removes on data that the fit has not seen is unknown: the gap"
     )
     within = held_out_words(open_still, ())
     assert "is off by 0.052 N rms; scatter alone makes" in within

@@ -95,7 +95,7 @@ ODD = {
     "at rest": Drive(motion="still"),
     "one way": Drive(motion="one way"),
     "ten samples": Drive(samples=10),
-    "20 Hz": Drive(sampled_hz=20.0),
+    "20 Hz": Drive(sampled_hz=20.0, samples=200),
     "10 kHz": Drive(sampled_hz=10_000.0, samples=1500),
     "far from zero": Drive(offset=1e4),
     "a stroke of a micrometre": Drive(stroke=1e-6, resolution=1e-12),

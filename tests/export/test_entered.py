@@ -27,19 +27,19 @@ def test_digits_go_by_the_error_and_fields_by_the_simulator():
 
 def test_what_a_simulator_lacks_is_named_with_its_force():
     assert list(entered_remarks([COULOMB])) == [
-        "Drake has no field for coulomb (dry friction): without it the simulation stays off by "
+        "Drake has no field for coulomb (dry friction). A simulation without it is off by "
         "0.61 N·m rms."
     ]
     assert list(entered_remarks([COULOMB, SHARE]))[1] == (
-        "No simulator has a field for load-friction.share, which is 0.120 ± 0.033: without it the "
-        "simulation stays off by 0.34 N·m rms (56% of Coulomb friction). "
+        "No simulator has a field for load-friction.share. It is 0.120 ± 0.033. A simulation "
+        "without it is off by 0.34 N·m rms (56% of Coulomb friction). "
         "`bayesfric export --to mjcf` writes a callback for it, load_friction.py."
     )
 
 
 def test_a_number_below_zero_is_not_passed_over():
     below = number("viscous", -0.05, 0.01, "N·m s/rad")
-    assert "Below zero, which no simulator takes: viscous." in next(entered_remarks([below]))
+    assert "Below zero, which no simulator accepts: viscous." in next(entered_remarks([below]))
 
 
 def joint(**gap):
@@ -84,8 +84,8 @@ def middle(value):
 def test_how_far_the_simulator_is_off_today_stands_beside_the_numbers():
     entered = joint(as_shipped=middle(0.4), after=middle(0.003))
     said = (
-        "With its own numbers (now) it misses held-out data by 0.4 N·m rms (50% of friction); "
-        "with these, by 0.003 N·m."
+        "With its own numbers (now) the simulator's error on held-out data is 0.4 N·m rms (50% of "
+        "friction). With the proposed numbers, it is 0.003 N·m rms."
     )
     (table, _) = numbers_to_enter(entered)
     assert said in table.caption
@@ -102,8 +102,9 @@ def test_numbers_that_miss_held_out_data_carry_a_warning():
     warning, *_ = numbers_to_enter(loud)
     assert isinstance(warning, Notice)
     assert warning.text.startswith(
-        "Enter these numbers with care for the joint elbow: the law with them misses data that the "
-        "fit has not seen by 2% of friction (0.017 N·m rms) more than scatter explains"
+        "Enter these numbers with care for the joint elbow. On data that the fit has not seen, the "
+        "law with these numbers is off by 0.017 N·m rms (2% of friction) after scatter is "
+        "subtracted; scatter alone makes 0.1 N·m rms."
     )
     assert any(line.strip() in warning.text for line in entered_lines(loud))
 
@@ -123,9 +124,12 @@ def test_what_an_instrument_tells_is_not_said_to_miss_what_least_squares_miss():
                     floor=middle(0.1))  # fmt: skip
     by_instrument = entered.model_copy(update={"law": by_it, "shipped": {"c2": 0.5}})
     lines = " ".join(entered_lines(by_instrument))
-    assert "With the numbers that were shipped it misses" in lines
-    assert "with those of least squares, and not these of an instrument, by 0.3 N·m" in lines
-    assert "the law with those of least squares misses data" in lines
+    assert "With the shipped numbers the simulator's error" in lines
+    assert (
+        "With the numbers of least squares, which differ from the proposed ones, it is 0.3 N·m"
+        in lines
+    )
+    assert "the law with those of least squares is off by" in lines
 
 
 OFFSET = number("offset", 0.0135, 0.004, lost_without=0.0131)
@@ -134,14 +138,16 @@ OFFSET = number("offset", 0.0135, 0.004, lost_without=0.0131)
 def test_what_no_simulator_takes_stands_apart_from_what_to_enter():
     arm = joint().model_copy(update={"enter": (COULOMB, OFFSET)})
     assert [row[0] for row in entered_rows(arm.enter)] == ["coulomb"]
-    said = "No simulator has a field for offset (a constant force, as of a sensor's zero), which is"
-    table, remarks = numbers_to_enter(arm)
+    said = "No simulator has a field for offset (a constant force, as of a sensor's zero)."
+    table, apart, remarks = numbers_to_enter(arm)
     assert len(table.rows) == 1
     for fields in (True, False):
         lines = list(entered_lines(arm, fields=fields))
         assert not any(line.startswith("  offset") for line in lines)
-        assert f"  {said} 0.0135 ± 0.0066 N·m: without it the simulation stays off by" in lines[-1]
-    assert remarks.items[-1].startswith(said)
+        assert f"  {said} It is 0.0135 ± 0.0066 N·m. A simulation without it is off by" in lines[-1]
+    assert apart.caption.startswith("Numbers that no simulator has a field for.")
+    assert [row[2] for row in apart.rows] == ["0.0135 ± 0.0066 N·m"]
+    assert not any(said in item for item in remarks.items)
 
 
 def test_what_two_joints_lack_alike_is_said_once():
@@ -150,13 +156,15 @@ def test_what_two_joints_lack_alike_is_said_once():
         for name in ("shoulder", "elbow")
     ]
     arm = joints[0].model_copy(update={"joints": tuple(joints)})
-    *tables, remarks = numbers_to_enter(arm)
+    *tables, apart, remarks = numbers_to_enter(arm)
     assert len(tables) == 2
     assert list(remarks.items) == [
-        "Drake has no field for coulomb (dry friction): without it the simulation stays off by "
+        "Drake has no field for coulomb (dry friction). A simulation without it is off by "
         "0.61 N·m rms at shoulder and 0.61 N·m rms at elbow.",
-        "No simulator has a field for offset (a constant force, as of a sensor's zero), which is "
-        "0.0135 ± 0.0066 N·m at shoulder and 0.0135 ± 0.0066 N·m at elbow: without it the "
-        "simulation stays off by 0.013 N·m rms (2.1% of Coulomb friction) at shoulder and "
-        "0.013 N·m rms (2.1% of Coulomb friction) at elbow.",
+    ]
+    offset = "offset (a constant force, as of a sensor's zero)"
+    error = "0.013 N·m rms (2.1% of Coulomb friction)"
+    assert apart.rows == [
+        ["shoulder", offset, "0.0135 ± 0.0066 N·m", error],
+        ["elbow", offset, "0.0135 ± 0.0066 N·m", error],
     ]

@@ -182,7 +182,7 @@ def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, fit_of,
     if sampler is RIDGE:
         assert summary.converged
         prior_decides = any(
-            line.startswith("These data say little of") for line in summary.attention
+            line.startswith("These data hardly inform") for line in summary.attention
         )
         assert prior_decides is not all(informed.values())
     fitted.write(tmp_path / "out")

@@ -9,6 +9,7 @@ import io
 import sys
 import tokenize
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from house.imports import imports_of
@@ -87,9 +88,15 @@ def lines_of_code(source: str) -> int:
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type not in NO_CODE:
             lines.update(range(token.start[0], token.end[0] + 1))
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes_of(source):
         lines -= docstring_lines(node)
     return len(lines)
+
+
+@lru_cache(maxsize=1)
+def nodes_of(source: str) -> list[ast.AST]:
+    """Return the nodes of a file's syntax tree, which is made once for all that is measured."""
+    return list(ast.walk(ast.parse(source)))
 
 
 def bound_names(node: ast.AST) -> list[str]:
@@ -108,7 +115,7 @@ def empty_names(source: str, file: str) -> list[Place]:
     """Return where a file binds a name that does not say what it holds."""
     return [
         Place(file, node.lineno, name)
-        for node in ast.walk(ast.parse(source))
+        for node in nodes_of(source)
         for name in bound_names(node)
         if name.strip("_").lower() in EMPTY_NAMES and (file, name) not in KEYS_OF_FILES
     ]
@@ -118,7 +125,7 @@ def long_functions(source: str, file: str) -> list[Place]:
     """Return the functions of a file that are longer than a function may be."""
     return [
         Place(file, node.lineno, node.name)
-        for node in ast.walk(ast.parse(source))
+        for node in nodes_of(source)
         if isinstance(node, Function) and node.end_lineno - node.lineno + 1 > LONGEST_FUNCTION
     ]
 
@@ -176,10 +183,14 @@ def measure_rooms(package: Path) -> dict[str, RoomMeasures]:
     measures = {}
     for room, files in files_by_room(package).items():
         sources = {f.relative_to(package).as_posix(): f.read_text("utf-8") for f in files}
+        by_file = [
+            (empty_names(source, file), long_functions(source, file))
+            for file, source in sources.items()
+        ]
         measures[room] = RoomMeasures(
             list(sources.values()),
-            [place for file, source in sources.items() for place in empty_names(source, file)],
-            [place for file, source in sources.items() for place in long_functions(source, file)],
+            [place for empty, _ in by_file for place in empty],
+            [place for _, long in by_file for place in long],
         )
     return measures
 

@@ -136,7 +136,8 @@ def test_draws_that_are_good_are_left_alone():
 
 
 def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_path):
-    again_and_again = {"settings": SHORT, "converged": never, "chart": EXPONENTIAL}
+    settings = SHORT.model_copy(update={"extensions": 2})
+    again_and_again = {"settings": settings, "converged": never, "chart": EXPONENTIAL}
     unbroken = draw(5, **again_and_again)
 
     def stop(done, total):

@@ -39,6 +39,17 @@ def many_draws(tmp_path_factory):
     return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=1000)
 
 
+@pytest.fixture(scope="module")
+def few_draws(tmp_path_factory):
+    return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=60)
+
+
+@pytest.fixture(scope="module")
+def as_it_is(draws):
+    """Margins of the loop without any change."""
+    return computed(draws)
+
+
 def computed(draws, changes=None, simulated=8, **options):
     return explained(
         compute_margins([loop(changes)], draws, simulated=simulated, **options).summary
@@ -50,8 +61,8 @@ def metric(found, name, direction=None):
     return one
 
 
-def test_it_has_every_metric_in_order_and_round_trips(draws):
-    found = computed(draws)
+def test_it_has_every_metric_in_order_and_round_trips(draws, as_it_is):
+    found = as_it_is
     assert [one.name for one in found.loops[0].metrics] == CONTRACT
     data = json_bytes(found)
     assert MarginsFile.model_validate_json(data) == found
@@ -80,8 +91,8 @@ def test_every_missing_number_has_its_reason(draws):
         walk(stored)
 
 
-def test_friction_alone_does_not_spread_linear_margins(draws):
-    found = computed(draws)
+def test_friction_alone_does_not_spread_linear_margins(few_draws, as_it_is):
+    found = as_it_is
     for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
         one = metric(found, name)
         assert one.interval.sd == 0
@@ -89,7 +100,7 @@ def test_friction_alone_does_not_spread_linear_margins(draws):
         assert "Coulomb friction is not in the linear loop" in one.note
         assert name not in found.loops[0].variance_share
     inertia = {"family": "log-normal", "median": 0.1, "sd_log": 0.3}
-    moved = computed(draws, {"joint.inertia_kg_m2": inertia})
+    moved = computed(few_draws, {"joint.inertia_kg_m2": inertia})
     assert metric(moved, "phase_margin").interval.sd > 0
     assert moved.loops[0].variance_share["phase_margin"] == {
         "c1, c2, c3": 0.0,
@@ -98,8 +109,9 @@ def test_friction_alone_does_not_spread_linear_margins(draws):
     }
 
 
-def test_an_open_run_reports_both_directions(draws):
-    found = computed(draws, {"runs.0.topology": "open", "runs.0.count": 13, "cable.length_m": 1.0})
+def test_an_open_run_reports_both_directions(few_draws):
+    changes = {"runs.0.topology": "open", "runs.0.count": 13, "cable.length_m": 1.0}
+    found = computed(few_draws, changes)
     for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
         driving, overhauling = (metric(found, name, d) for d in ("driving", "overhauling"))
         assert driving.interval.mean != overhauling.interval.mean
@@ -295,13 +307,13 @@ def test_what_are_no_draws_is_refused(tmp_path):
         read_posterior(tmp_path / "draws.nc")
 
 
-def test_warnings_name_assumptions_and_what_was_not_measured(draws):
+def test_warnings_name_assumptions_and_what_was_not_measured(draws, as_it_is):
     changes = {"assumptions": ["The wind is calm."], "cable.diameter_mm": 1.19,
                "runs.0.wrap_angle_deg": 170, "runs.0.tension_n": 40.0}  # fmt: skip
     said = "\n".join(computed(draws, changes).loops[0].warnings)
     for words in ("Assumed: The wind is calm.", "1.19 mm", "170°", "40 N", "5.0%"):
         assert words in said
-    assert "Assumed" not in "\n".join(computed(draws).loops[0].warnings)
+    assert "Assumed" not in "\n".join(as_it_is.loops[0].warnings)
 
 
 @pytest.mark.nightly

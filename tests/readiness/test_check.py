@@ -113,8 +113,8 @@ def test_numbers_that_a_diagnosis_does_not_tell_are_said_as_not_told():
     rig = RigConstants(rotary=True, force_is="motor")
     (part,) = readiness_of(Recording(name="borne", title="borne", rig=rig, axis=axis)).parts
     said = [line.split() for line in part.lines()]
-    assert ["inertia", "not", "told"] in said
-    assert ["coulomb", "not", "told"] in said
+    assert ["inertia", "not", "estimated"] in said
+    assert ["coulomb", "not", "estimated"] in said
     assert sum("a hand" in line for line in part.lines()) == 1
 
 

@@ -37,13 +37,13 @@ def test_a_table_pasted_six_times_is_there_once(tmp_path: Path) -> None:
     assert left(found) == [f"p{k}" for k in range(8)]
     (note,) = found.notes
     assert note.startswith("steady_friction.csv: run p8 of p0, p9 of p1, p10 of p2,")
-    assert note.endswith("and 30 more: exact copies, counted once")
+    assert note.endswith("and 30 more: exact copies, used once")
 
 
 def test_one_reading_of_many_digits_that_stands_twice_is_a_copy(tmp_path: Path) -> None:
     found = steady(tmp_path, ["0.70312847", "0.7", "0.70312847"], ["5", "5", "5"])
     assert left(found) == ["p0", "p1"]
-    assert found.notes == ("steady_friction.csv: run p2 of p0: an exact copy, counted once",)
+    assert found.notes == ("steady_friction.csv: run p2 of p0: an exact copy, used once",)
 
 
 def test_the_same_reading_at_another_tension_is_no_copy(tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_a_trial_with_the_events_of_another_counts_once(tmp_path: Path, later: s
     assert found.gravity is not None
     assert list(found.gravity.trials["trial"]) == ["g1", "g2", "g3"]
     assert "g9" not in set(found.gravity.events["trial"])
-    assert found.notes == ("gravity_trials.csv: trial g9 of g1: an exact copy, counted once",)
+    assert found.notes == ("gravity_trials.csv: trial g9 of g1: an exact copy, used once",)
 
 
 def test_the_same_events_under_another_condition_are_kept_and_said(tmp_path: Path) -> None:
@@ -116,4 +116,4 @@ def test_runs_of_a_joint_with_the_same_samples_count_once(tmp_path: Path) -> Non
     assert found.axis is not None
     assert list(found.axis.runs["run"]) == ["r1"]
     assert len(found.axis.samples) == 20
-    assert "axis_runs.csv: run r2 of r1: an exact copy, counted once" in found.notes
+    assert "axis_runs.csv: run r2 of r1: an exact copy, used once" in found.notes

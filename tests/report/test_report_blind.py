@@ -143,7 +143,7 @@ def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
     both = {"slip": missed, "runout": missed, "length-scale": tried}
     chapter = blind_chapter(card.model_copy(update={"smallest_detected": both}))
     said = " ".join(words(one.text) for one in chapter if isinstance(one, Paragraph))
-    assert "Never named: runout. Too faint in every case to make a gap that counts: slip." in said
+    assert "Never named: runout. The gap was negligible in every case with: slip." in said
 
 
 def test_no_rate_of_a_few_cases_is_drawn(card):

@@ -124,15 +124,15 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
     block = record.model_copy(update={"enter": (COULOMB,), "gap": gap, "verdict": "no-gap"})
     first = next(iter(numbers_to_enter(block)))
     lines = list(entered_lines(block))
-    said = [line for line in of_diagnosis(block) if "with them misses data" in line]
+    said = [line for line in of_diagnosis(block) if "after scatter is subtracted" in line]
     if advice is None:
         assert isinstance(first, Table)
         assert not said
-        assert not any("with them misses data" in line for line in lines)
+        assert not any("after scatter is subtracted" in line for line in lines)
     else:
         assert first == Notice("attention", f"{said[0]}.", title="Not confirmed")
         assert said[0].startswith(advice)
-        assert f"by {left:.0%} of friction ({left:.3g} N rms) more than scatter" in said[0]
+        assert f"is off by {left:.3g} N rms ({left:.0%} of friction) after scatter" in said[0]
         assert said[0] in lines[1]
 
 
@@ -152,11 +152,11 @@ def test_what_held_out_data_contradict_is_warned_of_once():
     sentence = f"There is a gap. {words_of_held_out}"
     block = record.model_copy(update={"gap": gap, "sentence": sentence})
     assert "which confirms it" in words(verdict_line(block).text)
-    assert any("The assumed scatter is wrong" in line for line in of_diagnosis(block))
+    assert any("contradict the assumed scatter" in line for line in of_diagnosis(block))
     untrusted = block.model_copy(update={"enter": (COULOMB,)})
     assert "There is a gap. See" in words(verdict_line(untrusted).text)
     (line,) = [line for line in of_diagnosis(untrusted) if "has not seen" in line]
-    assert "by 60% of friction (0.6 N rms) more than scatter explains" in line
+    assert "is off by 0.6 N rms (60% of friction) after scatter is subtracted" in line
 
 
 def test_a_simulator_that_is_off_today_is_said_first_and_not_in_green():

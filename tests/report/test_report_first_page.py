@@ -146,9 +146,7 @@ def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
 
 
 def test_no_orange_stands_where_nothing_has_to_be_done(stored):
-    line = (
-        "These data say little of tau: its prior decides it; no coefficient of the law is affected"
-    )
+    line = "These data hardly inform tau: its prior decides; no coefficient of the law is affected"
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
     assert box.kind == "info"
     both = (line, "1 of 48 trials left out")
@@ -157,12 +155,12 @@ def test_no_orange_stands_where_nothing_has_to_be_done(stored):
 
 
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
-    line = "These data say little of wander_length, tau: their priors decide them"
+    line = "These data hardly inform wander_length, tau: their priors decide"
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
     assert box.text == (
-        "These data say little of the length over which friction varies along the travel of a "
+        "These data hardly inform the length over which friction varies along the travel of a "
         "trial, "
-        "the relative scatter of friction from trial to trial: their priors decide them."
+        "the relative scatter of friction from trial to trial: their priors decide."
     )
     line, axis = "Parameter omega has not converged; friction wanders", {"rigs": ("single-axis",)}
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,), **axis)))

@@ -8,6 +8,7 @@ All runs are simulated side by side, a column each.
 import json
 from collections import deque
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -73,14 +74,20 @@ def reference(machine, time, runs, rng):
     return q, v, a
 
 
-def wandering(machine, runs, rng):
-    """Return for each run a smooth random function of position."""
-    at = np.linspace(-3 * machine.stroke, 3 * machine.stroke, 2001)
-    shape = np.exp(-0.5 * ((at[:, None] - at) / machine.wander_length) ** 2)
+@cache
+def root_along(stroke, length):
+    """Return places, and a root of the covariance of what wanders along them."""
+    at = np.linspace(-3 * stroke, 3 * stroke, 2001)
+    shape = np.exp(-0.5 * ((at[:, None] - at) / length) ** 2)
     values, vectors = np.linalg.eigh(shape)
     kept = values > 1e-6 * values[-1]
-    root = vectors[:, kept] * np.sqrt(values[kept])
-    drawn = rng.standard_normal((kept.sum(), 1 if machine.one_path else runs))
+    return at, vectors[:, kept] * np.sqrt(values[kept])
+
+
+def wandering(machine, runs, rng):
+    """Return for each run a smooth random function of position."""
+    at, root = root_along(machine.stroke, machine.wander_length)
+    drawn = rng.standard_normal((root.shape[1], 1 if machine.one_path else runs))
     return at, np.broadcast_to(root @ drawn, (at.size, runs))
 
 
@@ -113,35 +120,47 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
     columns = np.arange(runs)
     smooth_v = goal_v[0].copy()
 
+    # What a machine lacks is left out: it would multiply by one, or add nothing, in every step.
+    low_at, last_at = at[0], at.size - 1.001
+
     def friction_at(q, v, way, turned, now):
-        place = np.clip((q - at[0]) / spacing, 0, at.size - 1.001)
+        place = np.minimum(np.maximum((q - low_at) / spacing, 0), last_at)
         low = place.astype(int)
         part = place - low
         varied = wander[low, columns] * (1 - part) + wander[low + 1, columns] * part
-        size = machine.coulomb * (1 + machine.asymmetry * way)
+        size = machine.coulomb
+        if machine.asymmetry:
+            size = size * (1 + machine.asymmetry * way)
         rise, speed = machine.stribeck
-        dying = 1 / (1 + (v / speed) ** 2) if machine.slowly else np.exp(-((v / speed) ** 2))
-        size = size * (1 + rise * dying)
+        if rise:
+            dying = 1 / (1 + (v / speed) ** 2) if machine.slowly else np.exp(-((v / speed) ** 2))
+            size = size * (1 + rise * dying)
         more, place, width = machine.worn
-        size = size * (1 + more * np.exp(-0.5 * ((q - place) / width) ** 2))
+        if more:
+            size = size * (1 + more * np.exp(-0.5 * ((q - place) / width) ** 2))
         if machine.in_time is not None:
             size = size * (1 + machine.in_time(now))
         if machine.in_speed is not None:
             size = size * (1 + machine.in_speed(np.abs(v)))
         missing, length = machine.presliding
-        size = size * (1 - missing * np.exp(-np.abs(q - turned) / length))
-        smooth = machine.viscous * np.abs(v) * (1 + machine.asymmetry * way)
-        return scatter * size * (1 + machine.wander * varied) + smooth
+        if missing:
+            size = size * (1 - missing * np.exp(-np.abs(q - turned) / length))
+        friction = scatter * size * (1 + machine.wander * varied)
+        if machine.viscous:
+            friction = friction + machine.viscous * np.abs(v) * (1 + machine.asymmetry * way)
+        return friction
 
     def external(q):
         torque, phase = machine.gravity
         amount, period, offset = machine.cogging
-        return (
-            machine.bias
-            + machine.spring * q
-            + torque * np.sin(q + phase)
-            + amount * np.sin(2 * np.pi * q / period + offset)
-        )
+        force = machine.bias
+        if machine.spring:
+            force = force + machine.spring * q
+        if torque:
+            force = force + torque * np.sin(q + phase)
+        if amount:
+            force = force + amount * np.sin(2 * np.pi * q / period + offset)
+        return force
 
     for k in range(count):
         read = q + machine.noise * rng.standard_normal(runs)
@@ -158,7 +177,7 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
         logged_q[k], logged_f[k] = read, force
         for _ in range(STEPS):
             sent.append(force)
-            acting = np.clip(sent[0], -machine.limit, machine.limit)
+            acting = np.minimum(np.maximum(sent[0], -machine.limit), machine.limit)
             if machine.lag_s:
                 lagged += step / machine.lag_s * (acting - lagged)
                 acting = lagged
@@ -182,9 +201,11 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
                 lost = step * friction_at(load_q, load_v, way, turned, time[k]) / load
                 load_v = np.sign(free) * np.maximum(np.abs(free) - lost, 0.0)
                 q, load_q = q + step * v, load_q + step * load_v
-            turns = (np.sign(v) != way) & (v != 0)
-            turned = np.where(turns, q, turned)
-            way = np.where(turns, np.sign(v), way)
+            sense = np.sign(v)
+            turns = (sense != way) & (v != 0)
+            if turns.any():
+                turned = np.where(turns, q, turned)
+                way = np.where(turns, sense, way)
     every = 1 if log_hz is None else round(machine.control_hz / log_hz)
     names = [f"r{run:02d}" for run in range(runs)]
     samples = pd.DataFrame(

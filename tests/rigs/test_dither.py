@@ -1,6 +1,7 @@
 """Counts in the controller's damping shake a slow joint: its windows are found and left out."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from rigs.looped_joint import LoopedJoint
 
@@ -43,7 +44,7 @@ def test_a_force_that_is_held_over_the_kicks_of_a_controller_is_told_by_the_coun
     assert rough.coulomb == pytest.approx(joint.coulomb, rel=0.02)
     assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)
     first = recording.axis.samples.query("run == 'r0'")
-    assert "the force answers each count of the encoder" in released(first, force_is)[1]
+    assert "the force follows each encoder count" in released(first, force_is)[1]
 
 
 @pytest.mark.parametrize(("count", "shaken"), [(2 * np.pi / 2**16, True), (1e-8, False)])
@@ -98,3 +99,18 @@ def test_a_joint_that_is_fast_or_that_a_sensor_shakes_does_not_dither():
     noisy = LoopedJoint(noise=0.3, closed=False)
     for joint in (fast, noisy, LoopedJoint(count=1e-2, closed=False)):
         assert AXIS.trials(joint.recording(force_is="motor")).dither.windows == 0
+
+
+def test_a_coarse_encoder_that_is_held_with_its_force_is_read_where_the_force_is():
+    """Every third count says nothing of the two between: kicks at these were taken for none."""
+    rng = np.random.default_rng(3)
+    time = 0.002 * np.arange(6000)
+    position = 5e-3 * np.round(np.sin(2 * np.pi * 0.4 * time) / 5e-3)
+    force = -10.0 * np.diff(position, prepend=0.0) + 0.3 + 1e-3 * rng.standard_normal(6000)
+    held = np.arange(6000) // 3 * 3
+    samples = pd.DataFrame({"time_s": time, "position_m": position[held], "force_n": force[held]})
+    rows, said = released(samples, "commanded")
+    assert said == "each reading is held, position for 3 samples"
+    assert len(rows) == 2000
+    np.testing.assert_array_equal(rows["force_n"], force[::3])
+    np.testing.assert_array_equal(rows["position_m"], position[::3])

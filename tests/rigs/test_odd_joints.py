@@ -180,7 +180,8 @@ def test_an_axis_that_hardly_turns_shows_nothing_of_places_directions_or_what_fo
     once = runs_of(Joint(rates_hz=(0.05, 0.09), seconds=20.0).recording())
     assert once.turns < 4
     assert not shown & once.offers
-    assert f"reverses {once.turns} time" in once.open_still
+    said = "reverses once" if once.turns == 1 else f"reverses {once.turns} times"
+    assert f"{said}, and effects of position" in once.open_still
     often = runs_of(Joint().recording())
     assert shown <= often.offers
     assert often.open_still is None

@@ -1,6 +1,9 @@
 """Logs of commands alone: friction over the servo's stiffness, or in newtons where that is told."""
 
+from dataclasses import replace
+
 import numpy as np
+import pandas as pd
 import pyarrow
 import pyarrow.parquet
 import pytest
@@ -9,9 +12,13 @@ from typer.testing import CliRunner
 
 from bayesfric.cli import app
 from bayesfric.export.entered import entered_remarks
+from bayesfric.recording import RigConstants
 from bayesfric.results import read_json
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.rotary import is_relative, over_stiffness, turns
+from bayesfric.rigs.single_axis.run_rows import rows_of_run
+from bayesfric.rigs.single_axis.simulated import log_of
+from bayesfric.rigs.single_axis.weak_form import test_function as window_function
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Enter
@@ -56,7 +63,7 @@ def test_what_is_known_in_newtons_tells_the_stiffness(known_by):
     assert runs.servo.stiffness_sd < 0.11 * SERVO.stiffness
     share = runs.scale_share
     assert runs._rough.coulomb == pytest.approx(SERVO.coulomb, rel=max(0.02, 3 * share))
-    assert f"told by {known_by}" in " ".join(runs.doubts({}))
+    assert f", from {known_by}" in " ".join(runs.doubts({}))
 
 
 def test_a_known_force_tells_the_stiffness():
@@ -86,6 +93,54 @@ def test_a_declared_delay_is_held():
     taken = opened(latency_s=0.015).servo
     assert taken.late_sd_s < 0.01
     assert taken.constants.latency_s == pytest.approx(0.015, abs=0.005)
+
+
+def test_an_error_of_the_position_is_one_of_the_force_too():
+    """Rows hang together as answers to an error of each sample do, one after another."""
+    runs = opened()
+    rows, mass, damping = runs.readings, 0.0017, 0.033
+    log = log_of(runs.source.samples[runs.source.samples["run"] == "r0"], runs.servo.constants)
+    half = round(rows.half_s / log.interval_s)
+    test, step = window_function(half, log.interval_s), max(1, round(rows.hop * half))
+    stroke = float(np.ptp(log.position))
+
+    def left(error):
+        """Return what rows with an error of the positions leave of law and force."""
+        off = replace(log, position=log.position + error, force=log.force - error)
+        one = rows_of_run(off, test, step, rows.position_sd, stroke)
+        speed = one["way"] * test.over(-off.position, test.slope, one["centre"].astype(int))
+        return one["centre"], one["force"] - mass * one["acceleration"] - damping * speed
+
+    tiny = 1e-9
+    centre, exact = left(0.0)
+    first = int(np.flatnonzero(np.diff(centre) == step)[0])
+    answers = [
+        (left(tiny * (np.arange(log.position.size) == sample))[1] - exact)[first : first + 2] / tiny
+        for sample in range(int(centre[first]) - half, int(centre[first]) + step + half + 1)
+    ]
+    expected = np.transpose(answers) @ answers
+    assert rows.lag_of_positions(mass, damping)[0, :2] == pytest.approx(expected[0], rel=1e-4)
+    assert expected[0, 1] > 0  # by the mass alone neighbours err against each other
+    assert rows.position_lag[0, 1] < 0
+
+
+def test_no_window_has_a_stop_in_it_that_a_held_command_makes():
+    """A joint that goes on the same way stands for five samples, whose friction is anything."""
+    count = 2 * np.pi / 4096
+    moved = np.full(120, 8.0)
+    moved[60:65] = 0.0
+    position = count * np.cumsum(moved)
+    times = np.arange(120) / 30
+    samples = pd.DataFrame({"time_s": times, "position_m": position, "command_m": position + 0.1})
+    constants = RigConstants(rotary=True, encoder_resolution=count)
+    log, test = log_of(samples, constants), window_function(4, 1 / 30)
+    noise = count / 12**0.5
+    rows = rows_of_run(log, test, 1, noise, 1.0)
+    reached = {int(centre) for centre in rows["centre"]}
+    assert not reached & set(range(59, 66))
+    assert {50, 75} < reached
+    # A log of forces tells a stop by the force.
+    assert 58 in rows_of_run(replace(log, sent=None), test, 1, noise, 1.0)["centre"]
 
 
 def test_units_over_the_stiffness():

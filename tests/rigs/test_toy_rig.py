@@ -17,7 +17,7 @@ from bayesfric.rigs.protocols import PROTOCOLS
 from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
 
 TOYS = str(Path(__file__).parent / "toy")
-SHORT = Analysis(seed=3, sampler=Sampler(burn=10, steps=120, thin=3))
+SHORT = Analysis(seed=3, sampler=Sampler(burn=10, steps=120, thin=3, extensions=0))
 
 
 @pytest.fixture(scope="module")

@@ -76,17 +76,17 @@ def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
     yield Heading(1, "Blind test of the diagnosis", label="blind")
     yield Paragraph(
         [
-            f"{len(card.cases)} of {card.planned} cases are done. In each a recording is made with "
-            "an effect, or with none, and the diagnosis is not told which. The truth is sealed: "
-            "its SHA-256 is written down before the diagnosis begins, and the file is opened once "
-            "the verdict is written. ",
+            f"{len(card.cases)} of {card.planned} cases are done. In each, a recording is "
+            "simulated with an effect or without one, which is hidden from the diagnosis. The "
+            "SHA-256 of the truth is stored before the diagnosis begins, and the file is opened "
+            "after the verdict is written. ",
             SOURCES[card.hypotheses],
             f" The simulator is {card.engine}, the protocol {card.design}. ",
             *_seeds(card),
-            "A case counts as empty where its gap, without noise and once the law is refitted, is "
-            f"below {format_share(card.practical_share)} of rms friction. An effect counts as "
-            "named where the verdict names exactly what was withheld, or effects that the "
-            "diagnosis reports as identical to it on this rig. ",
+            "A case is scored as empty if its gap, without noise and after a refit of the law, is "
+            f"below {format_share(card.practical_share)} of rms friction. An effect is scored as "
+            "named if the verdict names exactly the withheld effects, or effects that the "
+            "diagnosis reports as identical to them on this rig. ",
             Strong("Own form"),
             ": the effect follows the formula that the diagnosis has for it. ",
             Strong("Foreign form"),
@@ -204,7 +204,7 @@ def _withheld(case: ScoredCase) -> str:
         f"{name} ({case.strength[name]:g})" if name in case.strength else name
         for name in case.withheld
     )
-    return f"{names}, which makes no gap that counts" if case.counts_as_none else names
+    return f"{names}, which makes a negligible gap" if case.counts_as_none else names
 
 
 def _said(case: ScoredCase) -> str:
@@ -283,11 +283,7 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
             f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
             f"from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
             f"Never named: {', '.join(rest) or 'none'}."
-            + (
-                f" Too faint in every case to make a gap that counts: {', '.join(faint)}."
-                if faint
-                else ""
-            )
+            + (f" The gap was negligible in every case with: {', '.join(faint)}." if faint else "")
         )
         return
     detected = [

@@ -48,8 +48,8 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
     """Yield the chapter: each board alone and among the others, and how that is done."""
     yield Heading(1, "Boards")
     yield Paragraph(
-        f"The boards share, {pooled.shared}. Each has for itself {pooled.own}. A board that says "
-        "little by itself is drawn to the population: its shrinkage is the variance of its own "
+        f"The boards share, {pooled.shared}. Each has for itself {pooled.own}. A board with "
+        "little information is drawn to the population: its shrinkage is the variance of its own "
         "estimate over the sum of that and the variance between boards."
     )
     rows: list[list[Inline | tuple[Inline, ...]]] = []

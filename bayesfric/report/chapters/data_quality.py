@@ -56,9 +56,9 @@ def _clean(quality: DataQuality) -> Iterator[str]:
         yield "No trial stops on its way."
     if quality.did_not_move:
         yield (
-            f"Trials that did not move: {', '.join(quality.did_not_move)}. Each says that friction "
-            "at rest was at least the drive, and enters the fit and the claims as that; a "
-            "diagnosis of forces along the travel takes neither these nor those that stop."
+            f"Trials that did not move: {', '.join(quality.did_not_move)}. In each of them "
+            "friction at rest was at least the drive. The fit and the claims use this. A diagnosis "
+            "of forces along the travel uses neither these trials nor those that stop."
         )
 
 

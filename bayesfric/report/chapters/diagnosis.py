@@ -96,9 +96,10 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
     large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and a gap "
-    large += f"below {format_share(record.practical_share)} of that counts as none"
+    large += f"below {format_share(record.practical_share)} of that is treated as none"
     if gap.no_share is not None:
-        large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
+        large = f"{_force(gap.systematic, gap.unit)}; as a share of friction it is unknown, "
+        large += f"since {gap.no_share}"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(record)],
@@ -223,8 +224,8 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
             " ",
             *most,
             "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
-            "Right: how strong it is then, with its 90 % interval; dashed is the size from which "
-            "on a gap counts. ",
+            "Right: how strong it is then, with its 90 % interval; the dashed line is the "
+            "practical share. ",
             *hypotheses,
         ],
         "Left, a horizontal bar for each effect; the longest is "
@@ -248,7 +249,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),
             "Bars: rms on conditions that the fit has not seen, and the posterior of the "
-            "systematic gap. Lines: 90 % intervals. Dashed: the size from which on a gap counts."
+            "systematic gap. Lines: 90 % intervals. Dashed: the practical share."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""

@@ -1,31 +1,36 @@
 """What to enter in a simulator of a joint: a table, and what must be known of it."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from bayesfric.attention.diagnosis import NOT_YET, why_untrusted
 from bayesfric.export.entered import (
     CALLED,
     COLUMNS,
+    callbacks,
     entered_rows,
     off_now,
     remarks_of_fields,
     remarks_of_numbers,
+    rows_without_field,
 )
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     BulletList,
+    Column,
     Figure,
     Notice,
     Paragraph,
     Strong,
     Table,
     Text,
+    right_columns,
 )
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
+from bayesfric.schemas.diagnosis import Enter
 
 ISAAC = "ActuatorBaseCfg."  # stands in the head of a column, which has no room for it in cells
 URDF = "joint/dynamics/"  # likewise
@@ -67,9 +72,26 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
             yield BulletList(remarks)
         if joint.replay is not None:
             yield Paragraph(joint.replay.sentence)
-    lacking = list(remarks_of_fields(ready))
+    yield from _without_field(ready)
+    lacking = list(remarks_of_fields(ready, "some"))
     if lacking:
         yield BulletList(list(map(_shown, lacking)))
+
+
+def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
+    """Yield the numbers that no simulator has a field for; nothing where there are none."""
+    rows = rows_without_field(joints)
+    first = 0 if any(joints) else 1  # a single joint may have no name
+    figures = right_columns("value", "error of a simulation without it")
+    columns: list[Column | str] = ["joint", "number", *figures]
+    if rows:
+        yield Table(
+            "Numbers that no simulator has a field for. Each ± is half of a 90 % interval.",
+            columns[first:],
+            [list(map(_shown, row[first:])) for row in rows],
+            label="no-field",
+            note=" ".join(callbacks(number for enter in joints.values() for number in enter)),
+        )
 
 
 def told_at_numbers(diagnosis: DiagnosisFile) -> set[str]:

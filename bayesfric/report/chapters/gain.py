@@ -110,7 +110,7 @@ def _named(loop: LoopMargins) -> Iterator[str]:
     """Yield which specs the loop misses, hunting aside, at the γ of its file."""
     others = [called(metric) for metric in missing_metrics(loop) if metric.name != "gamma_hunting"]
     if others:
-        yield f"Missed{at_gain(loop)}: {', '.join(others)}."
+        yield f"Specs not met{at_gain(loop)}: {', '.join(others)}."
     yield at_safe_gain_words(loop, words_of)
 
 

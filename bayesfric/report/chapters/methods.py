@@ -169,7 +169,7 @@ def _law() -> Iterator[Block]:
             ", of standard deviation ",
             Math("ω_2"),
             ", lets the constant part scatter by itself. A second trial on the same assembly thus "
-            "says less about the law than a new assembly does.",
+            "informs the law less than a new assembly does.",
         ]
     )
 

@@ -63,9 +63,9 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
         svg_of(leave_one_out_probabilities, stored.predictive),
         [
             "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
-            "An S that first rises and then falls says that trials scatter more than the model "
-            "says, its mirror image that they scatter less, and a bow to one side that friction "
-            "is misjudged. "
+            "A curve that first rises and then falls means that trials scatter more than the model "
+            "expects. Its mirror image means that they scatter less. A bow to one side means that "
+            "friction is biased. "
             "The band is simultaneous: 95 % of recordings made again stay inside it everywhere. "
             f"Trials of one {group_words(stored.fit.rigs)[0]} are correlated as in the model. "
             "From ",
@@ -85,7 +85,7 @@ def _uniform(test: Uniformity) -> str:
         "these probabilities at least this uneven with probability "
         f"{format_probability(test.p_value)}. The "
         f"{words.trials} lie "
-        f"{format_fixed(test.spread, 2)} times as far from their prediction as the model says; "
+        f"{format_fixed(test.spread, 2)} times as far from their prediction as the model expects; "
         f"{format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} is expected "
         "(90 %)."
     )
@@ -95,7 +95,7 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
     group, groups = group_words(stored.fit.rigs)
     yield Paragraph(
         [
-            "What the fit says of n and of the wrap angle rests on comparing assemblies, which "
+            "The fit infers the effects of n and of the wrap angle by comparing assemblies, which "
             "differ more than trials of one assembly do. "
             if stored.fit.pulleys
             else "",
@@ -136,7 +136,7 @@ def _assembly(check: AssemblyCheck) -> str:
         "their probabilities at least this uneven with probability "
         f"{format_probability(check.p_value)}. The "
         f"{words.groups} lie {format_fixed(check.spread, 2)} times as far from their prediction "
-        f"as the model says; {format_fixed(check.spread_q05, 2)} to "
+        f"as the model expects; {format_fixed(check.spread_q05, 2)} to "
         f"{format_fixed(check.spread_q95, 2)} is expected (90 %). "
         f"{f'Beyond 3 sd: {far}.' if far else 'None lies beyond 3 sd.'}"
     )

@@ -281,12 +281,12 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used: all checks that failed."""
     fit = stored.pooled if stored.fitted is None else stored.fitted.fit
     diagnosed = stored.diagnosis
-    told = set() if diagnosed is None else told_at_numbers(diagnosed.record)
+    at_numbers = set() if diagnosed is None else told_at_numbers(diagnosed.record)
     why = None if diagnosed is None or diagnosed.record.joints else diagnosed.record.overruled_by
     remarks = [
         (name, line)
         for name, line in attention_of_all(stored.records)
-        if line not in told and not (why is not None and why in line)  # the verdict says why
+        if line not in at_numbers and not (why is not None and why in line)  # the verdict says why
     ]
     lines = [
         line.removesuffix(".") + "." if fit is None else _remark(line, fit) for _, line in remarks

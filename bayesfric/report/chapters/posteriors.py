@@ -51,7 +51,7 @@ def further_posteriors(stored: StoredFit) -> Iterator[Block]:
         svg_of(prior_and_posterior, stored.predictive),
         [
             "Prior and posterior density of each parameter, on a logarithmic axis over the range "
-            "of the draws. Where the two are alike, the recording says nothing of the parameter. "
+            "of the draws. Where the two are alike, the recording does not inform the parameter. "
             "From ",
             Code("predictive.nc"),
             ".",
@@ -90,8 +90,9 @@ def _pairs(stored: StoredFit, size: str) -> Figure:
         svg_of(coefficient_pairs, drawn, size, paper),
         from_file(
             "draws.nc",
-            f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
-            f"that two coefficients are known better together than apart. {mark}",
+            f"Joint posterior of the coefficients of the {size} pulley. A slanted contour "
+            "means that a combination of two coefficients is known better than each of them. "
+            f"{mark}",
         ),
         f"A triangle of panels for the {size} pulley: histograms of c1, c2 and c3 on the "
         "diagonal, each with one peak, and below it the contours of each pair.",

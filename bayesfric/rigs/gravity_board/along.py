@@ -1,8 +1,8 @@
-"""Effects that change along a trial, as fixed responses times numbers.
+"""Effects that change along a trial, as fixed responses times coefficients.
 
-Responses are tabulated at rough coefficients. For those of the walker the ratio of the
-effect's force to that at the rough ones makes good, and the tension, which a force along
-the path changes too, feeds back.
+Responses are tabulated at rough coefficients. For each walker they are multiplied by the ratio of
+the effect's force to that at the rough coefficients, and by the feedback of tension, which a force
+along the path changes too.
 """
 
 from collections.abc import Mapping, Sequence

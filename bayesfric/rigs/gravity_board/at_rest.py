@@ -1,10 +1,10 @@
 """Trials that did not move: their friction at rest is at least the drive.
 
-A trial of the gravity board that stays where it is has no events, and says one thing: with
-the deviations of its assembly and its own, friction where it stands is at least what pulls.
-Were such trials left out, the ones that stay would be those with little friction. Their
-probability is integrated over the scatter of their assembly, which the trials that moved on
-it inform (:mod:`bayesfric.inference.thresholds`). They are taken as released without a push.
+A trial of the gravity board that does not move has no events. It shows only that friction at the
+release, with the deviations of its assembly and its own, is at least the drive. Without such
+trials, those with low friction would remain. The probability is integrated over the scatter of the
+assembly, which its moving trials inform (:mod:`bayesfric.inference.thresholds`). The trials are
+assumed to be released without a push.
 """
 
 from collections.abc import Mapping, Sequence

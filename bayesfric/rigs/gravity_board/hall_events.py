@@ -1,4 +1,4 @@
-r"""Hall events of a gravity-board trial, reduced to what they say of its motion.
+r"""Hall events of a gravity-board trial, reduced to sufficient statistics of its motion.
 
 An event of sensor s at displacement d is passed at the time t with
 
@@ -16,13 +16,13 @@ a trial is a quadratic form in w = (a − â₀, A_1, …, A_K), â₀ being a p
     log p(times | w, σ) = C − (wᵀ G w − 2 bᵀ w) / 2.
 
 G, b and C depend on ρ = σ_t/σ_x only, apart from the overall scale
-S² = σ_x² + v*² σ_t². They are interpolated over log ρ by polynomials, an interval of it
-after the other, each tabulated when it is first asked for.
+S² = σ_x² + v*² σ_t². They are interpolated over log ρ by polynomials on intervals; each
+interval is tabulated when it is first needed.
 
-Speeds in the weights and in the Jacobian are those of a pilot fit a trial. How wide the prior of
-the clocks' offset is beside the noise is taken at a first estimate of the noise where events tell
-the offset far better than the prior; elsewhere the offset is one more number of the form, which
-is integrated out at the noise of each walker.
+Speeds in the weights and in the Jacobian are those of a pilot fit of each trial. If events
+determine the offset of the clocks far better than its prior does, it is integrated out once, with a
+first estimate of the noise. Otherwise the offset is one more variable of the form and is integrated
+out with the noise of each walker.
 """
 
 from collections.abc import Sequence

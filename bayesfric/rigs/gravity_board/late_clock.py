@@ -1,8 +1,8 @@
-"""How late one sensor's clock is, as a nuisance of each trial with a normal prior.
+"""The delay of one sensor's clock, a nuisance parameter of each trial with a normal prior.
 
-An offset Δ between the clocks lets the load sensor read the displacement of Δ ago. To the travel
-at a stamped time that adds the column ∓ v/2 times Δ, the upper sign the load sensor's. The column
-is scaled so that the prior of its number is of unit variance.
+With an offset Δ between the clocks, the load sensor reads the displacement at a time Δ earlier.
+This adds ∓ v/2 times Δ to the travel at a time stamp; the upper sign is that of the load sensor.
+The column is scaled so that its coefficient has a prior of unit variance.
 """
 
 from dataclasses import dataclass

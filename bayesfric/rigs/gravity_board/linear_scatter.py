@@ -1,4 +1,4 @@
-"""What scatters in the linear model of the gravity board: its columns, and its noise."""
+"""Scatter in the linear model of the gravity board: its columns and noise parameters."""
 
 from functools import partial
 

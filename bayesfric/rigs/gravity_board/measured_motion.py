@@ -1,7 +1,7 @@
-"""The measured motion of a trial, followed closely enough for forces that come and go.
+"""The measured motion of a trial, with enough resolution for local forces.
 
-A spline in time, whose pieces know nothing of each other beyond their joints: a spot at
-which the cable rubs does not disturb the release.
+It is a spline in time. Its pieces are independent except at their joints, so a spot at which the
+cable rubs does not disturb the release.
 """
 
 from collections.abc import Callable, Sequence

@@ -2,13 +2,12 @@
 
 An effect that changes while a trial runs adds the acceleration h(τ), and so
 ``u(τ) = ∫∫ h dτ² `` to the travel: a response that is linear in the effect's
-amplitude. The path along which h is evaluated is the measured one, smoothed by a
-polynomial in time; it is known to some 1e-3 of the speed whatever the friction is, so
-that the response does not depend on parameters. That leaves out how a deviation of
-the first speed or of friction changes the force along the path: against a dense normal
-with the exact motion, the log density of a trial moves by some 0.01 nat where friction
-changes by 2 %, and by 0.6 nat of hundreds where it changes by 10 %. A trial that has an
-acceleration alone is taken from rest over the travel of the rig.
+amplitude. h is evaluated along the measured path, smoothed by a polynomial in time. Its speed
+is known to about 1e-3 for any friction, so the response does not depend on parameters. This
+neglects that a deviation of the first speed or of friction changes the force along the path.
+Compared with a dense normal density for the exact motion, the log density of a trial changes by
+about 0.01 nat if friction changes by 2 %, and by 0.6 nat of hundreds if it changes by 10 %. A
+trial with only an acceleration is assumed to move from rest over the travel of the rig.
 """
 
 from dataclasses import dataclass

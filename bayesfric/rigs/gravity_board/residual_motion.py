@@ -1,4 +1,4 @@
-"""What a law leaves of each trial of the gravity board: forces in windows, and free runs."""
+"""Residuals of each trial of the gravity board: forces in windows, and free-running motion."""
 
 from collections.abc import Callable, Iterator, Mapping
 

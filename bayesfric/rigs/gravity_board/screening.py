@@ -1,10 +1,10 @@
 """Which trials of the gravity board enter a fit, by stated rules.
 
 Events are repaired first (:mod:`bayesfric.rigs.gravity_board.event_repair`). Then the
-rules of :data:`RULES` apply in their order; a trial leaves by the first that it
-breaks. A trial that has an acceleration and no events breaks none of them. One that did not
-move enters as a bound, and one that stops on its way by its events up to there: rules that
-leave out what has much friction would make all friction low.
+rules of :data:`RULES` apply in their order, and a trial is left out by the first rule that it
+breaks. A trial with an acceleration and no events breaks none of them. A trial that did not
+move enters as a bound, and a trial that stops enters with its events up to the stop: a rule
+that leaves out trials with high friction would bias friction.
 """
 
 from dataclasses import dataclass

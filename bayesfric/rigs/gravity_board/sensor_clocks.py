@@ -1,13 +1,14 @@
-"""By how much the clocks of a trial's two sensors differ.
+"""The difference of the clocks of the two sensors of a trial.
 
-Both ends of one cable start from rest together. A quadratic through the events of one sensor
-says when that was, on the sensor's own clock; the difference of the two is how late the load
-sensor's clock is. A sensor that reads all travel too long, as where the cable slips, reads
-speed and acceleration too large by the same share and leaves that time where it is.
+Both ends of a cable start from rest together. A quadratic through the events of one sensor gives
+the time of the start on the clock of this sensor. The difference of the two times is the delay of
+the load sensor's clock. If a sensor reads all travel too long, for example with slip of the cable,
+speed and acceleration are too large by the same factor, and the time of the start is unchanged.
 
-What a cable explains is small: a stretch takes half a millisecond from one mass to the other.
-Within a few times that, an offset is a nuisance of each trial, which likelihood and diagnosis
-integrate out. Beyond it a clock is wrong, and so would friction be: at 50 ms by 6 %.
+The cable itself explains only a small difference: a stretch takes half a millisecond from one mass
+to the other. Within a few times this value the offset is a nuisance parameter of each trial, which
+likelihood and diagnosis integrate out. With a larger offset a clock is wrong, and c1 would be
+too: at 50 ms by 6 %.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
-"""Trials that stray from their assembly: the cable caught for once, or all but stalled.
+"""Trials far from the others of their assembly: the cable caught once, or the trial nearly stalled.
 
-One that does is no effect; left in, it passes for scatter of all trials.
+Such a trial is not an effect. If it were kept, it would increase the scatter of all trials.
 """
 
 from typing import Any

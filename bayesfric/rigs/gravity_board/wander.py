@@ -1,10 +1,9 @@
 """Friction that wanders along the travel of a trial: the third level of scatter.
 
-Beside its assembly's and its own deviation, the friction of a trial deviates by ζ(x), a
-smooth process of zero mean along the travel of the board that is drawn anew in each trial
-(:mod:`bayesfric.inference.cosines`); a short trial sees the first part of it. Each cosine
-adds a travel of its own, linear in its coefficient, and the coefficients are integrated out
-of the trial in closed form.
+Besides the deviations of assembly and trial, friction deviates by ζ(x). This is a smooth process of
+zero mean along the travel of the board, independent for each trial
+(:mod:`bayesfric.inference.cosines`). A short trial contains its first part. The travel is linear in
+the coefficient of each cosine, and the coefficients are integrated out in closed form.
 """
 
 from collections.abc import Mapping

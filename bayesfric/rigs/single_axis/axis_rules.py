@@ -14,57 +14,81 @@ class AxisRules:
 
     Fields
     ------
-    least_samples: a run with fewer is left out [samples; axis-windows]
-    uneven: samples farther from even are put on a grid [interval; axis-windows]
-    longest_hole: a longer hole parts a log in two [intervals; axis-windows]
-    sure_of_way: the way of an axis is known where its speed is larger than its noise [sd;
+    least_samples: a run with fewer samples is left out [samples; axis-windows]
+    uneven: samples that are farther from an even grid are interpolated to a grid [interval;
         axis-windows]
-    quiet: windows are as wide as makes the error by the position this [drive force; axis-windows]
-    told_apart: and the acceleration's error this of what a known force leaves of it [1;
+    longest_hole: a longer gap between samples divides a log in two [intervals; axis-windows]
+    sure_of_way: the direction of an axis is known if its speed exceeds its error by this factor
+        [sd; axis-windows]
+    quiet: a window is wide enough that the error of the position makes at most this part of the
+        drive force [drive force; axis-windows]
+    told_apart: and that the error of the acceleration is at most this part of what known forces and
+        the law leave of it [1; axis-windows]
+    windows_a_pass: a window is narrow enough that a pass contains this many [windows; axis-windows]
+    narrowest: the half-width of a window is at least this [samples; axis-windows]
+    narrowest_at_turns: the same if the axis reverses too soon for more samples [samples;
         axis-windows]
-    windows_a_pass: windows are so narrow that a pass has these [windows; axis-windows]
-    narrowest: on either side of a window's middle, or more [samples; axis-windows]
-    narrowest_at_turns: the same where an axis turns too soon for more [samples; axis-windows]
-    often_spiked: from this share of them on spikes are a habit of a sensor [readings; axis-windows]
-    least_windows: a recording with fewer tells nothing [windows; axis-windows]
-    rows_a_number: a number of a rough estimate is told by at least so many [windows; axis-windows]
-    rows_a_load_number: what pulls at a load is told by so many for each number [windows;
+    often_spiked: if at least this part of the readings are spikes, spikes are a property of the
+        sensor [readings; axis-windows]
+    least_windows: a recording with fewer windows gives no result [windows; axis-windows]
+    rows_a_number: a rough estimate has at most one coefficient for this many windows [windows;
         axis-windows]
-    forgotten: after this way nobody need know by which way the axis came [stroke; axis-windows]
-    late_explained: clocks are set right where this share of the squares is left, or less [1;
+    rows_a_load_number: the force at a load has at most one coefficient for this many windows
+        [windows; axis-windows]
+    forgotten: after this travel the direction from which the axis arrived no longer matters
+        [stroke; axis-windows]
+    late_explained: clocks are corrected if the corrected clocks leave at most this part of the
+        squared residuals [1; axis-windows]
+    early: a force may be early by this multiple of the usual difference of two clocks [1;
         axis-windows]
-    early: a force may be early by this times what two clocks may be off by [1; axis-windows]
-    limit_explained: a drive clips where a kink explains more of what a line leaves [1;
+    limit_explained: a drive has a limit if a kink explains a larger part of the squared residuals
+        of a line [1; axis-windows]
+    limit_least_rows: and if this many windows are within the limit [windows; axis-windows]
+    answers: fast forces shake the axis if the motion opposes them by at least this part [1;
         axis-windows]
-    limit_least_rows: and so many lie within the limit [windows; axis-windows]
-    answers: quick forces shake the axis where the motion goes against them so far [1; axis-windows]
-    kept_of_dither: shaken windows are left out where at least this share stays [1; axis-windows]
-    pulled: something pulls to a place where it takes this share of the squares [1; axis-windows]
-    like_a_curve: the acceleration is a curve over the place but for this part of it [1;
+    kept_of_dither: windows with dither are left out if at least this part of the windows remains
+        [1; axis-windows]
+    pulled: a force depends on position if it explains at least this part of the squared force [1;
         axis-windows]
-    acceleration_shows: inertia is told beside a pull where no error makes this part of its own [1;
+    like_a_curve: the acceleration is a function of position if the rest is a smaller part of its
+        square [1; axis-windows]
+    acceleration_shows: inertia is reported beside a force of position if errors leave at least this
+        part of the independent acceleration [1; axis-windows]
+    one_force: forces along the speed that differ by a smaller part are a single force [1;
         axis-windows]
-    one_force: forces along the speed that differ by less than this part are one [1; axis-windows]
-    no_friction: a joint has friction or inertia that takes this part of its force [1; axis-windows]
-    one_speed: speeds that differ by less than this part are one speed [1; axis-windows]
-    own_length: a load has shares of its own where these take so much more off [1; axis-windows]
-    least_length: a load's play or wind-up is told where positions resolve it so far [sd;
+    no_friction: a joint has friction or inertia if it makes at least this part of the drive force
+        [1; axis-windows]
+    one_speed: speeds that differ by a smaller part are a single speed [1; axis-windows]
+    own_length: a load gets its own ratio of mass to friction if this ratio explains more by this
+        factor [1; axis-windows]
+    least_length: play or wind-up of a load is reported if its length is at least this many standard
+        deviations of a position [sd; axis-windows]
+    few_runs: with fewer runs each run is cut into parts, so that some can be held out [trials;
         axis-windows]
-    few_runs: fewer runs are cut in parts, to hold some out [trials; axis-windows]
-    least_setups: fewer do not scatter from one to another [assemblies; axis-windows]
-    heavy_load: friction by the load is asked for where a gear carries more [friction; axis-windows]
-    load_known: a gear's gain can show where its load is known better than this [1; axis-windows]
-    rests_differ: friction after a rest shows where rests differ [s; axis-windows]
-    both_ways: a share of windows lies where the axis runs both ways, at least [1; axis-windows]
-    order_alike: work and order of runs that correlate more are not told apart [1; axis-windows]
-    contradicted: a declared number that is farther off is contradicted by the data [sd;
+    least_setups: with fewer assemblies there is no scatter between assemblies [assemblies;
         axis-windows]
-    own_number: data tell a declared number where its error falls below this part [1; axis-windows]
-    weak_instrument: instruments whose F statistic is smaller tell too little [1; two-engines]
-    instrument_differs: the loop bends numbers where chance makes less than this [1; two-engines]
-    instrument_matters: and some number differs by more than this part of itself [1; two-engines]
-    instrument_errors: and by more errors of the difference [sd; two-engines]
-    least_pieces: with fewer independent ones instruments are not compared [stretches; two-engines]
+    heavy_load: friction by the load is examined if the load of the gear is larger [friction;
+        axis-windows]
+    load_known: a gain of the gear is examined if the relative error of its load is smaller [1;
+        axis-windows]
+    rests_differ: friction after a rest is examined if the durations of rests differ by more [s;
+        axis-windows]
+    both_ways: loads are used if at least this part of the windows is at positions with motion in
+        both directions [1; axis-windows]
+    order_alike: work and order of runs with a larger correlation are not distinguished [1;
+        axis-windows]
+    contradicted: the data contradict a declared value if the difference is larger [sd;
+        axis-windows]
+    own_number: the data inform a declared value if its posterior error is below this part of the
+        declared error [1; axis-windows]
+    weak_instrument: instruments with a smaller F statistic are too weak [1; two-engines]
+    instrument_differs: the loop biases least squares if chance makes the difference with a smaller
+        probability [1; two-engines]
+    instrument_matters: and if some coefficient differs by a larger part of its value [1;
+        two-engines]
+    instrument_errors: and by more standard errors of the difference [sd; two-engines]
+    least_pieces: with fewer independent stretches the instruments are not compared [stretches;
+        two-engines]
     """
 
     least_samples: int = 16

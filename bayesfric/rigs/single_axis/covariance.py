@@ -41,7 +41,7 @@ class Pieces:
     count: int
 
     @classmethod
-    def of(cls, readings: Readings, mass: float, moved: Array) -> "Pieces":
+    def of(cls, readings: Readings, mass: float, moved: Array, damping: float = 0.0) -> "Pieces":
         """Lay rows out.
 
         Parameters
@@ -52,6 +52,8 @@ class Pieces:
             By which an error of the position is multiplied.
         moved : ndarray, shape (W,)
             Friction that wanders [N].
+        damping : float
+            By which an error of a servo's speed is multiplied.
         """
         sizes = np.bincount(readings.piece)
         widest = int(sizes.max())
@@ -75,7 +77,7 @@ class Pieces:
         apart = np.abs(at[:, :, None] - at[:, None, :])
         return cls(
             rows,
-            mass**2 * banded(readings.position_lag),
+            banded(readings.lag_of_positions(mass, damping)),
             banded(readings.force_lag),
             apart,
             np.concatenate([moved, [0.0]])[rows],

@@ -50,8 +50,8 @@ OFFERED = ALWAYS | {
     NO_OFFSET,
 }  # what no column of the user's own stands for
 LIKE_A_PULL = (
-    "On this motion the acceleration is nearly a curve over the place, and errors of the positions "
-    "hide the rest: inertia is not told, and what pulls to the place is told with a part of it"
+    "On this motion the acceleration is nearly a function of the position, and position errors "
+    "hide the rest: inertia is not estimated, and forces of the position include a part of it"
 )
 PLACED = frozenset({"gravity-torque", "spring", "axis-bias"})
 

@@ -53,6 +53,9 @@ class EvenLog:
     sent : WeakForce or None
         Of a log of commands, the force that a servo's stiffness makes of them: `force` is its
         value less what the stiffness makes of the position. None where a force was logged.
+    stiffness : float
+        Of that servo, by which an error of the position is one of the force; 0 where a force was
+        logged.
     moment : ndarray, shape (N,), or None
         Of a force that acts as it is until the next: that of an interval about its middle, over
         the interval; None of one that does not.
@@ -73,6 +76,7 @@ class EvenLog:
     known_to_a_share: bool = False
     dithers: Flags | None = None
     sent: WeakForce | None = None
+    stiffness: float = 0.0
     moment: Array | None = None
     stamps_sd_s: float = 0.0
 

@@ -47,7 +47,7 @@ AT_ONCE = 4_000_000  # numbers of all loads along the paths that are followed to
 LONG = 20_000  # samples of a path, beyond which it is followed in parts
 PART = 3_000  # samples of such a part
 LEAD = 1_500  # samples before it, from which on it is followed
-HEAVY = (0.5, 1.0, np.inf)  # of a load: share of the mass over share of the friction
+HEAVY = (0.5, 1.0, np.inf)  # mass over friction of a load, relative to that of the axis
 
 
 @dataclass(frozen=True)

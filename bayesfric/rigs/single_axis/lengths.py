@@ -1,10 +1,10 @@
-"""How much play, or how long a wind-up, a load behind the drive may have: looked for in the rows.
+"""The length of play or of the wind-up of a load behind the drive, from a search over the rows.
 
-A load that coasts through play, or rings on a spring, does so in another rhythm at each length:
-between two lengths that a prior's quantiles would try nothing can be interpolated. Where the
-longest of all is the strongest, no length is told: what is explained goes on over all of the path,
-as what a coarse encoder in the loop does. Nor is one that positions do not resolve: how a load
-follows there is told by their errors, which are in the force that the path takes too.
+A load that coasts through play, or oscillates on a spring, has another rhythm at each length, so
+nothing can be interpolated between the lengths at quantiles of a prior. If the longest length fits
+best, no length is reported: the explained force continues over the whole path, as that of a coarse
+encoder in the loop does. A length that positions do not resolve is not reported either: the motion
+of the load then consists of their errors, which are also in the force of the path.
 """
 
 from dataclasses import replace

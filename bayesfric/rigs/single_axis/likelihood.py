@@ -109,7 +109,7 @@ class AxisModel(ExactModel):
             ],
             axis=1,
         )
-        pieces = Pieces.of(readings, rows.moved_mass, np.ones(readings.count))
+        pieces = Pieces.of(readings, rows.moved_mass, np.ones(readings.count), rows.law.viscous)
         first = np.array([row[0] for row in pieces.rows])
         owner = readings.trial[first]
         position, force, _, length, along = self.noise
@@ -216,7 +216,9 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     to place in a run.
     """
     readings, friction = rows.readings, rows.law.coulomb
-    pieces = Pieces.of(readings, rows.moved_mass, np.full(readings.count, friction))
+    pieces = Pieces.of(
+        readings, rows.moved_mass, np.full(readings.count, friction), rows.law.viscous
+    )
     columns = np.column_stack([rows.coefficient_columns(), rows.nuisance_columns()])
     rms = np.sqrt((columns**2).mean(axis=0))
     columns = columns / np.where(rms > 0, rms, 1.0)

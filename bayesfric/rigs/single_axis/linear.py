@@ -81,7 +81,7 @@ class AxisPart(ColumnsPart):
             rows.mean(readings.position), moved, rows.friction_of_row, since
         )
         self._root = np.sqrt(row_weights(rows, model, readings.count))
-        self._pieces = Pieces.of(readings, rows.moved_mass, moved)
+        self._pieces = Pieces.of(readings, rows.moved_mass, moved, rows.law.viscous)
         # What all rows have in common is the law's: one group alone has no scatter of its own.
         again = bool(1 < self._alike.max() + 1 < len(rows.table))
         self.noise = _noise(readings, rows.stroke, force, again, self._longest_s)

@@ -32,16 +32,16 @@ class MovedOtherwise(NamedTuple):
 
 
 RELAY = MovedOtherwise(
-    "the force is one size along the speed, as a controller that feeds a swing makes it",
-    "The force is one size along the speed, wherever the joint swings: so pushes a controller "
-    "that feeds a free swing, and so would Coulomb friction alone. Which of them it is this log "
-    "does not say: no number of the law is told. Record the joint as it follows a path",
+    "the force only follows the sign of the speed, as from a controller that feeds a swing",
+    "The force has one size and only follows the sign of the speed. A controller that feeds a free "
+    "swing makes such a force, and so would Coulomb friction alone. This log cannot separate them, "
+    "so no number of the law is estimated. Record the joint as it follows a path",
 )
 BY_HAND = MovedOtherwise(
-    "the force goes with the place alone, and something that is not in the log moves the joint",
-    "The force goes with the place alone, without friction and without inertia: so is a drive that "
-    "bears a weight while a hand, or another joint, moves it. No number of the law is told. Log "
-    "the force of the hand, or let the drive move the joint",
+    "the force depends on the position only, and something outside the log moves the joint",
+    "The force depends on the position only, without friction and without inertia. Such a drive "
+    "bears a weight while a hand, or another joint, moves it. So no number of the law is "
+    "estimated. Log the force of the hand, or let the drive move the joint",
 )
 
 

@@ -57,6 +57,10 @@ class Readings:
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
+    held_lag : ndarray, shape (W, L, 3)
+        Of a servo, the same by an error of position with what its stiffness makes of it, per
+        stiffness squared, what damping does, per damping squared, and what stiffness and mass do
+        together, per both; 0 of other joints.
     instruments : ndarray, shape (W, m)
         What the motion is told by without the window's own errors; see :mod:`.instruments`.
     simulated : ndarray, shape (W, K)
@@ -72,6 +76,8 @@ class Readings:
         window [s], windows' distance over that.
     known_inertia : float
         What the model of a known force moves [kg, or kg·m²].
+    stiffness : float
+        Of a servo, whose error of position is one of its force too; 0 of other joints.
     mixing : Mixing
         Of what the columns of `beside` are made.
     """
@@ -97,6 +103,7 @@ class Readings:
     known_moved: Array
     position_lag: Array
     force_lag: Array
+    held_lag: Array
     instruments: Array
     simulated: Array
     beside: Array
@@ -107,6 +114,7 @@ class Readings:
     half_s: float
     hop: float
     known_inertia: float = 0.0
+    stiffness: float = 0.0
     mixing: Mixing = field(default_factory=Mixing)
 
     @property
@@ -123,6 +131,24 @@ class Readings:
     def acceleration_sd(self) -> float:
         """Rms error of the acceleration by those of the positions."""
         return float(self.position_sd * np.sqrt(np.mean(self.position_lag[:, 0])))
+
+    def lag_of_positions(self, mass: float, damping: float) -> Array:
+        """Return the covariance of a row with the l-th next by an error of position of 1, (W, L).
+
+        Of a servo's log an error e adds K ∫ φ e + m ∫ φ'' e − D ∫ φ' e to a row: stiffness and
+        mass pull against each other below the servo's own frequency and together nowhere, so
+        that their shares are no errors apart.
+
+        Parameters
+        ----------
+        mass, damping : float
+            Of the law [kg, N s/m; or kg·m², N·m s/rad].
+        """
+        moved = mass**2 * self.position_lag
+        if not self.stiffness:
+            return moved
+        by_number = np.array([self.stiffness**2, damping**2, self.stiffness * mass])
+        return np.asarray(moved + self.held_lag @ by_number)
 
     @property
     def acceleration_of_its_own(self) -> float:
@@ -207,9 +233,8 @@ def readings_of(
     paths, trials, pieces = [], 0, 0
     for log, begin in zip(logs, starts, strict=True):
         half = half_samples(half_s, log)
-        step = max(1, round(hop * half))
         test = test_function(half, log.interval_s)
-        part = rows_of_run(log, test, step, noise, stroke, late_s, limit)
+        part = rows_of_run(log, test, max(1, round(hop * half)), noise, stroke, late_s, limit)
         centres = part["centre"].astype(np.intp)
         path = part.pop("path")
         paths.append(_drive_path(path, log.interval_s, test, centres, part["way"]))
@@ -234,6 +259,7 @@ def readings_of(
         half_s=half_s,
         hop=hop,
         known_inertia=float(np.mean([log.known_inertia for log in logs])),
+        stiffness=logs[0].stiffness,
         mixing=mixing,
     )
 
@@ -257,9 +283,9 @@ def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return the rows of all runs, whose correlations with neighbours reach equally far."""
     widest = max(part["position_lag"].shape[1] for part in parts)
     for part in parts:
-        for name in ("position_lag", "force_lag"):
+        for name in ("position_lag", "force_lag", "held_lag"):
             short = widest - part[name].shape[1]
-            nothing = np.zeros((len(part[name]), short))
+            nothing = np.zeros((len(part[name]), short, *part[name].shape[2:]))
             part[name] = np.concatenate([part[name], nothing], axis=1)
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 

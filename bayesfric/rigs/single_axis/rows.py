@@ -24,8 +24,10 @@ from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
-NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
-UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
+NO_SENSOR = Unsupported("it acts on readings of sensors that an axis does not have")
+UNKNOWN_PHASE = Unsupported(
+    "its phase would change from run to run, and an axis records its position"
+)
 OWN_COLUMNS = ("run", "order", "setup", "role")
 
 

@@ -23,6 +23,7 @@ UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
 OFTEN = 0.2  # of the samples: a force that changes in as many is not one of a few steps
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 A_MOMENT = 0.01  # of a window
+A_STOP = 4  # stops of a servo in half a window, of which each hides friction that counts
 
 
 def rows_of_run(
@@ -46,6 +47,8 @@ def rows_of_run(
     one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
     if log.dithers is not None:
         one_way &= ~turns_back(log.dithers, test, centres)
+    if log.sent is not None:
+        one_way &= ~turns_back(_stands(log.position, max(1, half // A_STOP), noise), test, centres)
     place = np.flatnonzero(one_way)
     centres = centres[one_way]
     sign = way[centres]
@@ -94,6 +97,20 @@ def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array
     mean = speed @ node_weights()[1]
     exact = np.abs(test.over(log.position, test.slope, centres))
     return np.asarray(speed * (exact / np.where(mean > 0, mean, 1.0))[:, None])
+
+
+def _stands(position: Array, span: int, noise: float) -> Flags:
+    """Return at which samples a servo may stand still for as many samples as a span has, (N,).
+
+    A command is held until the next, and a joint that has come close to it stops there, to go on
+    the same way. Few samples in a window hide that from the speed of a parabola, and friction of
+    a joint that stands is anything.
+    """
+    moved = np.abs(position[span:] - position[:-span]) > AXIS_RULES.sure_of_way * noise
+    stands = np.zeros(position.size, dtype=np.bool_)
+    for shift in range(span + 1):
+        stands[shift : shift + moved.size] |= ~moved
+    return stands
 
 
 def _motion(log: EvenLog, half: int, noise: float, stroke: float) -> tuple[Array, Array, Array]:
@@ -154,8 +171,15 @@ def _forces(
 def _errors(log: EvenLog, test: TestFunction, centres: Whole, step: int) -> dict[str, Array]:
     """Return how errors of positions and forces hang together between neighbours."""
     lags = range(0, 2 * test.half // step + 1)
+    held = np.zeros((len(lags), 3))
+    if log.stiffness:
+        held[:, 0] = _lagged(test.value, test.value, step, lags)
+        held[:, 1] = _lagged(test.slope, test.slope, step, lags)
+        held[:, 2] = 2 * _lagged(test.value, test.curvature, step, lags)
+    position = _lagged(test.curvature, test.curvature, step, lags)
     return {
-        "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
+        "position_lag": np.tile(position, (centres.size, 1)),
+        "held_lag": np.tile(held, (centres.size, 1, 1)),
         "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
     }
 
@@ -191,8 +215,8 @@ def turns_back(dithers: Flags, test: TestFunction, centres: Whole) -> Flags:
     return test.over(dithers.astype(np.float64), test.value, centres) > A_MOMENT
 
 
-def _lagged(kernel: Array, step: int, lags: range) -> Array:
-    return np.array([kernel[lag * step :] @ kernel[: kernel.size - lag * step] for lag in lags])
+def _lagged(kernel: Array, other: Array, step: int, lags: range) -> Array:
+    return np.array([kernel[lag * step :] @ other[: other.size - lag * step] for lag in lags])
 
 
 def _loudness(force: Array) -> Array:

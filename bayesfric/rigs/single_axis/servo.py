@@ -1,10 +1,9 @@
-"""What a log of commands says of its servo before anything else: its delay and its stiffness.
+"""The delay and the stiffness of a servo, from a log of its commands.
 
-The drive force is K (q_ref(t − d) − q) − D q̇. A delay of the command looks much like viscous
-friction, so that both are told beside each other, the delay with a prior. The stiffness K shows
-where something is known in newtons: the force of a model of the machine, a payload that was
-weighed on an arm of known length, or an inertia that was written down. Without any of these all
-numbers are told over K.
+The drive force is K (q_ref(t − d) − q) − D q̇. A delay of the command looks like viscous friction,
+so both are estimated together, the delay with a prior. The stiffness K can be estimated if a
+quantity is known in newtons: the force of a model of the machine, a payload of known mass on an arm
+of known length, or a declared inertia. Otherwise all values are relative to K.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,38 +27,38 @@ from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-ROUNDS = 3  # of the delay, each around the one before
-SURE = 5.0  # standard errors, from which on a known force tells the stiffness
-OPEN_S = 0.001  # of a delay, by which it is open whatever the rows say
-OPEN = 0.3  # relative, that a stiffness may be off by where the rows themselves tell it
-A_PERIOD = 30.0  # samples in a period of the motion, with fewer of which no inertia is told
-IN_BAND = 0.9  # of the squared speed, that is in the band of a motion
+ROUNDS = 3  # in which the delay is linearised around the estimate of the round before
+SURE = 5.0  # least standard errors above zero of a stiffness that is used
+OPEN_S = 0.001  # least standard deviation of a delay
+OPEN = 0.3  # relative prior sd of a stiffness that the rows estimate again
+A_PERIOD = 30.0  # least samples per period of the motion to estimate inertia
+IN_BAND = 0.9  # part of the squared speed that lies in the band of a motion
 MASS, COULOMB, VISCOUS, DELAY, OFFSET = range(5)
 NEVER = frozenset({"spring", "commanded-force", "known-load"})
-"""Needs of effects that no log of commands shows: curvatures of a force that has the position's
-errors, lags beside the delay, and gains beside the stiffness."""
-LAW = 5  # columns of the law, its delay and its offset
-PHASES = 2  # columns of a payload's weight, whose rest nobody knows; the next is its inertia
+"""Needs of effects that a log of commands does not meet: curvatures of a force that contains the
+errors of the position, lags beside the delay, and gains beside the stiffness."""
+LAW = 5  # columns of the law, with delay and offset
+PHASES = 2  # columns of a payload's weight at unknown phase; the next column is its inertia
 
 
 class Servo(NamedTuple):
-    """How a servo makes a force of its commands.
+    """How a servo converts commands to a force.
 
     Parameters
     ----------
     constants : RigConstants
-        The machine, with ``command_gain`` and ``latency_s`` as they are taken; where no stiffness
-        is known, without what is in newtons.
+        The machine, with the ``command_gain`` and ``latency_s`` that are used. Without a known
+        stiffness it has no values in newtons.
     known_by : str
-        What tells the stiffness, in words; empty where nothing does.
+        The source of the stiffness, in words; empty without one.
     stiffness, stiffness_sd : float
-        [N/m, or N·m/rad]; 1 and 0 where nothing is known.
+        [N/m, or N·m/rad]; 1 and 0 if unknown.
     open_by : float
-        Relative, by which the rows leave the stiffness open.
+        Relative prior standard deviation of the stiffness in the rows.
     late_sd_s : float
-        Of the delay [s].
+        Standard deviation of the delay [s].
     samples_a_period : float
-        Of the motion.
+        Samples per period of the motion.
     """
 
     constants: RigConstants
@@ -72,24 +71,24 @@ class Servo(NamedTuple):
 
     @property
     def is_relative(self) -> bool:
-        """Whether all that is told is over the stiffness."""
+        """Whether all values are relative to the stiffness."""
         return not self.known_by
 
     @property
     def tells_inertia(self) -> bool:
-        """Whether enough samples come in a period of the motion."""
+        """Whether a period of the motion has enough samples."""
         return self.samples_a_period >= A_PERIOD
 
     @property
     def no_inertia(self) -> str:
-        """Why no inertia is told, where none is."""
+        """Why inertia is not estimated, if it is not."""
         return (
             f"{self.samples_a_period:.0f} samples come in a period of the motion and it takes "
             f"{A_PERIOD:.0f}: log faster, or move slower"
         )
 
     def said(self, *, rotary: bool) -> Iterator[str]:
-        """Yield what a reader must know of the servo, a sentence each.
+        """Yield what a reader must know of the servo, one sentence at a time.
 
         Parameters
         ----------
@@ -107,23 +106,23 @@ class Servo(NamedTuple):
             )
         else:
             yield (
-                "The log has commands and no force: the drive force is taken to be K times how far "
-                f"the joint is off its command, with K = {self.stiffness:.4g} ± "
-                f"{self.stiffness_sd:.2g} {force}/{angle}, told by {self.known_by}"
+                "The log has commands and no force: the drive force is assumed to be K times the "
+                f"distance of the joint from its command, with K = {self.stiffness:.4g} ± "
+                f"{self.stiffness_sd:.2g} {force}/{angle}, from {self.known_by}"
             )
         late_s = self.constants.latency_s or 0.0
         yield (
             "Viscous friction is that of the joint and the damping and back-EMF of its servo "
-            "together, which only another supply or other gains tell apart; a delay of the "
-            f"command beyond the {1e3 * late_s:.3g} ± {1e3 * self.late_sd_s:.2g} ms that are taken "
-            "(rig.latency_s) looks much like it"
+            "together, which only another supply or other gains can separate; a delay of the "
+            f"command beyond the assumed {1e3 * late_s:.3g} ± {1e3 * self.late_sd_s:.2g} ms "
+            "(rig.latency_s) has almost the same effect"
         )
         if not self.tells_inertia:
-            yield f"Inertia is not told: {self.no_inertia}"
+            yield f"Inertia is not estimated: {self.no_inertia}"
 
 
 class _Stiffness(NamedTuple):
-    """A stiffness, what tells it, its standard error, and by how much the rows leave it open."""
+    """A stiffness, its source, its standard error, and its relative prior sd in the rows."""
 
     known_by: str
     value: float
@@ -137,9 +136,9 @@ class _Pilot(NamedTuple):
     Parameters
     ----------
     rows : Readings
-        Of commands that act as late as is believed.
+        Rows of commands with the present delay.
     numbers : ndarray, shape (n,)
-        Of the law, and then of forces that are known.
+        Coefficients of the law, and then of known forces.
     errors : ndarray, shape (n,)
         Their standard errors.
     samples_a_period : float
@@ -153,7 +152,7 @@ class _Pilot(NamedTuple):
 
 
 def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
-    """Return what a log of commands says of its servo; None where a force was logged.
+    """Return the servo of a log of commands; None if a force was logged.
 
     Parameters
     ----------
@@ -184,17 +183,17 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
         if stiffness.value > SURE * stiffness.error:
             share = stiffness.error / stiffness.value
             share = share if stiffness.open_by is None else stiffness.open_by
-            # How far the stiffness is open is in the rows, and not again in a mass.
+            # The uncertainty of the stiffness is in the rows, so a mass does not contain it again.
             settled = replace(settled, command_gain=stiffness.value, force_gain_sd=0.0)
             return Servo(settled, *stiffness[:3], share, sd_s, period)
     return Servo(_relative(constants, late_s), late_sd_s=sd_s, samples_a_period=period)
 
 
 def with_open_delay(readings: Readings) -> Readings:
-    """Return rows that leave the delay open by a little, and with it damping and inertia.
+    """Return rows with a small uncertainty of the delay, together with damping and inertia.
 
-    Rows tell a delay from damping by a small part of them, in which friction that differs along
-    the path, and that the loop answers, is no error that they know of.
+    Only a small part of the rows distinguishes a delay from damping. The response of the loop to
+    friction that varies along the path is an error of this part, and the rows do not contain it.
 
     Parameters
     ----------
@@ -209,9 +208,9 @@ def with_open_delay(readings: Readings) -> Readings:
 
 
 def pull_beside_payloads(readings: Readings) -> float:
-    """Return the rms of what pulls with the place in all runs; 0 where it takes little.
+    """Return the rms of the force that depends on position in all runs; 0 if it is small.
 
-    What a payload adds pulls with the place too: beside it, and not after it, the rest is told.
+    The force of a payload depends on position too, so both are fitted together.
 
     Parameters
     ----------
@@ -242,17 +241,17 @@ def _with_beside(readings: Readings, columns: Array) -> Readings:
 
 
 def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
-    """Return rows that leave the stiffness open, as one more force of unknown amount.
+    """Return rows with an uncertain stiffness, as one more force of unknown amount.
 
-    It is a share of what the law, and what is known, make of the force: of the force itself the
-    errors of rows would count as stiffness. Effects are not in it; see `scale_share` of a rig.
+    The regressor is the fitted force of the law and of what is known. With the measured force,
+    errors of rows would be taken for stiffness. Effects are not in it; see `scale_share` of a rig.
 
     Parameters
     ----------
     readings : Readings
         W rows, in newtons.
     servo : Servo
-        Which says by how much it is open.
+        Gives the uncertainty.
     """
     if not servo.open_by:
         return readings
@@ -269,7 +268,7 @@ def with_open_stiffness(readings: Readings, servo: Servo) -> Readings:
 
 
 def _relative(constants: RigConstants, late_s: float) -> RigConstants:
-    """Return a machine without what is in newtons."""
+    """Return a machine without values in newtons."""
     return replace(
         constants,
         latency_s=late_s,
@@ -288,7 +287,7 @@ def _interval_s(axis: Axis) -> float:
 
 
 def _samples_a_period(logs: Sequence[EvenLog]) -> float:
-    """Return samples in a period of the motion's band: most of the speed is slower than that."""
+    """Return samples per period of the frequency below which most of the speed lies."""
     rates, powers = [], []
     for log in logs:
         speed = np.diff(log.position)
@@ -309,7 +308,7 @@ def _law(rows: Readings) -> Array:
 
 
 def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _Pilot | None:
-    """Return least squares over the stiffness; None where no window runs one way."""
+    """Return least squares over the stiffness; None if no window has a single direction."""
     machine, masses = machine_of(axis, constants), payload_masses(axis.runs)
     logs = []
     for run, samples in axis.samples.groupby("run", sort=False):
@@ -329,7 +328,7 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
 def _known_forces(
     log: EvenLog, run: str, machine: Machine, constants: RigConstants, mass: float
 ) -> Iterator[WeakForce]:
-    """Yield what is known of the force of a run [N or N·m], a payload's in parts by its phase."""
+    """Yield the known forces of a run [N or N·m], that of a payload in parts by its phase."""
     around = None if machine.bodies is None else machine.around(log, run)
     if around is not None and around.known_force is not None:
         yield around.known_force
@@ -344,7 +343,7 @@ def _known_forces(
 
 
 def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
-    """Return what pulls with the place where no model says it: gravity, (W, m)."""
+    """Return the forces that depend on position without a model: gravity, (W, m)."""
     models = rows.simulated.shape[1] == 1
     if models or not constants.rotary:
         return np.zeros((rows.count, 0))
@@ -354,7 +353,7 @@ def _pulls(rows: Readings, constants: RigConstants, machine: Machine) -> Array:
 
 
 def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple[Array, Array]:
-    """Return least squares with the delay's prior, and errors, which hang together in stretches."""
+    """Return least squares with the prior of the delay, and errors clustered by stretch."""
     force = rows.force
     width = np.abs(columns).max(axis=0)
     width[width == 0] = 1.0  # of a command that never changes
@@ -377,7 +376,7 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple
 def _stiffnesses(
     axis: Axis, constants: RigConstants, pilot: _Pilot, period: float
 ) -> Iterator[_Stiffness]:
-    """Yield what tells the stiffness, the best first."""
+    """Yield estimates of the stiffness, the best source first."""
     gain = constants.command_gain
     if gain is not None:
         yield _Stiffness("rig.command_gain", gain, gain_sd(constants) * gain)

@@ -47,4 +47,4 @@ def commanded(log: EvenLog, constants: RigConstants) -> EvenLog:
     # Of a command that is held over a part of an interval a sum of means says too little.
     moment = None if log.moment is None else -stiffness * log.moment
     whole = WeakForce(sent, curvature=log.interval_s**2 / 24 * sent, momentum=moment)
-    return replace(log, force=sent - stiffness * log.position, sent=whole)
+    return replace(log, force=sent - stiffness * log.position, sent=whole, stiffness=stiffness)

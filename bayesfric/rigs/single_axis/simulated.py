@@ -177,7 +177,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     own = _time_of_force(samples)
     if tells_commands:  # each acts from its own time on, also one between two new positions
         columns["force"], own = whole["force_n"].to_numpy(dtype=np.float64), _time_of_force(whole)
-    elif position_held_for(whole["position_m"].to_numpy(dtype=np.float64)) > 1:
+    elif _position_is_held(whole):
         force = whole["force_n"].to_numpy(dtype=np.float64)
         # A force that is held like the position is a sample of what went on changing; one that
         # is not tells what acted between two positions.
@@ -197,6 +197,12 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     if not tells_commands and constants.force_is != "commanded":
         is_known = is_known & ~clipped(log.force)
     return replace(log, forces=forces, known_force=known_force, is_known=is_known)
+
+
+def _position_is_held(samples: pd.DataFrame) -> bool:
+    """Return whether the positions of a run are each held for some samples."""
+    position, force = (samples[name].to_numpy(dtype=float) for name in ("position_m", "force_n"))
+    return position_held_for(position, force) > 1
 
 
 def _time_of_force(samples: pd.DataFrame) -> Array:

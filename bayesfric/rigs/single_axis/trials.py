@@ -35,9 +35,9 @@ from bayesfric.simulators import SimulatorCalls
 
 NOTHING = 1e-12
 ONE_WAY = (
-    "The gear carries a load, and the joint moves it one way at each pose: friction by the load, "
-    "Coulomb friction and an error of the force's gain cannot be told apart. Lift and lower at one "
-    "pose, or take two loads (payload_kg in axis_runs.csv)"
+    "The gear carries a load, and the joint moves it in one direction at each pose. So friction "
+    "that grows with load, Coulomb friction and an error of the force's gain cannot be separated. "
+    "Lift and lower at one pose, or record two loads (payload_kg in axis_runs.csv)"
 )
 
 
@@ -91,14 +91,15 @@ class AxisRuns(EnteredRuns):
             )
         if self.dither.windows:
             done = (
-                "They do not enter"
+                "They are excluded"
                 if self.dither.left_out
-                else "They enter, for too few would be left: friction is told too low at low speed"
+                else "They are used, since too few would be left: friction at low speed is "
+                "estimated too low"
             )
             lines.append(
-                f"In {self.dither.windows} of {self.dither.of} windows the joint dithers: counts "
-                "of its encoder in the controller's damping turn it back again and again, so that "
-                f"friction has not one sign there. {done}"
+                f"In {self.dither.windows} of {self.dither.of} windows the joint dithers: single "
+                "encoder counts in the controller's damping reverse it again and again, so that "
+                f"friction changes its sign there. {done}"
             )
         return tuple(lines)
 
@@ -168,15 +169,15 @@ class AxisRuns(EnteredRuns):
         if self._moved_otherwise is not None:
             return self._moved_otherwise.why
         if self.turns < needed and self._beside is None:
+            often = "once" if self.turns == 1 else f"{self.turns} times"
             return (
-                f"the joint reverses {self.turns} time{'' if self.turns == 1 else 's'}, and "
-                "effects of its place and its direction are examined only from "
-                f"{needed} reversals on (record more of them)"
+                f"the joint reverses {often}, and effects of position and direction are examined "
+                f"only with at least {needed} reversals (record more of them)"
             )
         if self.spikes:
             return (
-                f"{self.spikes:.0%} of the force readings are spikes of one sample, and nobody "
-                "can say whether these forces acted"
+                f"{self.spikes:.0%} of the force readings are spikes of one sample, and it is "
+                "unknown whether these forces acted"
             )
         return None
 

@@ -1,9 +1,9 @@
-"""Points as recorded, with what a column that is absent means: that it did not vary.
+"""Friction points as recorded; a missing column means that its quantity did not vary.
 
-Laws and priors of effects were argued for cables over pulleys under some 15 N. On a machine of
-which nothing is known beforehand they are taken over in proportion: its rms friction stands for
-that of one pulley, its highest tension and speed for those that the paper tested. Priors of
-amplitudes are wider there, since nobody argued that the machine is a good one.
+Laws and priors of effects were chosen for cables over pulleys at about 15 N. For an unknown machine
+they are rescaled: its rms friction replaces that of one pulley, and its highest tension and speed
+replace those that the paper tested. Priors of amplitudes are wider there, because it is not known
+how good the machine is.
 """
 
 from collections.abc import Mapping
@@ -41,7 +41,7 @@ ABSENT = {
 }
 """What stands for a column of a condition that was not recorded."""
 FEWEST_SETUPS = 5  # below which points are held out one by one
-WIDE = 2.0  # widths of the priors, over what would make all of friction
+WIDE = 2.0  # width of the prior of a coefficient, relative to one that makes all of friction
 
 
 @dataclass(frozen=True)
