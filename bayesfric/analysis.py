@@ -183,7 +183,8 @@ class DiagnosisRules(Section):
     unknown_scale: Scale of the half-normal prior of an unknown force's rms, as a share of rms
         friction.
     hypotheses: Prior probabilities of hypotheses.
-    widths: Factors, by name of an effect, on the width of its amplitude's prior.
+    widths: Factors, by name of an effect, on the width of its amplitude's prior; the prior of an
+        effect that is listed stands, also where it is too tight for the data.
     """
 
     practical_share: Share = 0.02

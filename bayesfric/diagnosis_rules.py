@@ -105,6 +105,9 @@ class DiagnosisThresholds:
         [1; where]
     effects_alike: two effects form one class if the cosine between their responses is larger [1;
         inclusion]
+    beyond_prior: an amplitude farther from the centre of its prior lies beyond it [sd;
+        tight-priors]
+    wider: priors that are too tight are made wider by this factor [1; tight-priors]
     effect_felt: an effect with a smaller squared signal-to-noise ratio cannot be detected [1;
         recalibration]
     effect_absorbed: the law absorbs an effect if it leaves a smaller part of its squared response
@@ -182,6 +185,8 @@ class DiagnosisThresholds:
     friction_nothing: float = 0.05
     axes_alike: float = 0.95
     effects_alike: float = 1 - 1e-4
+    beyond_prior: float = 2.0
+    wider: float = 10.0
     effect_felt: float = 1e-2
     effect_absorbed: float = 1e-4
     effect_shows: float = 10.0

@@ -70,10 +70,12 @@ def compare_hypotheses(question: Question, keeping: Checkpoint) -> Compared:
     keeping : Checkpoint
         Where.
     """
-    climbing = keeping.keep_each_call("climb", At, climb)
+    # Pieces with other priors have other names.
+    wide = "".join(f"{name}-" for name in question.widened)
+    climbing = keeping.keep_each_call(f"{wide}climb", At, climb)
     steps = Steps(
-        keeping.keep_each_call("weigh", Weighed, weigh),
-        keeping.keep_each_call("unknown", Unknown | None, unknown_force),
+        keeping.keep_each_call(f"{wide}weigh", Weighed, weigh),
+        keeping.keep_each_call(f"{wide}unknown", Unknown | None, unknown_force),
     )
     analysis, held, law = question.analysis, question.held, question.law
     data, stray, laws, psi = fitted_baseline(

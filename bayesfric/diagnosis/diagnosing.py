@@ -15,6 +15,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
+from bayesfric.diagnosis.beyond import too_tight, with_wider_priors
 from bayesfric.diagnosis.checking import looked_at
 from bayesfric.diagnosis.compared import Compared, compare_hypotheses
 from bayesfric.diagnosis.concluded import conclude, measure
@@ -139,9 +140,8 @@ def _diagnose(
     joint = None if recording.axis is None else recording.axis.joint
     inputs = (baseline, fixed, question.shipped, recording.metadata, joint)
     keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
-    compared = compare_hypotheses(question, keeping)
-    folds, bootstrap, axes, draws, checks, blocks, order, scatter = question.sources
-    judged = _judged(question, compared, draws, blocks.spawn(1)[0])
+    question, compared, judged = _compared_and_judged(question, keeping)
+    folds, bootstrap, axes, _, checks, blocks, order, scatter = question.sources
     measured = measure(question, compared, judged, keeping, folds, bootstrap, blocks)
     conclusion = conclude(question, compared, judged, measured, order)
     where = where_it_lies(
@@ -158,6 +158,20 @@ def _diagnose(
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}
     curves = curves_of(measured.held_out, amplitudes, judged.posterior.law)
     return summary, curves, conclusion.amounts
+
+
+def _compared_and_judged(
+    question: Question, keeping: Checkpoint
+) -> tuple[Question, Compared, Judged]:
+    """Return hypotheses compared and effects sorted, with wider priors where some are too tight."""
+    while True:
+        compared = compare_hypotheses(question, keeping)
+        draws, blocks = question.sources.draws, question.sources.blocks.spawn(1)[0]
+        judged = _judged(question, compared, draws, blocks)
+        tight = too_tight(question, compared, judged)
+        if not tight:
+            return question, compared, judged
+        question = with_wider_priors(question, tight, judged)
 
 
 def _judged(

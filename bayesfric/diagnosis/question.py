@@ -71,6 +71,8 @@ class Question:
         Which of the user's priors do nothing here, or leave nothing to the data.
     fixed : tuple of str
         What is held, in the user's words.
+    widened : tuple of str
+        Effects whose priors were too tight, and are wider.
     """
 
     recording: Recording
@@ -87,6 +89,7 @@ class Question:
     target: pd.DataFrame | None
     remarks: tuple[str, ...] = ()
     fixed: tuple[str, ...] = ()
+    widened: tuple[str, ...] = ()
 
     @property
     def practical(self) -> float:

@@ -1,0 +1,156 @@
+"""Priors that are too tight: an effect beyond its own makes another one look as if it acted.
+
+An amplitude far out in its prior costs evidence, as the square of how far. Beside a second effect
+that does nearly the same, a smaller amplitude is enough: then the prior, and not the data, names
+the second. Where a hypothesis without it would be as likely with wider priors, these are widened.
+"""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from bayesfric.analysis import LogNormal, Prior
+from bayesfric.arrays import Array
+from bayesfric.diagnosis.compared import Compared
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.judging import Judged
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.question import Question
+from bayesfric.diagnosis.verdict import decide
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis_rules import RULES
+from bayesfric.effects import Effect
+from bayesfric.effects.candidates import prior_moments
+from bayesfric.hypothesis import Hypothesis
+from bayesfric.inference.priors import describe
+
+
+def too_tight(question: Question, compared: Compared, judged: Judged) -> tuple[str, ...]:
+    """Return the effects whose priors alone may have named a cause.
+
+    They are those of a hypothesis that lacks a cause, in which their amplitudes lie beyond
+    their priors, and which is not surely less likely than the best with all causes once these
+    priors are wide; and those that lie beyond in that best one. A prior that the user stated
+    stands.
+
+    Parameters
+    ----------
+    question : Question
+        What is asked.
+    compared : Compared
+        Hypotheses, with these priors.
+    judged : Judged
+        Which effects are causes.
+    """
+    chances = judged.search.probabilities()
+    causes = [effect for effect in judged.effects_known if effect.effect in judged.named]
+    if decide(chances, causes, judged.above, ())[0] != "named":
+        return ()
+    named = Hypothesis(judged.named)
+    analysis = question.analysis
+    stated = {*analysis.priors.effects, *analysis.diagnosis.widths, *question.widened}
+    searches = ((compared.baseline, compared.first), (compared.model, judged.search))
+    tight = {
+        name for model, search in searches for name in _of_rivals(model, search, named, stated)
+    }
+    return tuple(sorted(tight))
+
+
+def with_wider_priors(question: Question, names: Collection[str], judged: Judged) -> Question:
+    """Return the question with wider priors of some effects, and a remark that says so.
+
+    Parameters
+    ----------
+    question : Question
+        What is asked.
+    names : collection of str
+        Effects, as of :func:`too_tight`.
+    judged : Judged
+        Which effects are causes with the priors as they are.
+    """
+    causes = " and ".join(judged.named)
+    examined, remarks = dict(question.examined), list(question.remarks)
+    for name in names:
+        effect = examined[name]
+        prior = effect.amplitude.prior
+        wide = prior.widened(RULES.wider)
+        examined[name] = replace(effect, amplitude=replace(effect.amplitude, prior=wide))
+        remarks.append(_remark(effect, causes))
+    widened = (*question.widened, *names)
+    return replace(question, examined=examined, remarks=tuple(remarks), widened=widened)
+
+
+def _remark(effect: Effect, causes: str) -> str:
+    amplitude = effect.amplitude
+    return (
+        f"These data may have {effect.name} beyond its prior ({amplitude.name} "
+        f"{describe(amplitude.prior)} {amplitude.unit}), with which {causes} would be named. "
+        f"Hypotheses are compared with a prior {RULES.wider:g} times as wide; a prior of your own, "
+        f"priors.effects.{effect.name} in analysis.toml, stands"
+    )
+
+
+def _of_rivals(
+    model: LinearModel, search: Search, named: Hypothesis, stated: Collection[str]
+) -> set[str]:
+    """Return effects beyond their priors, of hypotheses without a cause that may be as likely."""
+    weighed = search.weighed.values()
+    standing = [rival for rival in weighed if named <= rival.hypothesis]
+    if not standing:
+        return set()
+    best = max(standing, key=search.worth)
+    noise = best.at.psi[: len(model.noise)]
+    of_best, best_gain = _gained(model, best, noise, stated)
+    least = search.worth(best) + max(best_gain, 0.0)
+    least -= float(np.log(RULES.sure / (1 - RULES.sure)))
+    tight: set[str] = set()
+    for rival in weighed:
+        if not named <= rival.hypothesis:
+            names, gain = _gained(model, rival, noise, stated)
+            if names and search.worth(rival) + gain >= least:
+                # A cause that lies beyond its own prior is not to lose by that.
+                tight |= names | of_best
+    return tight
+
+
+def _gained(
+    model: LinearModel, weighed: Weighed, noise: Array, stated: Collection[str]
+) -> tuple[set[str], float]:
+    """Return which amplitudes lie beyond their priors, and what wide ones add to the evidence.
+
+    At the noise of the hypothesis or, where scatter has taken up what the priors kept from the
+    effects, at another noise.
+    """
+    beyond = np.array(_beyond(model, weighed, stated), dtype=bool)
+    if not beyond.any():
+        return set(), 0.0
+    laws, forms = weighed.acting.laws, weighed.forms
+    effects = [model.candidates[law.places[0]].effect for law in laws]
+    mean, sd = model.prior([model.amplitude_prior(law) for law in laws], None, forms)
+    wide = sd.copy()
+    wide[model.places(len(laws))[beyond]] *= RULES.wider
+    there = np.concatenate([noise, weighed.at.psi[noise.size :]])
+    gains = []
+    for at in (weighed.at, model.evaluate(there, weighed.acting, None, forms)):
+        more = at.information.integrated(mean, wide)[0] - at.information.integrated(mean, sd)[0]
+        gains.append(at.value + more - weighed.at.value)
+    names = {effect.name for effect, is_beyond in zip(effects, beyond, strict=True) if is_beyond}
+    return names, max(gains)
+
+
+def _beyond(model: LinearModel, weighed: Weighed, stated: Collection[str]) -> list[bool]:
+    """Return of each law with a column whether its amplitude lies beyond its prior."""
+    means = weighed.at.mean[model.places(len(weighed.acting.laws))]
+    beyond = []
+    for law, mean in zip(weighed.acting.laws, means, strict=True):
+        effect = model.candidates[law.places[0]].effect
+        centre, sd = prior_moments(effect.amplitude.prior)
+        is_free = effect.name not in stated and _has_width(effect.amplitude.prior)
+        beyond.append(is_free and abs(float(mean) - centre / sd) > RULES.beyond_prior)
+    return beyond
+
+
+def _has_width(prior: Prior) -> bool:
+    """Return whether a prior can be made wider around the same centre, in the same unit."""
+    return prior.width is not None and not isinstance(prior, LogNormal)
