@@ -26,7 +26,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.hypothesis import NONE
 from bayesfric.rigs.data import Data
 
-ROUNDS = 2  # of linearising around the law that was fitted with the leader
+ROUNDS = 4  # of linearising around the law that was fitted with the leader
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearM
         acting = model.amplitudes(leader.at, leader.acting)
         forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, searched))
         model = _with_best_weights(model, searched)
-        around = around_nearby(
+        around, is_last_step = around_nearby(
             model,
             model.fitted_laws(leader.at),
             first.candidates,
@@ -129,7 +129,7 @@ def _finals(first: LinearModel, searched: Search, steps: Steps) -> tuple[LinearM
         around.merge(searched.classes.members)
         around = squeezed(around, leader.at.psi)
         model, searched = around, compare(around, searched, steps)
-        if searched.best().names == leader.names:
+        if is_last_step and searched.best().names == leader.names:
             break
     return _with_best_weights(model, searched), searched
 

@@ -26,8 +26,10 @@ def around_nearby(
     *,
     scattering: Sequence[tuple[Candidate, float]],
     forms: Sequence[Form],
-) -> LinearModel:
-    """Return the model around other laws, or around laws on the way to them.
+) -> tuple[LinearModel, bool]:
+    """Return the model around other laws or on the way to them, and whether that is the last step.
+
+    It is the last step if the model is around the other laws, or cannot come closer.
 
     Parameters
     ----------
@@ -43,7 +45,7 @@ def around_nearby(
         around = model.around(part, candidates, scattering=scattering, forms=forms)
         if step == 0.0 or _is_near(model, around):
             break
-    return around
+    return around, step in (1.0, 0.0)
 
 
 def _between(first: Coefficients, other: Coefficients, step: float) -> Coefficients:
