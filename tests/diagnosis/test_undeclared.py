@@ -32,7 +32,7 @@ def test_friction_by_the_load_may_be_of_one_way_of_the_power_where_no_load_is_kn
     rig = RigConstants(rotary=True, force_is="motor")
     twice = ["load-friction", "stribeck", "load-friction"]  # possible, and considered
     (line,) = undeclared(rig, "named", "still", twice, lacking)
-    assert line.startswith("load-friction may be of one way of the power")
+    assert line.startswith("load-friction may act in one direction of the power only")
     assert not [*undeclared(rig, "named", "still", ["stribeck"], lacking)]
 
 

@@ -37,7 +37,7 @@ def test_inertia_is_not_told_where_the_acceleration_is_a_curve_over_the_place():
     trials = stops_and_goes()
     assert trials.readings.acceleration_of_its_own < 0.5
     assert "mass" in trials.untold
-    assert "the acceleration is nearly a curve over the place" in " ".join(trials.doubts({}))
+    assert "the acceleration is nearly a function of the position" in " ".join(trials.doubts({}))
 
 
 def test_inertia_is_told_where_it_swings_through():
