@@ -31,10 +31,11 @@ def numbers_at_shapes(
 ) -> tuple[Array, list[Array]]:
     """Return draws of a hypothesis' numbers, moved to shapes that are drawn with them.
 
-    A weight on a lever whose angle nobody knows takes more or less of the offset by what its
-    angle is: what is drawn at the best shape moves as the mean does with the shape. What a
-    hypothesis leaves open stays as it was drawn: a small amount of another lever, were it as
-    large as it may be, would take what the angle moves in the place of amplitude and offset.
+    Numbers that are drawn at the best shape move as their mean moves with the shape: the torque
+    of a weight and the offset depend on the unknown angle of its lever. The mean is conditional
+    on the small terms of that draw (smooth forces and small amounts of other effects). If these
+    terms could have their full prior rms, a small amount of a lever at another angle would
+    describe what the angle changes, and torque and offset would move too little.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def numbers_at_shapes(
 
 
 class _Given:
-    """All numbers that have no size of their own, given draws of those that have."""
+    """The law and the amplitudes, given draws of the small terms, whose sizes are drawn."""
 
     def __init__(
         self,
@@ -125,7 +126,7 @@ class _Given:
 def _drawn_shapes(
     log_evidence: Callable[[float], Array], best: float, rng: np.random.Generator
 ) -> Array:
-    """Draw a shape for each draw of what is given, (S,), by log evidences at a shape, (S,)."""
+    """Draw a shape for each draw of the small terms, (S,), by log evidences at a shape, (S,)."""
     centre, width = best, 2.0
     for _ in range(ROUNDS):
         grid = np.clip(centre + width * np.linspace(-1, 1, 41), -OUTERMOST, OUTERMOST)

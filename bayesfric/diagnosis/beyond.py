@@ -1,8 +1,9 @@
-"""Priors that are too tight: an effect beyond its own makes another one look as if it acted.
+"""Priors of amplitudes that are too tight, which would name a second effect, and wider ones.
 
-An amplitude far out in its prior costs evidence, as the square of how far. Beside a second effect
-that does nearly the same, a smaller amplitude is enough: then the prior, and not the data, names
-the second. Where a hypothesis without it would be as likely with wider priors, these are widened.
+The evidence of a hypothesis falls with the squared distance of an amplitude from the centre of its
+prior. If a second effect has nearly the same response, both effects together need smaller
+amplitudes. The prior, and not the data, then names the second effect. If a hypothesis without it
+would be as likely with wider priors, these priors are widened.
 """
 
 from collections.abc import Collection

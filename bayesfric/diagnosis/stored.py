@@ -7,14 +7,14 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.arms import Arms
-from bayesfric.diagnosis.held_out import IN_NONE, HeldOut, gap_row
+from bayesfric.diagnosis.held_out import IN_NONE, HeldOut, Squares, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, left_of, shrink_of
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import two_digits
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.gap import Gap
+from bayesfric.schemas.gap import Gap, GapRow
 from bayesfric.stored_names import RESIDUALS, variable_of
 
 NO_EVENTS, NONE_OUT = "no trial has events enough", "no data could be held out"
@@ -58,36 +58,20 @@ def gap_of(
     unit : str
         Of a force.
     """
-    causes = bool(arms.causes.laws or arms.causes.phases)
-    why = None if arms.causes.laws else NO_PHASES if causes else NO_CAUSE
-    rows = [
-        gap_row(name, squares, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng)
-        for name, squares in held_out.rows
-    ]
-    inside = gap_row(
-        "in sample", held_out.in_sample, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
-    )
-    trajectory = None
+    why = _why_no_shrink(arms)
     any_out = bool(np.any(held_out.fold != IN_NONE))
-    if any_out and held_out.trajectory is not None:
-        name = "free-running, folds over assemblies"
-        trajectory = gap_row(
-            name, held_out.trajectory, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
-        )
-    friction = residuals.friction_rms
-    shrink, rest, open2 = None, None, posterior.gap**2
+    rows, inside, trajectory = _rows_of(held_out, why, rng)
+    friction, open2, shrink, rest = residuals.friction_rms, posterior.gap**2, None, None
     if why is None:
         open2 = _left_open(held_out, posterior, residuals)
         shrink, rest = _shrink_of_model(held_out, posterior, residuals, arms, practical)
         why = NO_GAP if shrink is None else None
-    first = rows[0]
-    # Windows average over what goes round with the pulleys.
-    open2 = open2 - posterior.hidden2
+    open2 = open2 - posterior.hidden2  # windows average over what goes round with the pulleys
     left2 = float(held_out.rows[0][1].after.sum())
     unnoticed2 = (practical * friction / 2) ** 2
     disagrees = floor_disagrees(left2, held_out.by_chance, open2, unnoticed2, unit)
     gap = Gap(
-        **first.model_dump(exclude={"name", "below_floor"}),
+        **rows[0].model_dump(exclude={"name", "below_floor"}),
         unit=unit,
         shrink_of_model=shrink,
         shrink_of_model_why=why,
@@ -103,6 +87,29 @@ def gap_of(
         trajectory_why=None if trajectory is not None else NO_EVENTS if any_out else NONE_OUT,
     )
     return gap, rest
+
+
+def _why_no_shrink(arms: Arms) -> str | None:
+    """Return why no cause can shrink the gap; None where one can."""
+    if arms.causes.laws:
+        return None
+    return NO_PHASES if arms.causes.phases else NO_CAUSE
+
+
+def _rows_of(
+    held_out: HeldOut, no_shrink: str | None, rng: np.random.Generator
+) -> tuple[list[GapRow], GapRow, GapRow | None]:
+    """Return the rows of held-out data, that of the data of the fit, and that of trajectories."""
+
+    def row(name: str, squares: Squares) -> GapRow:
+        return gap_row(name, squares, no_shrink=no_shrink, shipped_why=NO_SHIPPED, rng=rng)
+
+    rows = [row(name, squares) for name, squares in held_out.rows]
+    inside = row("in sample", held_out.in_sample)
+    trajectory = held_out.trajectory
+    if trajectory is None or not np.any(held_out.fold != IN_NONE):
+        return rows, inside, None
+    return rows, inside, row("free-running, folds over assemblies", trajectory)
 
 
 def _left_open(held_out: HeldOut, posterior: Posterior, residuals: Residuals) -> Array:

@@ -24,7 +24,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="exponent",
         unit="1",
-        meaning="friction is proportional to n (n/9) to the power of this number",
+        meaning="k of friction that is proportional to n (n/9)ᵏ, for n pulleys",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.1, 0.1),
         reference="argued: the pulley-by-pulley form of eq. (15) departs from it by less than 1 %"

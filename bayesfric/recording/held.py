@@ -164,7 +164,7 @@ def position_held_for(position: Array, force: Array) -> int:
 def _moves_with(position: Array, force: Array) -> bool:
     """Return whether a position moves only at samples at which the force differs too."""
     moved = np.diff(position) != 0
-    return bool(moved.any()) and float(np.mean(renewed(force)[1:][moved])) >= MOSTLY
+    return moved.sum() >= FEWEST and float(np.mean(renewed(force)[1:][moved])) >= MOSTLY
 
 
 def _readings(position: Array, force: Array) -> Flags:

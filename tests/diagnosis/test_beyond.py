@@ -86,7 +86,7 @@ def test_a_prior_that_is_too_tight_is_widened_once(by_tight_priors):
     assert set(judged.named) == {"viscous", "air-drag"}
     assert too_tight(question, compared, judged) == ("viscous",)
     wide = with_wider_priors(question, ("viscous",), judged)
-    before, after = (one.examined["viscous"].amplitude.prior for one in (question, wide))
+    before, after = (asked.examined["viscous"].amplitude.prior for asked in (question, wide))
     assert after == before.widened(RULES.wider)
     assert wide.examined["air-drag"] == question.examined["air-drag"]
     assert "viscous" not in too_tight(wide, compared, judged)

@@ -74,7 +74,7 @@ def start(recording, folder, counted, stop):
 
 def test_nothing_is_weighed_twice_and_the_bytes_are_the_same(either, counted, tmp_path):
     """Interrupted in the fit of the baseline, among hypotheses and finalists, and in the folds."""
-    found = diagnose(either, Analysis(seed=3))  # at one go, with nothing kept
+    uninterrupted = diagnose(either, Analysis(seed=3))  # at one go, with nothing kept
     calls = counted.done.copy()
     counted.done.clear()
     assert calls["climb"] == 3
@@ -85,8 +85,8 @@ def test_nothing_is_weighed_twice_and_the_bytes_are_the_same(either, counted, tm
         assert len(list((tmp_path / "c").glob("*.npz"))) == counted.done.total()
     again = diagnose(either, Analysis(seed=3), checkpoint=tmp_path / "c")
     assert counted.done == calls
-    assert json_bytes(again.summary) == json_bytes(found.summary)
-    assert again.curves.identical(found.curves)
+    assert json_bytes(again.summary) == json_bytes(uninterrupted.summary)
+    assert again.curves.identical(uninterrupted.curves)
 
 
 def other_settings(recording):

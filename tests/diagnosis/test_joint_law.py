@@ -315,8 +315,8 @@ def test_numbers_are_as_wide_as_parts_of_the_log_where_nothing_is_decided(monkey
         return dict.fromkeys(law, (7.0, 7.0))
 
     monkeypatch.setattr(answer, "by_parts", seven_times)
-    told = bf.diagnose(Joint(seconds=3.0, gravity=0.0, noise=0.1).recording()).summary
-    assert told.verdict == "undecided"
-    assert told.gap.probability_above_practical < 0.5
-    wide = told.law["viscous"].after.sd
+    summary = bf.diagnose(Joint(seconds=3.0, gravity=0.0, noise=0.1).recording()).summary
+    assert summary.verdict == "undecided"
+    assert summary.gap.probability_above_practical < 0.5
+    wide = summary.law["viscous"].after.sd
     assert wide == pytest.approx(7 * fitted["viscous"].after.sd, rel=0.02)

@@ -39,11 +39,11 @@ def test_the_law_is_gone_towards_as_far_as_friction_keeps_its_size(model, fitted
     around, is_last_step = around_nearby(
         model, {size: Coefficients(*fitted, 0.0)}, [], scattering=(), forms=()
     )
-    found = around.laws[size]
+    law_around = around.laws[size]
     assert is_last_step is (share in (0.0, 1.0))
-    for value, before, after in zip(found, law, (*fitted, 0.0), strict=True):
+    for value, before, after in zip(law_around, law, (*fitted, 0.0), strict=True):
         assert value == pytest.approx(before + share * (after - before))
-    assert np.all(np.isfinite(found))
+    assert np.all(np.isfinite(law_around))
 
 
 @pytest.mark.parametrize("slope", [0.6, 1.0])

@@ -206,9 +206,11 @@ def test_what_is_implausible_is_not_said_to_miss_what_was_held_out():
     """Nor is a share past all by rounding said to come from scatter."""
     why = f"air-drag would be {IMPLAUSIBLE}, and a force that no effect explains is left"
     effects = [cause("air-drag").model_copy(update={"plausible": False})]
-    told = Statement("unknown", 0.95, gap_of(), PRACTICAL, considered=effects, overruled_by=why)
-    assert "The closest effect examined is air-drag, but the " in sentence_of(told)
-    assert "misses what was held out" not in sentence_of(told)
+    statement = Statement(
+        "unknown", 0.95, gap_of(), PRACTICAL, considered=effects, overruled_by=why
+    )
+    assert "The closest effect examined is air-drag, but the " in sentence_of(statement)
+    assert "misses what was held out" not in sentence_of(statement)
     density = HeldOutDensity(difference=1283.0, error=88.4, blocks=20)
     all_of_it = Interval(mean=1.0, sd=0.0, q05=0.9996, q50=0.9999, q95=1.0002)
     said = held_out_words(

@@ -23,7 +23,6 @@ NOT_YET_NAMED: dict[str, int] = {}
 NOT_YET_SHORT: set[str] = {
     "diagnosis/concluded.py conclude",
     "diagnosis/diagnosing.py diagnose",
-    "diagnosis/stored.py gap_of",
     "diagnosis/unknown.py unknown_force",
     "rigs/gravity_board/hall_events.py reduce_events",
     "rigs/single_axis/entering.py entering",

@@ -62,10 +62,10 @@ def metric(found, name, direction=None):
 
 
 def test_it_has_every_metric_in_order_and_round_trips(draws, as_it_is):
-    found = as_it_is
-    assert [one.name for one in found.loops[0].metrics] == CONTRACT
-    data = json_bytes(found)
-    assert MarginsFile.model_validate_json(data) == found
+    margins = as_it_is
+    assert [one.name for one in margins.loops[0].metrics] == CONTRACT
+    data = json_bytes(margins)
+    assert MarginsFile.model_validate_json(data) == margins
     assert json.loads(data)["schema"] == "bayesfric.margins/1"
     assert json_bytes(computed(draws)) == data
 
@@ -92,13 +92,13 @@ def test_every_missing_number_has_its_reason(draws):
 
 
 def test_friction_alone_does_not_spread_linear_margins(few_draws, as_it_is):
-    found = as_it_is
+    margins = as_it_is
     for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
-        one = metric(found, name)
+        one = metric(margins, name)
         assert one.interval.sd == 0
         assert one.interval.q05 == one.interval.q95
         assert "Coulomb friction is not in the linear loop" in one.note
-        assert name not in found.loops[0].variance_share
+        assert name not in margins.loops[0].variance_share
     inertia = {"family": "log-normal", "median": 0.1, "sd_log": 0.3}
     moved = computed(few_draws, {"joint.inertia_kg_m2": inertia})
     assert metric(moved, "phase_margin").interval.sd > 0
@@ -111,11 +111,11 @@ def test_friction_alone_does_not_spread_linear_margins(few_draws, as_it_is):
 
 def test_an_open_run_reports_both_directions(few_draws):
     changes = {"runs.0.topology": "open", "runs.0.count": 13, "cable.length_m": 1.0}
-    found = computed(few_draws, changes)
+    margins = computed(few_draws, changes)
     for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
-        driving, overhauling = (metric(found, name, d) for d in ("driving", "overhauling"))
+        driving, overhauling = (metric(margins, name, d) for d in ("driving", "overhauling"))
         assert driving.interval.mean != overhauling.interval.mean
-    assert metric(found, "phase_margin", "driving").interval.sd > 0
+    assert metric(margins, "phase_margin", "driving").interval.sd > 0
 
 
 def test_draws_are_those_of_a_new_assembly():

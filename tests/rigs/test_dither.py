@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from rigs.looped_joint import LoopedJoint
 
-from bayesfric.recording.held import answering, held_for, released
+from bayesfric.recording.held import answering, held_for, position_held_for, released
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis import entering
 from bayesfric.rigs.single_axis.dither import steady
@@ -114,3 +114,10 @@ def test_a_coarse_encoder_that_is_held_with_its_force_is_read_where_the_force_is
     assert len(rows) == 2000
     np.testing.assert_array_equal(rows["force_n"], force[::3])
     np.testing.assert_array_equal(rows["position_m"], position[::3])
+
+
+def test_a_position_that_moves_a_few_times_when_its_force_does_may_do_so_by_chance():
+    force = np.repeat(np.random.default_rng(4).standard_normal(100), 2)
+    position = np.where(np.arange(200) < 60, 0.0, np.where(np.arange(200) < 120, 1e-3, 2e-3))
+    assert held_for(force) == 2
+    assert position_held_for(position, force) == 1

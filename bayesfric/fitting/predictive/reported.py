@@ -65,7 +65,10 @@ def assembly_checks(assemblies: Mapping[str, Assemblies | None]) -> tuple[Assemb
                 setup=name,
                 z=float(z),
                 chance=checked.chance(float(z)),
-                without={name: float(means[place]) for name, means in checked.without.items()},
+                without={
+                    coefficient: float(means[place])
+                    for coefficient, means in checked.without.items()
+                },
             )
             for place, (name, z) in enumerate(zip(checked.names, checked.z, strict=True))
             if abs(z) > FAR_SD

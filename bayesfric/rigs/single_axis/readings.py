@@ -58,9 +58,9 @@ class Readings:
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
     held_lag : ndarray, shape (W, L, 3)
-        Of a servo, the same by an error of position with what its stiffness makes of it, per
-        stiffness squared, what damping does, per damping squared, and what stiffness and mass do
-        together, per both; 0 of other joints.
+        Of a servo, the further covariances by an error of position of 1: by stiffness, per
+        stiffness squared; by damping, per damping squared; by stiffness and mass together, per
+        their product. 0 of other joints.
     instruments : ndarray, shape (W, m)
         What the motion is told by without the window's own errors; see :mod:`.instruments`.
     simulated : ndarray, shape (W, K)
@@ -135,9 +135,9 @@ class Readings:
     def lag_of_positions(self, mass: float, damping: float) -> Array:
         """Return the covariance of a row with the l-th next by an error of position of 1, (W, L).
 
-        Of a servo's log an error e adds K ∫ φ e + m ∫ φ'' e − D ∫ φ' e to a row: stiffness and
-        mass pull against each other below the servo's own frequency and together nowhere, so
-        that their shares are no errors apart.
+        In the log of a servo an error e adds K ∫ φ e + m ∫ φ'' e − D ∫ φ' e to a row. The terms of
+        stiffness and mass have opposite signs and cancel at the servo's own frequency. They are
+        therefore not independent errors.
 
         Parameters
         ----------

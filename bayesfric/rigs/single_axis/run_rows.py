@@ -23,7 +23,7 @@ UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
 OFTEN = 0.2  # of the samples: a force that changes in as many is not one of a few steps
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 A_MOMENT = 0.01  # of a window
-A_STOP = 4  # stops of a servo in half a window, of which each hides friction that counts
+A_STOP = 4  # a stop that lasts this part of half a window changes its mean friction
 
 
 def rows_of_run(
@@ -102,9 +102,9 @@ def _speed_inside(log: EvenLog, test: TestFunction, centres: Whole, speed: Array
 def _stands(position: Array, span: int, noise: float) -> Flags:
     """Return at which samples a servo may stand still for as many samples as a span has, (N,).
 
-    A command is held until the next, and a joint that has come close to it stops there, to go on
-    the same way. Few samples in a window hide that from the speed of a parabola, and friction of
-    a joint that stands is anything.
+    A command is held until the next. A joint that has nearly reached it stops, and later goes on
+    in the same direction. If a window has few samples, a parabola through them does not show the
+    stop. The friction of a joint at rest can be anything between its limits.
     """
     moved = np.abs(position[span:] - position[:-span]) > AXIS_RULES.sure_of_way * noise
     stands = np.zeros(position.size, dtype=np.bool_)
