@@ -129,7 +129,9 @@ def law_told(
     unexplained = conclusion.verdict in ("unknown", "undecided")
     parts = by_parts(law, compared.model, judged.residuals.turns) if unexplained else {}
     factors = all_at_once((all_at_once(wide, at_least=parts),), at_least=by_sign(law, speed))
-    return by_the_instrument(widened(law, factors), conclusion.instrument, factors, scatter)
+    return by_the_instrument(
+        widened(law, factors), conclusion.objections.instrument, factors, scatter
+    )
 
 
 class CausesTold(NamedTuple):
@@ -173,10 +175,12 @@ def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
 
     conclusion, named = answer.conclusion, answer.judged.named
     causes, present = causes_named(named), causes_named(conclusion.overruled.present)
-    causes = causes_by_the_instrument(causes, conclusion.instrument, answer.question.examined)
+    causes = causes_by_the_instrument(
+        causes, conclusion.objections.instrument, answer.question.examined
+    )
     considered: tuple[Cause, ...] = ()
     if conclusion.contradicted:
-        considered = causes if named else causes_named(conclusion.rivals)
+        considered = causes if named else causes_named(conclusion.objections.rivals)
         causes = ()
     return CausesTold(causes, present, causes_named(conclusion.overruled.possible), considered)
 
@@ -220,7 +224,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         sentence=f"{words} {on_held_out}",
         **_hypotheses(answer),
         **told_of._asdict(),
-        overruled_by=conclusion.why or conclusion.bent,
+        overruled_by=conclusion.objections.held_out or conclusion.objections.loop,
         enter=to_enter,
         enter_why=not_entered,
         untold={name: reason for rig in data.rigs for name, reason in rig.untold.items()},
@@ -260,8 +264,8 @@ def _statement(
         told_of.present,
         told_of.considered,
         conclusion.not_shown if is_open else None,
-        answer.compared.data.rigs[0].other_joints if conclusion.elsewhere else None,
-        conclusion.why,
+        answer.compared.data.rigs[0].other_joints if conclusion.objections.other_joints else None,
+        conclusion.objections.held_out,
         conclusion.unlike_scatter if is_open else None,
         windows_meant(answer.judged.residuals),
         conclusion.open_because,
@@ -271,7 +275,7 @@ def _statement(
 def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     """Return what a reader should know first, what the data contradict at its head."""
     question, conclusion, data = answer.question, answer.conclusion, answer.compared.data
-    suspects = [*answer.judged.named, *conclusion.rivals, *conclusion.overruled.possible]
+    suspects = [*answer.judged.named, *conclusion.objections.rivals, *conclusion.overruled.possible]
     factor = gravity_hides_inertia(answer.compared.model, answer.judged.residuals.turns)
     hidden = factor is not None and (INERTIA not in law or is_open(law[INERTIA].after))
     return (
@@ -317,7 +321,7 @@ def _hypotheses(answer: Answer) -> dict[str, Any]:
 def _machine(answer: Answer) -> dict[str, Any]:
     """Return which joint of a machine it is, and how wrong the machine's model is."""
     axis, conclusion = answer.question.recording.axis, answer.conclusion
-    amounts, instrument = conclusion.amounts, conclusion.instrument
+    amounts, instrument = conclusion.objections.amounts, conclusion.objections.instrument
     errors = () if amounts is None else model_errors([amounts])
     return {
         "joint": None if axis is None else axis.joint,

@@ -26,7 +26,6 @@ from bayesfric.diagnosis.overruling import (
 )
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.remainder import all_left, remainder_of
-from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.showing import few_windows, loosely_known, share_of_friction, why_not_shown
 from bayesfric.diagnosis.stored import gap_of
 from bayesfric.diagnosis.structure import differs_within_runs, unlike_scatter
@@ -105,6 +104,44 @@ def measure(
 
 
 @dataclass(frozen=True)
+class Objections:
+    """What speaks against the causes.
+
+    Parameters
+    ----------
+    rivals : list of str
+        Effects of which one would be a cause.
+    held_out : str or None
+        By which rule held-out data contradict the causes; None where they do not.
+    loop : str or None
+        Why the loop may have made the causes; None where an instrument holds them.
+    other_joints : bool
+        Whether other joints may pull so.
+    amounts : ModelAmounts or None
+        How wrong the machine's model is.
+    instrument : Instrument or str
+        The law by an instrument, or why there is none.
+    """
+
+    rivals: list[str]
+    held_out: str | None
+    loop: str | None
+    other_joints: bool
+    amounts: ModelAmounts | None
+    instrument: Instrument | str
+
+    @property
+    def contradict(self) -> bool:
+        """Whether an unknown force takes the place of the causes."""
+        return self.held_out is not None or self.other_joints
+
+    @property
+    def raised(self) -> bool:
+        """Whether the causes are only considered."""
+        return self.contradict or self.loop is not None
+
+
+@dataclass(frozen=True)
 class Conclusion:
     """What is concluded of the effects, and by which rule.
 
@@ -112,22 +149,12 @@ class Conclusion:
     ----------
     overruled : Overruled
         Hypotheses and effects, once what held-out data contradict counts as an unknown force.
-    rivals : list of str
-        Effects of which one would be a cause.
-    why : str or None
-        By which rule held-out data contradict the causes; None where they do not.
-    bent : str or None
-        Why the loop may have made the causes; None where an instrument holds them.
+    objections : Objections
+        What speaks against the causes.
     open_because : str or None
         Why an unknown force is no finding, or causes stay open; None where neither is so.
-    elsewhere : bool
-        Whether other joints may pull so.
     together : tuple of tuple of str
         Sets of effects of which one acts.
-    amounts : ModelAmounts or None
-        How wrong the machine's model is.
-    instrument : Instrument or str
-        The law by an instrument, or why there is none.
     not_shown : str or None
         Why these data could not have shown a gap.
     unlike_scatter : str or None
@@ -141,14 +168,9 @@ class Conclusion:
     """
 
     overruled: Overruled
-    rivals: list[str]
-    why: str | None
-    bent: str | None
+    objections: Objections
     open_because: str | None
-    elsewhere: bool
     together: tuple[tuple[str, ...], ...]
-    amounts: ModelAmounts | None
-    instrument: Instrument | str
     not_shown: str | None
     unlike_scatter: str | None
     remainder: Remainder
@@ -158,7 +180,7 @@ class Conclusion:
     @property
     def contradicted(self) -> bool:
         """Whether what would be a cause is only considered."""
-        return self.why is not None or self.bent is not None or self.elsewhere
+        return self.objections.raised
 
 
 def conclude(
@@ -179,59 +201,64 @@ def conclude(
     order : Generator
         Source of randomness of residuals in other orders.
     """
-    model, practical, named = compared.model, question.practical, judged.named
-    gap, best, rig = measured.gap, judged.search.best(), compared.data.rigs[0]
+    model, practical = compared.model, question.practical
     gap_share = float(np.median(judged.posterior.gap)) / judged.residuals.friction_rms
-
-    def beside_best() -> Remainder:
-        return remainder_of(model, judged.search, best, gap_share, measured.left)
-
-    remainder = beside_best() if named else None
-    rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
-    amounts = amounts_of(model, best)
-    elsewhere = looks_like_others(named, rivals, question.examined, rig.other_joints, gap, amounts)
-    why = None if remainder is None else _why_overruled(model, judged, gap, practical, remainder)
-    acting = model.amplitudes(best.at, best.acting)
-    instrument = rig.instrument(acting, model.laws)
-    contradicted = why is not None or elsewhere
-    bent = None if contradicted else _why_bent(instrument, named, best, acting)
-    apart = _without_causes(judged, rivals) if contradicted else _as_judged(judged)
-    not_shown = _why_not_shown(model, apart.search, judged, instrument, practical)
-    left_in_order = _why_no_scatter(model, judged, measured, practical, order)
+    remainder = remainder_of(model, judged.search, judged.search.best(), gap_share, measured.left)
+    objections = _objections_to(question, compared, judged, measured.gap, remainder)
+    apart = _as_judged(judged)
+    if objections.contradict:
+        apart = _without_causes(judged, objections.rivals)
     chances = apart.search.probabilities()
-    together = () if elsewhere else sets_of_one(chances, apart.effects_known, named)
-    causes = [effect for effect in apart.effects_known if effect.effect in named]
+    together: tuple[tuple[str, ...], ...] = ()
+    if not objections.other_joints:
+        together = sets_of_one(chances, apart.effects_known, judged.named)
+    causes = [effect for effect in apart.effects_known if effect.effect in judged.named]
+    not_shown = _why_not_shown(model, apart.search, judged, objections.instrument, practical)
+    left_in_order = _why_no_scatter(model, judged, measured, practical, order)
     verdict, probability = decide(
         chances,
-        [] if contradicted or bent is not None else causes,
+        [] if objections.raised else causes,
         judged.above,
         together,
         none_before=question.analysis.diagnosis.hypotheses.none,
         shown=not_shown is None and left_in_order is None,
     )
-    open_because = bent
-    if bent is None and not (contradicted and verdict == "unknown"):
-        open_because = _why_open(verdict, rig, judged.residuals, instrument, gap)
-    if bent is None and open_because is not None:
+    open_because = _why_open(verdict, objections, model.data.rigs[0], judged, measured.gap)
+    if objections.loop is None and open_because is not None:
         verdict, probability, together = "undecided", max(judged.above, 1 - judged.above), ()
     if verdict == "unknown" and apart.search.unknown is not None:
         remainder = all_left(apart.search, apart.search.unknown)
     return Conclusion(
         apart,
-        rivals,
-        why,
-        bent,
+        objections,
         open_because,
-        elsewhere,
         together,
-        amounts,
-        instrument,
         not_shown,
         left_in_order,
-        remainder or beside_best(),
+        remainder,
         verdict,
         probability,
     )
+
+
+def _objections_to(
+    question: Question, compared: Compared, judged: Judged, gap: Gap, remainder: Remainder
+) -> Objections:
+    """Return what held-out data, other joints and the loop say against the causes."""
+    model, named = compared.model, judged.named
+    best, rig = judged.search.best(), compared.data.rigs[0]
+    rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
+    amounts = amounts_of(model, best)
+    other_joints = looks_like_others(
+        named, rivals, question.examined, rig.other_joints, gap, amounts
+    )
+    held_out = _why_overruled(model, judged, gap, question.practical, remainder) if named else None
+    acting = model.amplitudes(best.at, best.acting)
+    instrument = rig.instrument(acting, model.laws)
+    loop = None
+    if held_out is None and not other_joints:
+        loop = _why_bent(instrument, named, best, acting)
+    return Objections(rivals, held_out, loop, other_joints, amounts, instrument)
 
 
 def _why_overruled(
@@ -285,17 +312,19 @@ def _why_bent(
 
 
 def _why_open(
-    verdict: Verdict, rig: RigTrials, residuals: Residuals, instrument: Instrument | str, gap: Gap
+    verdict: Verdict, objections: Objections, rig: RigTrials, judged: Judged, gap: Gap
 ) -> str | None:
-    """Return why an unknown force along a path, or one of some rivals, is not sure; else None."""
+    """Return why causes, some rivals or an unknown force stay open; None where they do not."""
+    if objections.loop is not None or (objections.contradict and verdict == "unknown"):
+        return objections.loop
     if "coulomb" in rig.untold and verdict in ("named", "unseparated"):
         return rig.open_still
     if rig.along_path and verdict == "unseparated":
         return why_beyond_rivals(gap)
     if not rig.along_path or verdict != "unknown":
         return None
-    few = few_windows(residuals, along_path=True)
-    return rig.open_still or few or why_unsettled(instrument)
+    few = few_windows(judged.residuals, along_path=True)
+    return rig.open_still or few or why_unsettled(objections.instrument)
 
 
 def _as_judged(judged: Judged) -> Overruled:

@@ -4,7 +4,9 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -38,6 +40,18 @@ from bayesfric.schemas import DiagnosisFile
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 
+class _Asked(NamedTuple):
+    """What is asked of each part of a recording, as of :func:`diagnose`."""
+
+    analysis: Analysis
+    fixed: Collection[str]
+    effects: Collection[Effect]
+    shipped: Shipped | None
+    baseline: str
+    calls: Callable[[], SimulatorCalls] | None
+    target: pd.DataFrame | None
+
+
 def diagnose(
     recording: Recording,
     analysis: Analysis | None = None,
@@ -63,27 +77,23 @@ def diagnose(
     fixed : collection of str
         Numbers that are held at their shipped values, as ``c3``, ``c3[small]`` or ``mass``.
     effects : collection of Effect
-        Effects of the user's own, examined beside those of :mod:`bayesfric.effects`; one
-        of the same name takes the other's place.
+        The user's own, examined beside :mod:`bayesfric.effects` or in place of the same name.
     shipped : mapping of str to Coefficients or to float, or None
         The simulator's values as it was shipped: laws by pulley size, or numbers by name as
         ``fit.json`` has them, say ``mass``; None is Table I.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
     simulator : Simulator, str or None
-        A simulator of the user's own in the place of the law: an object, or
-        ``module:object``; see :class:`bayesfric.simulators.Simulator`.
+        The user's own in the place of the law; see :class:`bayesfric.simulators.Simulator`.
     target : DataFrame or None
-        Conditions at which friction is asked for, as of
-        :func:`bayesfric.recording.read_conditions`.
+        Where friction is asked for, as of :func:`bayesfric.recording.read_conditions`.
     executor : Executor or None
         Over which calls of the simulator are spread; None makes one after another.
     announce : callable or None
         Is told how many calls of the simulator are coming.
     checkpoint : Path or None
-        Folder that keeps what is weighed, so that a diagnosis that was interrupted goes on
-        to the same result. Remove it when that is written. With effects or a simulator of the
-        user's own nothing is kept: whether their code has changed cannot be told.
+        Folder from which an interrupted diagnosis goes on to the same result; to be removed
+        after. Not used beside the user's own effects or simulator, whose code may change.
 
     Returns
     -------
@@ -93,38 +103,34 @@ def diagnose(
     Raises
     ------
     InputError
-        There is no rig to diagnose, the law is unknown, a fixed coefficient is unknown
-        or has no value, or a simulator cannot be called.
+        No rig, no such law or fixed coefficient, or a simulator that cannot be called.
     """
-    began = time.perf_counter()
-    analysis = Analysis() if analysis is None else analysis
-    if parted := parted_by_joint(recording):
-
-        def of_joint(own: Recording, kept: Path | None) -> Diagnosed:
-            return diagnose(
-                own,
-                analysis,
-                fixed=fixed,
-                effects=effects,
-                shipped=shipped,
-                baseline=baseline,
-                simulator=simulator,
-                target=target,
-                executor=executor,
-                announce=announce,
-                checkpoint=kept,
-            )
-
-        return diagnosed_together(parted, of_joint, checkpoint)
     calls = None
     if simulator is not None:
-        calls = SimulatorCalls(simulator, executor=executor, announce=announce)
+        calls = partial(SimulatorCalls, simulator, executor=executor, announce=announce)
+    asked = _Asked(analysis or Analysis(), fixed, effects, shipped, baseline, calls, target)
+    if joints := parted_by_joint(recording):
+        return diagnosed_together(joints, partial(_diagnosed, asked), checkpoint)
+    return _diagnosed(asked, recording, checkpoint)
+
+
+def _diagnosed(asked: _Asked, recording: Recording, checkpoint: Path | None) -> Diagnosed:
+    """Return the diagnosis of a recording of boards, or of one joint."""
+    began = time.perf_counter()
     with threadpool_limits(limits=1):
+        calls = None if asked.calls is None else asked.calls()
         question = question_of(
-            recording, analysis, fixed, effects, shipped, baseline, calls, target
+            recording,
+            asked.analysis,
+            asked.fixed,
+            asked.effects,
+            asked.shipped,
+            asked.baseline,
+            calls,
+            asked.target,
         )
-        kept = None if effects or simulator is not None else checkpoint
-        summary, curves, amounts = _diagnose(question, baseline, sorted(fixed), kept)
+        kept = None if asked.effects or asked.calls else checkpoint
+        summary, curves, amounts = _diagnose(question, asked.baseline, sorted(asked.fixed), kept)
     own = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
     words = f"{own.sentence}{model_error_words(own.model_error)}"
     summary = own.model_copy(update={"sentence": words})
@@ -157,7 +163,7 @@ def _diagnose(
     summary = file_of(answer, causes_told(answer, checks), attributes)
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}
     curves = curves_of(measured.held_out, amplitudes, judged.posterior.law)
-    return summary, curves, conclusion.amounts
+    return summary, curves, conclusion.objections.amounts
 
 
 def _compared_and_judged(

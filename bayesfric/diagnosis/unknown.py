@@ -1,7 +1,7 @@
 """An unknown smooth force beyond the discrepancy: how large it is, and along which axis."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import logsumexp, ndtri
@@ -59,6 +59,42 @@ class Unknown:
         return dict.fromkeys(self.acting.names, self.form)
 
 
+@dataclass(frozen=True)
+class _Grid:
+    """Possible sizes and axes of a force, over which its evidence is integrated."""
+
+    model: LinearModel
+    acting: Acting
+    forms: Mapping[str, FormShare]
+    nodes: tuple[Wide, ...]
+    idle: Flags
+
+    def information(self, psi: Array) -> Information:
+        """Return the information of coefficients, at noise parameters."""
+        places = [place for law in self.acting.laws for place in law.places]
+        said = self.model.said_of(psi, places, self.acting.phases)
+        return self.model.mixed(said, places, self.acting)
+
+    def log_evidences(self, psi: Array, of: Whole) -> Array:
+        """Return the log evidence of some nodes at noise parameters; -inf where idle."""
+        information = self.information(psi)
+        priors = [self.model.amplitude_prior(law) for law in self.acting.laws]
+        nothing = np.array([], dtype=np.intp)
+        log_prior, _ = self.model.log_prior(psi, self.acting)
+        log_densities = [
+            information.reduced(
+                *self.model.prior(priors, self.nodes[n], self.forms), nothing
+            ).log_evidence
+            for n in of
+        ]
+        return np.where(self.idle[of], -np.inf, log_prior + np.array(log_densities))
+
+    def likeliest(self, starts: Sequence[Array]) -> Array:
+        """Return the noise parameters at which a force of middling size is likeliest."""
+        middling = np.arange(len(QUANTILES) // 2, len(self.nodes), len(QUANTILES))
+        return starts[int(np.argmax([self.log_evidences(psi, middling).max() for psi in starts]))]
+
+
 def unknown_force(
     model: LinearModel,
     without: Weighed,
@@ -85,54 +121,37 @@ def unknown_force(
     near : float or None
         With a log evidence above this, the volume of the noise is computed for this force.
     """
-    model = model.full
-    axes = model.acting_axes
+    axes = model.full.acting_axes
     if not axes:
         return None
-    nodes, idle = _nodes(model, axes)
-    form = without.forms
-    places = [place for law in acting.laws for place in law.places]
-
-    def information_at(psi: Array) -> Information:
-        return model.mixed(model.said_of(psi, places, acting.phases), places, acting)
-
-    def values(psi: Array, of: Whole) -> Array:
-        information = information_at(psi)
-        priors = [model.amplitude_prior(law) for law in acting.laws]
-        nothing = np.array([], dtype=np.intp)
-        log_prior, _ = model.log_prior(psi, acting)
-        log_densities = [
-            information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
-            for n in of
-        ]
-        return np.where(idle[of], -np.inf, log_prior + np.array(log_densities))
-
+    forms = without.forms
+    grid = _Grid(model.full, acting, forms, *_nodes(model.full, axes))
     psi = without.at.psi
-    tried = [psi, model.noise.quiet(psi), *(s for s in starts if s.size == psi.size)]
-    middling = np.arange(len(QUANTILES) // 2, len(nodes), len(QUANTILES))
-    psi = tried[int(np.argmax([values(node, middling).max() for node in tried]))]
-    log_evidences = values(psi, np.arange(len(nodes)))
+    alike = (start for start in starts if start.size == psi.size)
+    psi = grid.likeliest([psi, grid.model.noise.quiet(psi), *alike])
+    log_evidences = grid.log_evidences(psi, np.arange(len(grid.nodes)))
     for _ in range(2):
         # The search for the mode needs few coefficients; the evidence contains all of them.
-        small = squeezed(model, psi, nodes[int(np.argmax(log_evidences))])
-        there = climb(small, psi, acting, None, form, inverse)
+        small = squeezed(grid.model, psi, grid.nodes[int(np.argmax(log_evidences))])
+        there = climb(small, psi, acting, None, forms, inverse)
         settled = bool(np.abs(there.psi - psi).max() < 0.05)
         psi = there.psi
-        small = small.reweighted(psi, acting, None, form)
-        model = small.full
+        small = small.reweighted(psi, acting, None, forms)
+        grid = replace(grid, model=small.full)
         likely = np.flatnonzero(log_evidences > log_evidences.max() - LIKELY)
-        log_evidences[likely] = values(psi, likely)
+        log_evidences[likely] = grid.log_evidences(psi, likely)
         if settled:
             break
-    likeliest = nodes[int(np.argmax(log_evidences))]
-    at = model.integrated(psi, acting, information_at(psi), likeliest, form)
-    total = float(logsumexp(log_evidences) - np.log(len(nodes))) + volume
-    total += over_amplitudes(small, there, acting, form) + small.weight_volume
+    likeliest = grid.nodes[int(np.argmax(log_evidences))]
+    at = grid.model.integrated(psi, acting, grid.information(psi), likeliest, forms)
+    total = float(logsumexp(log_evidences) - np.log(len(grid.nodes))) + volume
+    total += over_amplitudes(small, there, acting, forms) + small.weight_volume
     if near is not None and total > near:
-        noise = slice(len(model.noise))
-        total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume
+        noise = slice(len(grid.model.noise))
+        total += log_volume(curvature_at(small, there, acting, forms)[noise, noise]) - volume
     # All axes together and each single axis have the same prior probability.
-    return Unknown(nodes, log_evidences - logsumexp(log_evidences), total, at, acting, without.form)
+    densities = log_evidences - logsumexp(log_evidences)
+    return Unknown(grid.nodes, densities, total, at, acting, without.form)
 
 
 def _nodes(model: LinearModel, axes: Sequence[str]) -> tuple[tuple[Wide, ...], Flags]:

@@ -311,8 +311,7 @@ def reduce_events(
     Parameters
     ----------
     events : DataFrame
-        Event table of a recording; each of `trial_ids` has at least five events
-        of one sensor.
+        Event table of a recording; each trial has at least five events of one sensor.
     trial_ids : Series of str, length N
         The trials, in the order of the result.
     spacing_m : float
@@ -320,8 +319,7 @@ def reduce_events(
     tick_s : float
         Resolution of the clock [s].
     responses : ndarray, shape (K, E), or None
-        u_k, what each effect adds to the travel at unit amplitude, in the order of
-        :func:`prepare_events` [m].
+        u_k, what each effect adds to the travel at unit amplitude, by event [m].
     scattered : ndarray, shape (B, E), or None
         The same of numbers that are drawn anew in each trial; they come first in the form.
     clock_sd_s : float
@@ -330,8 +328,7 @@ def reduce_events(
     Returns
     -------
     EventTable
-        To be evaluated at the noise of each walker; the first speed has a flat prior until
-        :meth:`EventTable.with_first_speed` gives it another.
+        With a flat prior of the first speed; see :meth:`EventTable.with_first_speed`.
     """
     table = prepare_events(events, trial_ids)
     pilot = pilot_of(table)
@@ -353,15 +350,17 @@ def reduce_events(
         speed=speed,
         typical_speed=float(np.exp(np.mean(np.log(speed)))),
         tick_variance=tick_s**2 / 12,
-        degrees_of_freedom=table.total(np.ones_like(table.tau))
-        - sensors
-        - 1.0
-        - prior.share_of_events,
+        degrees_of_freedom=_events_of_trials(table) - sensors - 1.0 - prior.share_of_events,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + prior.constant,
         origin=pilot.acceleration,
         first_speed=pilot.first_speed,
         prior=prior,
     )
+
+
+def _events_of_trials(table: Events) -> Array:
+    """Return how many events each trial has, shape (N,)."""
+    return table.total(np.ones_like(table.tau))
 
 
 def _beside(table: Events, place: int, columns: Array | None) -> Events:

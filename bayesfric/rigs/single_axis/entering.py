@@ -83,22 +83,23 @@ class _Logs(NamedTuple):
     still: list[str]
 
 
-def _on_time(
-    logs: Sequence[EvenLog], constants: RigConstants, interval_s: float, servo: Servo | None
-) -> OnTime:
+def _interval_s(logs: Sequence[EvenLog]) -> float:
+    """Return the time between two samples of a log that is like most."""
+    return float(np.median([log.interval_s for log in logs]))
+
+
+def _on_time(logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | None) -> OnTime:
     """Return logs whose force stands where it acts; a servo's log has its delay in it already."""
     if servo is not None:
         return OnTime(tuple(logs))
-    margin = AXIS_RULES.early * margin_s(interval_s)
+    margin = AXIS_RULES.early * margin_s(_interval_s(logs))
     return on_time(logs, constants.encoder_resolution, margin)
 
 
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> Entering | Unsupported:
-    """Return the runs in which the axis moves, cut in parts where they are few.
-
-    Where they tell nothing, the rule that leaves them out is returned.
+    """Return the runs in which the axis moves, cut in parts where they are few, or why none enters.
 
     Parameters
     ----------
@@ -115,43 +116,35 @@ def entering(
     recorded = _even_logs(axis, constants, machine if simulator is None else None)
     if isinstance(recorded, Unsupported):
         return recorded
-    logs, resolution = recorded.logs, constants.encoder_resolution
-    interval = float(np.median([log.interval_s for log in logs]))
-    clocked = _on_time(logs, constants, interval, servo)
+    clocked = _on_time(recorded.logs, constants, servo)
     if clocked.why_refused is not None:
         return Unsupported(clocked.why_refused)
     logs, limited, dither = _within_limit(
-        list(clocked.logs), recorded.starts, constants, calm=servo is None
+        clocked.logs, recorded.starts, constants, calm=servo is None
     )
     too_few = refused_for_few_windows(None if limited is None else limited[0])
-    if limited is None or too_few is not None:
-        return too_few or Unsupported("no window in which the axis runs one way")
-    readings, limit = limited
-    readings = readings if servo is None else with_open_stiffness(with_open_delay(readings), servo)
-    table = pd.DataFrame(recorded.rows).assign(**NO_CABLE)
-    measures = measures_of(readings, logs, constants, limit)
-    if servo is not None and readings.beside.shape[1]:
-        measures = replace(measures, pull=max(measures.pull, pull_beside_payloads(readings)))
+    if too_few is not None:
+        return too_few
+    assert limited is not None
+    readings = limited[0] if servo is None else _of_servo(limited[0], servo)
+    table = _table_of(recorded.rows)
+    measures = _measures_of(readings, logs, constants, limited[1], servo)
     turns = _turns(readings, table["run"])
     beside, readings = _beside_simulator(
-        simulator, logs, recorded, readings, measures, fitting(table), resolution
+        simulator, logs, recorded, readings, measures, fitting(table), constants.encoder_resolution
     )
-    if "setup" not in table or table["setup"].nunique() < AXIS_RULES.least_setups:
-        table["setup"] = table["trial"]
-    inside = measures.limit.within(readings)
-    carried = carried_by(readings, inside, table, varied_columns(axis.runs))
-    measures = with_lengths(readings, table, replace(measures, carried=carried), constants)
+    measures = _with_carried(readings, table, measures, varied_columns(axis.runs))
+    measures = with_lengths(readings, table, measures, constants)
     is_free = turns < SHOWS_PLACE and servo is None and beside is None
     lever_n = measures.force if is_free and _may_have_weight(machine, logs) else 0.0
     readings, measures = _with_lever(readings, measures, lever_n)
-    sensed = constants.force_is in MEASURED
     chosen, still = _by_setup(readings, table)
     return Entering(
         table.iloc[chosen].reset_index(drop=True),
         readings.of(chosen),
         measures,
         (*recorded.still, *still),
-        interval,
+        _interval_s(recorded.logs),
         beside,
         turns,
         machine,
@@ -159,13 +152,55 @@ def entering(
         dither,
         servo,
         constants,
-        max(map(spikes, (log.force for log in recorded.logs))) if sensed else 0.0,
-        0.0
-        if constants.force_is == "commanded" or servo is not None
-        else max(float(clipped(log.force).mean()) for log in recorded.logs),
+        *_faults_of_force(recorded.logs, constants, servo),
         lever_n,
         max(log.stamps_sd_s for log in recorded.logs),
     )
+
+
+def _of_servo(readings: Readings, servo: Servo) -> Readings:
+    """Return rows beside which the delay and the stiffness of a servo's loop are open."""
+    return with_open_stiffness(with_open_delay(readings), servo)
+
+
+def _table_of(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the table of trials; where assemblies are few, each trial stands for one."""
+    table = pd.DataFrame(rows).assign(**NO_CABLE)
+    if "setup" not in table or table["setup"].nunique() < AXIS_RULES.least_setups:
+        table["setup"] = table["trial"]
+    return table
+
+
+def _measures_of(
+    readings: Readings,
+    logs: Sequence[EvenLog],
+    constants: RigConstants,
+    limit: Limit,
+    servo: Servo | None,
+) -> Measures:
+    """Return the measures of all runs; payloads of a servo tell what it pulls."""
+    measures = measures_of(readings, logs, constants, limit)
+    if servo is None or not readings.beside.shape[1]:
+        return measures
+    return replace(measures, pull=max(measures.pull, pull_beside_payloads(readings)))
+
+
+def _with_carried(
+    readings: Readings, table: pd.DataFrame, measures: Measures, columns: Sequence[str]
+) -> Measures:
+    """Return measures that know what the gear carries, by columns of the runs that vary."""
+    inside = measures.limit.within(readings)
+    return replace(measures, carried=carried_by(readings, inside, table, columns))
+
+
+def _faults_of_force(
+    logs: Sequence[EvenLog], constants: RigConstants, servo: Servo | None
+) -> tuple[float, float]:
+    """Return the spikes of a measured force, and the largest share of a log that is clipped."""
+    peaks = max(spikes(log.force) for log in logs) if constants.force_is in MEASURED else 0.0
+    if constants.force_is == "commanded" or servo is not None:
+        return peaks, 0.0
+    return peaks, max(float(clipped(log.force).mean()) for log in logs)
 
 
 def _by_setup(readings: Readings, table: pd.DataFrame) -> tuple[Whole, list[str]]:

@@ -217,32 +217,21 @@ def compared(
     groups = np.unique(piece[kept], return_inverse=True)[1]
     pieces = int(groups.max()) + 1 if groups.size else 0
     chosen = _independent(columns)
-    first = columns.shape[1] - len(acting)
-    place_of = {
-        acting[column - first]: place for place, column in enumerate(chosen) if column >= first
-    }
-    laws = _of_the_law(columns, acting)
-    columns = columns[:, chosen]
-    if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * columns.shape[1]:
+    if pieces < AXIS_RULES.least_pieces or len(force) < AXIS_RULES.rows_a_number * len(chosen):
         return f"{len(force)} windows in {pieces} stretches are too few to tell"
-    columns, widths = _scaled(columns)
+    scaled, widths = _scaled(columns[:, chosen])
     own = _scaled(own)[0]
-    moved, rest = columns[:, :MOVED], columns[:, MOVED:]
+    moved, rest = scaled[:, :MOVED], scaled[:, MOVED:]
     excluded = np.column_stack([own, rest])
     fitted = excluded @ _least_squares(excluded, moved)
     strength = min(_strength(moved, fitted, own, rest, groups, place) for place in range(MOVED))
     left = moved - fitted
     statistic, p_value = 0.0, 1.0  # of instruments that leave nothing
     if np.linalg.norm(left) > ALIKE * np.linalg.norm(moved):
-        statistic, p_value = _wald(force[:, None], left, columns, groups)
+        statistic, p_value = _wald(force[:, None], left, scaled, groups)
     second = np.column_stack([fitted, rest])
-    numbers = _least_squares(second, force)
-    instrumental = _estimates(numbers, second, force - columns @ numbers, groups, widths)
-    numbers = _least_squares(columns, force)
-    ordinary = _estimates(numbers, columns, force - columns @ numbers, groups, widths)
-    effects = {name: (instrumental[place], ordinary[place]) for name, place in place_of.items()}
-    for name, (place, ratio) in laws.items():
-        effects[name] = instrumental[place].over(ratio), ordinary[place].over(ratio)
+    instrumental = _estimates(second, scaled, force, groups, widths)
+    ordinary = _estimates(scaled, scaled, force, groups, widths)
     return Compared(
         kind,
         statistic,
@@ -251,8 +240,24 @@ def compared(
         dict(zip(NAMES, instrumental, strict=False)),
         dict(zip(NAMES, ordinary, strict=False)),
         len(force),
-        effects,
+        {
+            name: (instrumental[place].over(ratio), ordinary[place].over(ratio))
+            for name, (place, ratio) in _places_of(acting, columns, chosen).items()
+        },
     )
+
+
+def _places_of(
+    acting: Sequence[str], columns: Array, chosen: Sequence[int]
+) -> dict[str, tuple[int, float]]:
+    """Return the place of each effect among the chosen columns, and how many times it is that."""
+    first = columns.shape[1] - len(acting)
+    own = {
+        acting[column - first]: (place, 1.0)
+        for place, column in enumerate(chosen)
+        if column >= first
+    }
+    return own | _of_the_law(columns, acting)
 
 
 def _of_the_law(columns: Array, acting: Sequence[str]) -> dict[str, tuple[int, float]]:
@@ -331,9 +336,13 @@ def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
 
 
 def _estimates(
-    numbers: Array, design: Array, rest: Array, groups: Whole, widths: Array
+    regressors: Array, columns: Array, force: Array, groups: Whole, widths: Array
 ) -> list[Estimate]:
-    """Return each number of a fit with its error, in the columns' own units."""
-    error = np.sqrt(np.diag(_covariance(design, rest, groups)))
+    """Return each number of a fit with its error, in the columns' own units.
+
+    Residuals are those of the columns, whichever regressors stand in their place.
+    """
+    numbers = _least_squares(regressors, force)
+    error = np.sqrt(np.diag(_covariance(regressors, force - columns @ numbers, groups)))
     pairs = zip(numbers / widths, error / widths, strict=True)
     return [Estimate(float(number), float(own)) for number, own in pairs]

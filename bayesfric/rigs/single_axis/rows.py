@@ -208,7 +208,7 @@ def state_of(
     constants: RigConstants,
     further: Sequence[str] = (),
 ) -> State:
-    """Return where the axis is at places inside every row.
+    """Return where the axis is at places inside every row, in arrays that broadcast to (W, P).
 
     Parameters
     ----------
@@ -220,22 +220,13 @@ def state_of(
         N trials.
     tested : ndarray of bool, shape (N,)
         Trials in which something may differ from calibration.
-    measures : Measures
-        Of the whole recording.
-    constants : RigConstants
-        The machine.
+    measures, constants : Measures, RigConstants
+        Of the whole recording, and of the machine.
     further : sequence of str
         Columns of the recording's own.
-
-    Returns
-    -------
-    State
-        Arrays that broadcast to (W, P).
     """
     order = rank(table)[rows.trial]
-    held, moved = (
-        (np.zeros(1), np.zeros(1)) if measures.carried is None else measures.carried.at(rows, table)
-    )
+    held, moved = _carried(rows, table, measures)
     warm = warmth_of(rows, order)
     return State(
         n_pulleys=1.0,
@@ -266,7 +257,17 @@ def state_of(
         since_rest_m=rows.since_rest[:, None],
         warmth=0.0 if warm is None else warm[:, None],
         tested=tested.astype(np.float64)[rows.trial][:, None],
-        covariates={
-            name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in further
-        },
+        covariates=_covariates(rows, table, further),
     )
+
+
+def _carried(rows: Readings, table: pd.DataFrame, measures: Measures) -> tuple[Array, Array]:
+    """Return what the gear carries of weights and springs, and of the mass that it moves."""
+    if measures.carried is None:
+        return np.zeros(1), np.zeros(1)
+    return measures.carried.at(rows, table)
+
+
+def _covariates(rows: Readings, table: pd.DataFrame, names: Sequence[str]) -> dict[str, Array]:
+    """Return columns of the trials for every row, shape (W, 1)."""
+    return {name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in names}
