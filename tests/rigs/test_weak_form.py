@@ -142,6 +142,25 @@ def test_a_stop_is_not_run_over(resolution, reach):
     np.testing.assert_allclose(velocity[20 : stop - reach], 0.2, rtol=max(40 * resolution, 1e-2))
 
 
+@pytest.mark.parametrize(("back", "lasts"), [(0.0, 3), (-0.1, 2)])
+def test_a_short_stop_and_a_turn_back_are_not_run_over(back, lasts):
+    """What disturbs a joint holds it for some samples, or turns it back; then it goes on.
+
+    A parabola through eight samples on either side moves on all the while, and three samples
+    about the stop cannot tell.
+    """
+    step, stop = 5e-3, 300
+    speed = np.full(600, 0.2)
+    speed[stop : stop + lasts] = back
+    position = step * np.concatenate([[0.0], np.cumsum(speed)[:-1]])
+    position += 1e-5 * np.random.default_rng(1).standard_normal(600)
+    log = even_grid(step * np.arange(600), {"position": position, "force": np.ones(600)})
+    way = smooth_motion(log, 8, 1e-5)[2]
+    assert not way[stop : stop + lasts + 1].any()
+    assert (way[20 : stop - 2] == 1).all()
+    assert (way[stop + lasts + 3 : 580] == 1).all()
+
+
 def test_pieces_are_neighbours_of_one_pass():
     time, position, force = moving()
     log = even_grid(time, {"position": position, "force": force})

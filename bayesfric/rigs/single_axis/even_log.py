@@ -1,5 +1,6 @@
 """A run on an even grid, and what is known of its speed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -343,7 +344,7 @@ def smooth_motion(
     """Return position, speed, and where it is known which way the axis runs.
 
     Parabolas go through no more samples than tell the speed well: over many of them a stop, or
-    a slip, is none.
+    a slip, is none. A wide one counts only where narrower ones do not contradict it.
 
     Parameters
     ----------
@@ -365,13 +366,10 @@ def smooth_motion(
     """
     widths = [*(2**power for power in range((half - 1).bit_length())), half]
     way = np.zeros(log.position.size)
-    for width in widths:
-        way = np.where(way == 0, _surely(log, width, noise), way)
+    for place, width in enumerate(widths):
+        way = np.where(way == 0, _surely(log, widths[: place + 1], noise), way)
     well = FINE * np.abs(_speed(log, half)).max()
-    fine = next(
-        (tried_width for tried_width in widths if _speed_error(log, tried_width, noise) < well),
-        half,
-    )
+    fine = next((width for width in widths if _speed_error(log, width, noise) < well), half)
     if quick:
         fine = max(fine, QUICK)
     degree = 4 if quick else 2
@@ -379,14 +377,19 @@ def smooth_motion(
     return position, _speed(log, fine, degree), np.where(log.is_known, way, 0.0)
 
 
-def _surely(log: EvenLog, half: int, noise: float) -> Array:
-    """Return which way the axis runs, by parabolas through `half` samples on either side, (N,).
+def _surely(log: EvenLog, widths: Sequence[int], noise: float) -> Array:
+    """Return which way the axis runs, by parabolas of the last of some widths, (N,).
 
     It runs at a sample where it does at all through which the parabola goes: one that goes over
-    a stop moves for as many samples as it reaches, while friction is anything.
+    a stop moves for as many samples as it reaches, while friction is anything. If a narrower
+    parabola has another speed by more than its error, the wider one went over a stop or a turn.
     """
+    half = widths[-1]
     velocity, error = _speed(log, half), _speed_error(log, half, noise)
     way = np.where(np.abs(velocity) > AXIS_RULES.sure_of_way * error, np.sign(velocity), 0.0)
+    for narrow in widths[:-1]:
+        surely = AXIS_RULES.sure_of_way * _speed_error(log, narrow, noise)
+        way[np.abs(_speed(log, narrow) - velocity) > surely] = 0.0
     least = scipy.ndimage.minimum_filter1d(way, 2 * half + 1)
     return np.where(least == scipy.ndimage.maximum_filter1d(way, 2 * half + 1), least, 0.0)
 
