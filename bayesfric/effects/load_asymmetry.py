@@ -8,6 +8,7 @@ where these are known. With ``load-friction`` it shares the other half.
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
@@ -16,14 +17,10 @@ from bayesfric.arrays import Array
 from bayesfric.effects.base import LADDER, Effect, EffectParameter, State
 
 
-def _driving(p: Mapping[str, Array], state: State) -> Array:
-    along = np.asarray(state.carried_n) * np.asarray(state.direction)
+def _one_way(load: str, sign: float, p: Mapping[str, Array], state: State) -> Array:
+    """Return k |ℓ| where the motor drives (sign 1), or where the load drives it back (−1)."""
+    along = sign * np.asarray(getattr(state, load)) * np.asarray(state.direction)
     return np.asarray(p["share"] * np.maximum(along, 0.0))
-
-
-def _driven_back(p: Mapping[str, Array], state: State) -> Array:
-    along = np.asarray(state.carried_n) * np.asarray(state.direction)
-    return np.asarray(p["share"] * np.maximum(-along, 0.0))
 
 
 EFFECT = Effect(
@@ -38,7 +35,12 @@ EFFECT = Effect(
         plausible=(0.0, 0.5),
         reference=f"{LADDER}: 0 to 0.38 on the motor's side, 0 to 0.25 on the other",
     ),
-    laws={"driving": _driving, "driven-back": _driven_back},
+    laws={
+        "driving": partial(_one_way, "carried_n", 1.0),
+        "driven-back": partial(_one_way, "carried_n", -1.0),
+        "driving-what-is-held": partial(_one_way, "held_n", 1.0),
+        "driven-back-by-what-is-held": partial(_one_way, "held_n", -1.0),
+    },
     along_path=True,
     needs=frozenset({"direction", "load-both-ways", "known-load"}),
     axes=frozenset({"load", "displacement", "acceleration"}),

@@ -26,6 +26,8 @@ AT = State(
     wave_from_m=0.03,
     tested=1.0,
     load=lambda held, heavy, length: (4.0, -0.2),
+    carried_n=-5.0,
+    held_n=-3.0,
 )
 
 
@@ -37,6 +39,11 @@ AT = State(
         ("payload", "carried", {"mass": 0.5}, -1.5),
         ("gravity-torque", "lever", {"torque": 2.0, "angle": 0.1}, -2.0 * np.sin(0.3)),
         ("spring", "linear", {"stiffness": 5.0, "rest": 0.05}, -0.75),
+        # The gear drives what it carries along the way it runs; 2 N of that take inertia.
+        ("load-asymmetry", "driving", {"share": 0.1}, 0.5),
+        ("load-asymmetry", "driven-back", {"share": 0.1}, 0.0),
+        ("load-asymmetry", "driving-what-is-held", {"share": 0.1}, 0.3),
+        ("load-asymmetry", "driven-back-by-what-is-held", {"share": 0.1}, 0.0),
         # A quarter of a period beyond where it rises, against the way it runs.
         ("cogging", "wave", {"force": 0.5, "period": 0.04}, -0.5),
         ("delay", "late", {"time": 0.005}, 0.1),

@@ -366,8 +366,8 @@ def smooth_motion(
     """
     widths = [*(2**power for power in range((half - 1).bit_length())), half]
     way = np.zeros(log.position.size)
-    for place, width in enumerate(widths):
-        way = np.where(way == 0, _surely(log, widths[: place + 1], noise), way)
+    for count in range(1, len(widths) + 1):
+        way = np.where(way == 0, _surely(log, widths[:count], noise), way)
     well = FINE * np.abs(_speed(log, half)).max()
     fine = next((width for width in widths if _speed_error(log, width, noise) < well), half)
     if quick:
