@@ -37,7 +37,11 @@ class Instrument(Record):
     strength: F statistic by which the instruments tell acceleration and speed, the smaller one;
         below 10 they tell too little.
     windows: That both are of.
-    alarms: Whether the two differ by more than chance, and by what matters.
+    agreement: p-value that the instruments contradict each other by chance alone. Below 0.001
+        they are no instruments: what the law lacks goes with them. 1 where there are no more of
+        them than needed.
+    alarms: Whether the two differ by more than chance, and by what matters, and the instruments
+        agree.
     numbers: Of the law, by name.
     effects: Amplitudes of the effects of the likeliest hypothesis, by name; none that the law and
         the effects before it make.
@@ -47,6 +51,7 @@ class Instrument(Record):
     statistic: Number
     p_value: Number
     strength: Number
+    agreement: Number = 1.0
     windows: int
     alarms: bool
     numbers: dict[str, InstrumentNumber]

@@ -46,6 +46,22 @@ def test_where_nothing_is_wrong_the_alarm_is_as_rare_as_it_says():
     assert not any(compared(*rows(seed)).alarms for seed in range(40))
 
 
+@pytest.mark.parametrize(("lacks", "agree"), [(0.0, True), (0.02, False)])
+def test_instruments_that_contradict_each_other_raise_no_alarm(lacks, agree):
+    """What the law lacks goes with the motion before: by that the inertia is off by a half."""
+    force, columns, instruments, piece = rows(1, error=3.0, count=1200)
+    rng = np.random.default_rng(3)
+    acceleration, speed = instruments[:, 0], instruments[:, 1]
+    before = acceleration + 2 * rng.standard_normal(1200)
+    more = np.column_stack([before, speed + 0.1 * rng.standard_normal(1200)])
+    instruments = np.column_stack([instruments[:, :2], more])
+    found = compared(force + lacks * before, columns, instruments, piece)
+    assert found.kind == "earlier motion"
+    assert found.p_value < 1e-6
+    assert (found.agreement > 0.01) is agree
+    assert found.alarms is agree
+
+
 def test_weak_instruments_and_few_windows_raise_no_alarm():
     force, columns, instruments, piece = rows(1, error=3.0)
     noise = np.random.default_rng(5).standard_normal((600, 2))

@@ -65,6 +65,9 @@ class Compared(NamedTuple):
     effects : dict of str to (Estimate, Estimate)
         Amplitudes of effects that act, with instruments and without; of those alone that are a
         number of the law, or that the columns before them do not make.
+    agreement : float
+        p-value that instruments contradict each other by chance alone; 1 where there are no more
+        of them than regressors.
     """
 
     kind: Literal["reference", "earlier motion"]
@@ -75,6 +78,7 @@ class Compared(NamedTuple):
     ordinary: dict[str, Estimate]
     rows: int
     effects: dict[str, tuple[Estimate, Estimate]]
+    agreement: float = 1.0
 
     @property
     def alarms(self) -> bool:
@@ -82,6 +86,7 @@ class Compared(NamedTuple):
         if (
             self.p_value >= AXIS_RULES.instrument_differs
             or self.strength < AXIS_RULES.weak_instrument
+            or self.agreement < AXIS_RULES.instrument_differs
         ):
             return False
         return any(
@@ -105,6 +110,7 @@ class Compared(NamedTuple):
             statistic=self.statistic,
             p_value=self.p_value,
             strength=self.strength,
+            agreement=self.agreement,
             windows=self.rows,
             alarms=self.alarms,
             numbers=numbers,
@@ -244,6 +250,7 @@ def compared(
             name: (instrumental[place].over(ratio), ordinary[place].over(ratio))
             for name, (place, ratio) in _places_of(acting, columns, chosen).items()
         },
+        _agreement(own[:, MOVED:], second, scaled, force, groups),
     )
 
 
@@ -258,6 +265,29 @@ def _places_of(
         if column >= first
     }
     return own | _of_the_law(columns, acting)
+
+
+def _agreement(more: Array, second: Array, columns: Array, force: Array, groups: Whole) -> float:
+    """Return the p-value that more instruments than regressors do not go with what is left.
+
+    What the law lacks goes with the motion before, too: the instruments then contradict each
+    other, and what they make of the law is as wrong.
+
+    References
+    ----------
+    J. M. Wooldridge, "Score diagnostics for linear models estimated by two stage least squares"
+    (1995), whose test of overidentifying restrictions bears errors that hang together.
+    """
+    count = more.shape[1]
+    if not count:
+        return 1.0
+    left = force - columns @ _least_squares(second, force)
+    beyond = (more - second @ _least_squares(second, more)) * left[:, None]
+    sums = np.zeros((int(groups.max()) + 1, count))
+    np.add.at(sums, groups, beyond)
+    whole = sums.sum(axis=0)
+    statistic = float(whole @ np.linalg.pinv(sums.T @ sums) @ whole)
+    return float(scipy.special.chdtrc(count, statistic))
 
 
 def _of_the_law(columns: Array, acting: Sequence[str]) -> dict[str, tuple[int, float]]:
