@@ -72,10 +72,20 @@ def test_errors_of_positions_do_not_tell_by_how_much_a_known_force_is_wrong(late
     rows = readings_of([log], [np.zeros(1, dtype=int)], count)
     speed = rows.speed @ rows.weights
     law = np.column_stack([rows.acceleration, np.ones(rows.count), speed, rows.way])
-    assert rows.beside.shape[1] == 1  # what is left are errors
-    own = law @ np.linalg.lstsq(law, rows.beside[:, 0], rcond=None)[0]
-    assert rows.beside[:, 0] == pytest.approx(own, abs=1e-6 * np.abs(own).max())
-    assert np.linalg.lstsq(law, own, rcond=None)[0][0] == pytest.approx(0.025 * link, rel=1e-3)
+    share, errors, clock = (rows.beside @ rows.mixing.shares).T
+    own = law @ np.linalg.lstsq(law, share, rcond=None)[0]
+    assert share == pytest.approx(own, abs=1e-5 * np.abs(own).max())
+    assert np.linalg.lstsq(law, own, rcond=None)[0][0] == pytest.approx(0.025 * link, rel=2e-3)
+    assert np.abs(errors).max() < 1e-2 * np.abs(share).max()
+    # Its clock may be off as that of the force may: by a millisecond, and a part of an interval.
+    rate = (
+        -link
+        * np.cos(np.multiply.outer(rows.time_s - late_s, [1.4, 4.0]))
+        @ (np.array(of_rates) * [1.4, 4.0])
+    )
+    assert clock == pytest.approx(
+        margin_s(0.002) * rows.way * rate, abs=0.02 * margin_s(0.002) * np.abs(rate).max()
+    )
 
 
 def test_windows_are_wide_where_a_weight_pulls_as_the_acceleration_goes():

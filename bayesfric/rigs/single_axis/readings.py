@@ -11,6 +11,7 @@ from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import Mixing, leading, rough_amounts
 from bayesfric.rigs.single_axis.even_log import EvenLog, given, sample_noise
 from bayesfric.rigs.single_axis.following import DrivePath, Followed
+from bayesfric.rigs.single_axis.on_time import margin_s
 from bayesfric.rigs.single_axis.rough import SINGULAR, RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
@@ -291,11 +292,14 @@ def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
-    """Return forces beside the law, the share of a known force in two: of the law's form, and not.
+    """Return forces beside the law: of a known force its share in two, and what its clock makes.
+
+    One part of the share has the law's form, and the other has not.
 
     The known force of a joint alone is an inertia times the acceleration, but for errors of the
     positions and of clocks. By one amount these errors tell how wrong that inertia is; by two
-    nothing does, as it should be, and the rotor's inertia is as uncertain.
+    nothing does, as it should be, and the rotor's inertia is as uncertain. Its clock may be off
+    as that of the drive force is.
 
     Parameters
     ----------
@@ -304,14 +308,15 @@ def _parted(joined: dict[str, Array], log: EvenLog) -> Array:
     log : EvenLog
         Any of the runs, which says whether the first of ``beside`` is that share.
     """
-    way, beside = joined["way"], joined["beside"]
+    way, beside, rate = joined["way"], joined["beside"], joined.pop("known_rate")
     if not log.known_to_a_share:
         return beside
     speed = joined["speed"] @ node_weights()[1]
     law = np.column_stack([joined["acceleration"], np.ones(way.size), speed, way])
     share = beside[:, 0]
     like_law = law @ np.linalg.lstsq(law, share, rcond=SINGULAR)[0]
-    return np.column_stack([like_law, share - like_law, beside[:, 1:]])
+    clock = margin_s(log.interval_s) * rate
+    return np.column_stack([like_law, share - like_law, clock, beside[:, 1:]])
 
 
 def with_lever(rows: Readings, force: float) -> Readings:

@@ -81,6 +81,7 @@ def rows_of_run(
         "instruments": sign[:, None] * instruments_of(log, test, centres),
         "simulated": _under(log.forces, test, centres, sign),
         "beside": _under(log.beside, test, centres, sign),
+        "known_rate": _known_rate(log, test, centres, sign),
         **_forces(log, test, centres, sign, runs, late_s, limit),
         **_errors(log, test, centres, step),
     }
@@ -166,6 +167,18 @@ def _forces(
         "lagging_rate": sign * lagging,
         "force_curvature": sign * curvature,
     }
+
+
+def _known_rate(log: EvenLog, test: TestFunction, centres: Whole, sign: Array) -> Array:
+    """Return the rate of a known force in the way's sense, (W,); 0 of one that a model makes.
+
+    Where a controller answers to counts, the known force has these answers too: see
+    :mod:`.answered`.
+    """
+    if log.known_force is None or not log.known_to_a_share:
+        return np.zeros(centres.size)
+    quiet = without_answers(replace(log, force=log.known_force.value), test.half, np.inf)
+    return -sign * test.over(quiet.force, test.slope, centres)
 
 
 def _errors(log: EvenLog, test: TestFunction, centres: Whole, step: int) -> dict[str, Array]:
