@@ -74,7 +74,8 @@ def inverted(matrices: Array) -> tuple[Array, Array]:
         One is singular.
     """
     if matrices.shape[-1] < LARGE:
-        return np.linalg.inv(matrices), np.asarray(np.linalg.slogdet(matrices)[1])
+        inverse = np.asarray(np.linalg.inv(matrices), dtype=np.float64)
+        return inverse, np.asarray(np.linalg.slogdet(matrices)[1], dtype=np.float64)
     inverses, pivots = np.empty_like(matrices), np.empty(matrices.shape[:-1])
     for place in np.ndindex(matrices.shape[:-2]):
         factor, order, _ = dgetrf(matrices[place].T)  # in LAPACK's order, without a copy more
@@ -83,4 +84,4 @@ def inverted(matrices: Array) -> tuple[Array, Array]:
         if singular:
             raise np.linalg.LinAlgError("a singular matrix that is to be inverted")
         inverses[place] = inverse.T
-    return inverses, np.log(np.abs(pivots)).sum(axis=-1)
+    return inverses, np.asarray(np.log(np.abs(pivots)).sum(axis=-1))
