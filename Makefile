@@ -23,7 +23,8 @@ help:
 	@echo 'make release-evidence  the campaigns, hours, from where they stopped; CAMPAIGNS=--list for what is left'
 	@echo 'make fuzz              altered files for ten minutes, from where it stopped'
 	@echo 'make mutation          altered formulas that the tests have to notice, from where it stopped; half an hour'
-	@echo 'make bench             speed, held against what the project promises and beside other samplers'
+	@echo 'make bench             speed, held against what the project promises and beside other samplers;'
+	@echo '                       PEERS= without these, and nothing is written'
 	@echo 'make clean             remove caches, builds and reports/latest/ (and keep $(VENV)/)'
 	@echo
 	@echo 'All of them set up $(VENV)/ first (VENV=… for another), with the first of python3.13,'
@@ -99,15 +100,18 @@ mutation: setup
 	"$(MUTATING)/bin/python" -m pip install -q -r tests/mutation/tools.txt
 	PYTHONPATH=tests $(python) -m mutation.campaign "$(MUTATING)/bin/python"
 
-# Peers live in an environment of their own, and never in the project's.
+# Peers live in an environment of their own, and never in the project's; PEERS= runs none of them,
+# prints the targets that need none, and writes nothing.
 PEERS ?= build/peers
 REPEATS ?= 3
 
 bench: setup
+ifneq ($(PEERS),)
 	@test -x "$(PEERS)/bin/python" || $(python) -m venv "$(PEERS)"
 	"$(PEERS)/bin/python" -m pip install -q -r tests/benchmark/peers.txt
+endif
 	@$(python) -m compileall -q bayesfric
-	PYTHONPATH=tests REPEATS="$(REPEATS)" $(python) -m benchmark "$(PEERS)/bin/python"
+	PYTHONPATH=tests REPEATS="$(REPEATS)" $(python) -m benchmark $(if $(PEERS),"$(PEERS)/bin/python")
 
 clean:
 	rm -rf build dist docs/_build docs/_examples reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis

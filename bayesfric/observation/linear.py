@@ -75,7 +75,7 @@ class NoiseParameter:
     bounds : (float, float)
         Lowest and highest value that is looked at.
     log_prior : callable
-        Of a value, to the log density of its logarithm.
+        Of values, to the log density of their logarithms.
     usual : float
         What a good rig has.
     scatters : bool
@@ -85,7 +85,7 @@ class NoiseParameter:
     name: str
     start: float
     bounds: tuple[float, float]
-    log_prior: Callable[[float], float]
+    log_prior: Callable[[Array], Array]
     usual: float
     scatters: bool = False
 
@@ -105,9 +105,9 @@ def noise_parameter(
     )
 
 
-def log_prior_of_logarithm(prior: Prior, value: float) -> float:
-    """Return the log prior density of the logarithm of a value."""
-    return float(log_density(prior, value)) + float(np.log(value))
+def log_prior_of_logarithm(prior: Prior, value: Array) -> Array:
+    """Return the log prior density of the logarithm of each value."""
+    return log_density(prior, value) + np.log(value)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.inference.symmetric import inverted
 
 
 @dataclass(frozen=True)
@@ -201,8 +202,8 @@ def taken_up(gram: Array, sd: ArrayLike, sign: ArrayLike = 1.0) -> tuple[Array, 
     scale = np.asarray(sd, dtype=np.float64)
     whole = scale[..., :, None] * gram * scale[..., None, :]
     whole = whole + np.eye(gram.shape[-1]) * np.asarray(sign)
-    taken = scale[..., :, None] * np.linalg.inv(whole) * scale[..., None, :]
-    return taken, np.asarray(np.linalg.slogdet(whole)[1])
+    inverse, log_determinant = inverted(whole)
+    return scale[..., :, None] * inverse * scale[..., None, :], log_determinant
 
 
 def squares_left(columns: Array, response: Array, mean: Array, covariance: Array) -> Array:

@@ -1,8 +1,9 @@
-"""``python -m benchmark PEERS_PYTHON [PROBLEM …]``: all that the project promises of speed.
+"""``python -m benchmark [PEERS_PYTHON [PROBLEM …]]``: all that the project promises of speed.
 
 Samplers side by side, in processor time; what size costs, the evidence, commands, campaigns.
 
-Writes ``reports/evidence/benchmark.json`` and ``docs/benchmark.md``. ``tests`` is on the path.
+Writes ``reports/evidence/benchmark.json`` and ``docs/benchmark.md``. Without PEERS_PYTHON the
+targets that need no peer are printed, and nothing is written. ``tests`` is on the path.
 """
 
 import os
@@ -82,20 +83,17 @@ def side_by_side(name, peers_python, folder):
     return compare.targets(name, figures, z), figures
 
 
-def main(peers_python, names):
-    """Run the posteriors and write what was found."""
-    rows, cases, figures = [], {}, {}
+def told(targets):
+    """Print targets in a line each, as soon as they are there, and return them."""
+    for row in targets:
+        sys.stdout.write(page.line(row) + "\n")
+    sys.stdout.flush()
+    return targets
 
-    def tell(found):
-        rows.extend(found)
-        for row in found:
-            sys.stdout.write(page.line(row) + "\n")
-        sys.stdout.flush()
 
-    with tempfile.TemporaryDirectory() as folder, one_core():
-        for name in names:
-            targets, cases[name] = side_by_side(name, peers_python, Path(folder))
-            tell(targets)
+def without_peers():
+    """Return the targets and the figures of all that needs no other sampler, by name."""
+    rows, figures = [], {}
     for name, own in {
         # First, since the peak of a command counts from that of this process.
         "commands": lambda: verbs.targets(REPEATS),
@@ -105,10 +103,21 @@ def main(peers_python, names):
         "sizes": sizes.targets,
     }.items():
         targets, figures[name] = own()
-        tell(targets)
+        rows += told(targets)
+    return rows, figures
+
+
+def main(peers_python, names):
+    """Run the posteriors and write what was found."""
+    rows, cases = [], {}
+    with tempfile.TemporaryDirectory() as folder, one_core():
+        for name in names:
+            targets, cases[name] = side_by_side(name, peers_python, Path(folder))
+            rows += told(targets)
+    own, figures = without_peers()
     gathered = evidence.Gathered(
         seeds=[1, REPEATS],
-        figures={"targets": rows, "samplers": cases},
+        figures={"targets": rows + own, "samplers": cases},
         cases=figures,
         command="make bench",
     )
@@ -124,4 +133,8 @@ def promises(figures):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2:] or list(problems.PROBLEMS))
+    if len(sys.argv) > 1:
+        main(sys.argv[1], sys.argv[2:] or list(problems.PROBLEMS))
+    else:
+        without_peers()
+        sys.stdout.write("no Python of peers was named: nothing is written\n")

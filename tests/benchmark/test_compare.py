@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from benchmark import __main__ as command
 from benchmark import compare, kernels, ours, page
 
 
@@ -123,3 +124,17 @@ def test_seconds_are_those_of_the_steps_whose_draws_are_kept(extensions, steps, 
     taken = [5.0, 1.0, 1.0] * 2 + [7.0] * (2 * steps * extensions)
     clock = (100.0 + np.cumsum(taken)).tolist()
     assert ours.seconds_of_kept(clock, draws, settings) == pytest.approx(seconds)
+
+
+def test_without_peers_each_target_is_printed_beside_its_goal(monkeypatch, capsys):
+    parts = ("verbs", "kernels", "workers", "marginal", "sizes")
+    for name in parts:
+        row = compare.within(f"seconds of {name}", 3.0, 2.0)
+        monkeypatch.setattr(
+            getattr(command, name), "targets", lambda *_, row=row: ([row], {"all": 3.0})
+        )
+    monkeypatch.setattr(command.problems, "model_of", lambda _: (None,))
+    rows, figures = command.without_peers()
+    assert [row["met"] for row in rows] == [False] * len(parts)
+    assert len(figures) == len(parts)
+    assert "seconds of sizes: 3 to 2, ratio" in capsys.readouterr().out

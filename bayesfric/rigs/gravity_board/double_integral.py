@@ -1,7 +1,7 @@
 """Decelerations on the grids of the trials' paths, integrated twice, at the events."""
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 import scipy
@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 
 from bayesfric.arrays import Array, Whole
 
+ROWS_AT_ONCE = 4096  # of which columns are made: more would be most of what a diagnosis holds
 POINTS = 129  # of the grid in time; odd, for Simpson's rule
 
 
@@ -19,7 +20,7 @@ class DoubleIntegral:
     Parameters
     ----------
     trial : ndarray of int, shape (E,)
-        Of each row.
+        Of each row, ascending.
     place : ndarray, shape (E,)
         On the grid of its trial, in steps.
     step_s : ndarray, shape (E,)
@@ -46,35 +47,32 @@ class DoubleIntegral:
         ndarray, shape (E, C)
             By cubic Hermite interpolation on the grid [m].
         """
-        of_speeds, of_travels = self._at_rows
-        first, second = integrals()
-        # One after another: small arrays stay in the processor's cache.
-        return np.stack(
-            [
-                of_speeds @ (column @ first).ravel() + of_travels @ (column @ second).ravel()
-                for column in acceleration
-            ],
-            axis=1,
-        )
+        at_places = np.concatenate(integrals(), axis=1).T
+        ends = np.searchsorted(self.trial, np.arange(self.trials + 1))
+        displacement = np.empty((self.trial.size, len(acceleration)))
+        start = 0  # some trials at a time: all rows by all places would be a large array
+        while start < self.trials:
+            stop = int(np.searchsorted(ends, ends[start] + ROWS_AT_ONCE, side="right")) - 1
+            stop = max(stop, start + 1)
+            added = self._at_rows(slice(ends[start], ends[stop])) @ at_places
+            for trial in range(start, stop):
+                rows = slice(ends[trial], ends[trial + 1])
+                own = added[rows.start - ends[start] : rows.stop - ends[start]]
+                np.matmul(own, acceleration[:, trial].T, out=displacement[rows])
+            start = stop
+        return displacement
 
-    @cached_property
-    def _at_rows(self) -> tuple[csr_array, csr_array]:
-        """What speeds and travels on the grids add to the displacement of rows, (E, N P)."""
-        left = np.minimum(self.place.astype(int), POINTS - 2)
-        share = self.place - left
+    def _at_rows(self, rows: slice) -> csr_array:
+        """Return what speeds and travels on a grid of unit steps add to some rows, (e, 2 P)."""
+        left = np.minimum(self.place[rows].astype(int), POINTS - 2)
+        share = self.place[rows] - left
         rise = share**2 * (3 - 2 * share)
-        place = self.trial * POINTS + left
-        ends = np.arange(0, 2 * place.size + 1, 2)
-
-        def weights(*at_ends: Array) -> csr_array:
-            # On a grid of unit steps; a step is of this many seconds.
-            values = (self.step_s**2 * np.stack(at_ends)).T
-            columns = np.stack([place, place + 1], axis=1)
-            shape = (place.size, self.trials * POINTS)
-            return csr_array((values.ravel(), columns.ravel(), ends), shape=shape)
-
-        speeds = weights(share * (1 - share) ** 2, -(share**2) * (1 - share))
-        return speeds, weights(1 - rise, rise)
+        bend = share * (1 - share)
+        weights = np.stack([bend * (1 - share), -bend * share, 1 - rise, rise], axis=1)
+        weights *= self.step_s[rows, None] ** 2
+        places = left[:, None] + [0, 1, POINTS, POINTS + 1]
+        ends = np.arange(0, weights.size + 1, 4)
+        return csr_array((weights.ravel(), places.ravel(), ends), shape=(left.size, 2 * POINTS))
 
 
 @cache

@@ -22,14 +22,12 @@ from bayesfric.observation.linear import LinearRows
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.double_integral import POINTS, DoubleIntegral
+from bayesfric.rigs.gravity_board.double_integral import POINTS, ROWS_AT_ONCE, DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import variance_of, with_accelerations
 from bayesfric.rigs.gravity_board.late_clock import clock_sd_s, clock_shifts, late_column
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.reference_motion import ReferenceMotion
-
-ROWS_AT_ONCE = 4096  # of which columns are made: more would be most of what a diagnosis holds
 
 
 class EventColumns(ReferenceMotion, LinearRows):
@@ -136,8 +134,8 @@ class EventColumns(ReferenceMotion, LinearRows):
             Along the paths, (…, N, P) or what broadcasts to it [N].
         """
         shape = (*np.shape(force_n)[:-2], *self._travel.shape)
-        slowing = np.broadcast_to(-self._slowed * force_n, shape)
-        travel = self._integral.of(slowing.reshape(-1, *self._travel.shape))
+        along = np.broadcast_to(force_n, shape).reshape(-1, *self._travel.shape)
+        travel = -self._slowed[self.events.trial] * self._integral.of(along)
         return np.asarray(travel.reshape(self.events.tau.size, *shape[:-2]))
 
     @cached_property
@@ -145,30 +143,33 @@ class EventColumns(ReferenceMotion, LinearRows):
         step = self._paths.step_s[self.events.trial, 0]
         return DoubleIntegral(self.events.trial, self.events.tau / step, step, len(self.table))
 
-    def coefficient_columns(self) -> Array:
-        """Return what c1, c2 and c3 do to each row, shape (E, 3) [m per unit]."""
+    def coefficient_forces(self) -> Array:
+        """Return the force of c1, c2 and c3 along the paths, shape (3, N, 1) [N per unit]."""
         n = np.asarray(self.state.n_pulleys, dtype=np.float64)
         tension = np.asarray(self.state.tension_n)
         turn = np.asarray(self.state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
-        return self.forces(np.stack([n * tension, n, n * tension * turn]))
+        return np.stack([n * tension, n, n * tension * turn])
 
-    def scatter_columns(self) -> Array:
-        """Return what relative deviations of friction do, of all and of the intercept's part.
+    def scatter_columns(self, waves: int) -> Array:
+        """Return what relative deviations of friction do to each row.
+
+        Parameters
+        ----------
+        waves : int
+            Cosines along the travel.
 
         Returns
         -------
-        ndarray, shape (E, 2)
-            [m]
+        ndarray, shape (E, 2 + waves)
+            Of all friction, of the intercept's part, and of each cosine [m].
         """
         # Friction of the reference law is what it is with its tension: no feedback twice.
-        both = np.stack([self.friction_n, self.intercept_n])
-        return self.forces(both[:, :, None] / self._feedback)
-
-    def wander_columns(self, count: int) -> Array:
-        """Return what relative cosines along the travel do to each row, shape (E, count) [m]."""
-        travel = self._travel / self._longest_m
-        waves = cosines(travel, count)
-        return self.forces(self.friction_n[:, None] * waves / self._feedback)
+        friction, intercept = (
+            force[:, None] / self._feedback for force in (self.friction_n, self.intercept_n)
+        )
+        wander = friction * cosines(self._travel / self._longest_m, waves)
+        both = np.broadcast_to(np.stack([friction, intercept]), (2, *self._travel.shape))
+        return self.forces(np.concatenate([both, wander]))
 
     @cached_property
     def _clock(self) -> Array:
@@ -194,8 +195,8 @@ class EventColumns(ReferenceMotion, LinearRows):
             return self.residual
         return np.asarray(self.residual + self._clock * shifts[self.events.trial] / sd)
 
-    def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
-        """Return what a smooth force of unit size does, shape (E, k) [m].
+    def smooth_forces(self, smooth: Smooth, force_n: Array) -> Array:
+        """Return a smooth force of unit size, broadcasts to (k, N, P) [N].
 
         Parameters
         ----------
@@ -206,7 +207,7 @@ class EventColumns(ReferenceMotion, LinearRows):
         """
         shapes = smooth.columns(self.covariates())
         unit = self.friction_n if smooth.relative else force_n
-        return self.forces(unit[:, None] * shapes)
+        return np.asarray(unit[:, None] * shapes)
 
     def _at_rows(self, values: Array) -> Array:
         """Interpolate what is known along the paths to the rows, shape (E,)."""

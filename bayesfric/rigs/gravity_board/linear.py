@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
-from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.effects.candidates import on_friction
 from bayesfric.observation.heavy_scatter import Deviations, HeavyScatter
 from bayesfric.observation.layout import Layout, ModelColumns
 from bayesfric.observation.linear import Evaluated, LinearRig, Run, Windows
@@ -33,7 +33,7 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
     noise_of,
     wander_weights,
 )
-from bayesfric.rigs.gravity_board.residual_motion import runs_of, whitening, windows_of
+from bayesfric.rigs.gravity_board.residual_motion import runs_of, windows_of
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
@@ -95,8 +95,7 @@ class GravityPart(LinearRig):
     def _scattering(self, rows: GravityRows) -> tuple[Array, dict[int, slice]]:
         """Return columns of what scatters, and where candidates' phases are among them."""
         random = [
-            rows.scatter_columns(),
-            rows.wander_columns(WAVES),
+            rows.scatter_columns(WAVES),
             np.zeros((len(rows.residual), 2)),
             rows.clock_column()[:, None],
         ]
@@ -123,24 +122,8 @@ class GravityPart(LinearRig):
         memory that a diagnosis takes.
         """
         model = self._model
-        layout = model.layout
         force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
-
-        def candidate_column(candidate: Candidate) -> Array | Unsupported:
-            columns_of_candidate = rows.candidate_columns(candidate)
-            return (
-                columns_of_candidate
-                if isinstance(columns_of_candidate, Unsupported)
-                else columns_of_candidate[:, 0]
-            )
-
-        columns = model.filled(
-            rows.name,
-            rows.coefficient_columns(),
-            lambda smooth: rows.smooth_columns(smooth, force),
-            candidate_column,
-        )
-        columns[:, [layout.own + index for index in self.blocks]] = 0.0  # their phases scatter
+        columns = rows.filled(model, force)
         columns *= model.scales
         return columns if self._squeeze is None else columns @ self._squeeze
 
@@ -284,11 +267,14 @@ class GravityPart(LinearRig):
         for trials, part in self.rows.parts():
             columns, random = self.columns_of(part), self.random_of(part)[:, :ALWAYS]
             for trial, rows in enumerate(part.rows_of_trials(), trials.start):
-                white, project = whitening(part, rows)
-                x = project(white[:, None] * columns[rows]) / np.sqrt(noise["kappa"])
-                z = project(white[:, None] * random[rows]) / np.sqrt(noise["kappa"])
+                white = 1 / np.sqrt(noise["kappa"] * part.variance[rows, None])
+                nuisances = part.events.nuisances(rows).T
                 sd[TRIAL] = np.sqrt(scatter[trial])
-                triangle, along, apart = orthogonal(z, x)
+                triangle, along, apart = orthogonal(
+                    white * np.hstack([nuisances, random[rows]]),
+                    white * columns[rows],
+                    nuisances.shape[1],
+                )
                 # Trials that nobody has made may be so long that 1 is lost beside their square.
                 both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
                 seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)

@@ -79,10 +79,10 @@ def _scatter(name: str, prior: Prior, usual: float, start: float = 0.012) -> Noi
     return noise_parameter(name, prior, start, (1e-4, 1.0), usual, scatters=True)
 
 
-def _log_prior_unstated(prior: Prior, value: float) -> float:
-    sd = ROUGH_SD * float(np.sqrt(value))
-    return float(log_density(prior, sd)) + float(np.log(sd))
+def _log_prior_unstated(prior: Prior, value: Array) -> Array:
+    sd = ROUGH_SD * np.sqrt(value)
+    return log_density(prior, sd) + np.log(sd)
 
 
-def _log_prior_kappa(value: float) -> float:
-    return -0.5 * float((np.log(value) / KAPPA_SD_LOG) ** 2)
+def _log_prior_kappa(value: Array) -> Array:
+    return np.asarray(-0.5 * (np.log(value) / KAPPA_SD_LOG) ** 2)

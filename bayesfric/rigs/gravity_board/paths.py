@@ -59,23 +59,23 @@ class Paths:
         return Paths(self.step_s[trials], self.speed_m_s[trials], self.acceleration_m_s2[trials])
 
     def response(self, events: Events, acceleration_m_s2: Array) -> Array:
-        """Return what an acceleration along the paths adds to the travel.
+        """Return what accelerations along the paths add to the travel.
 
         Parameters
         ----------
         events : Events
             Of these trials.
-        acceleration_m_s2 : ndarray, shape (N, P)
+        acceleration_m_s2 : ndarray, shape (K, N, P)
             On the grid [m/s²].
 
         Returns
         -------
-        ndarray, shape (E,)
+        ndarray, shape (K, E)
             Travel at each event, with none and no speed at the first event [m].
         """
         step = self.step_s[events.trial, 0]
         integral = DoubleIntegral(events.trial, events.tau / step, step, len(self.step_s))
-        return integral.of(acceleration_m_s2[None])[:, 0]
+        return integral.of(acceleration_m_s2).T
 
     def seen(self, acceleration_m_s2: Array) -> Array:
         """Return the added travel without what a shift and a first speed would add, (N, P)."""

@@ -172,7 +172,7 @@ class TrialPlaces:
         travel = np.empty((0, 0))
         if events is not None:
             paths = self.paths.of(np.flatnonzero(seen))
-            travel = np.array([paths.response(events, force[seen]) for force in added])
+            travel = paths.response(events, np.stack([force[seen] for force in added]))
         return Columns(travel, np.stack([force.mean(axis=-1) for force in added]))
 
     def read_columns(self, travel: Array) -> Columns:

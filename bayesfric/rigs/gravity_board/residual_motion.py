@@ -16,10 +16,10 @@ SENSOR_POWERS = (1, 2, 3)  # powers of the travel, by which two sensors differ
 FIRST = 5  # events of a sensor that set the offset and the first speed
 
 
-def whitening(
-    board: GravityRows, rows: slice, *, apart: bool = False
-) -> tuple[Array, Callable[[Array], Array]]:
+def whitening(board: GravityRows, rows: slice) -> tuple[Array, Callable[[Array], Array]]:
     """Return 1/sd of the rows of a trial, and the projection off their nuisances.
+
+    What the two sensors differ by is one of them: a force is what both see.
 
     Parameters
     ----------
@@ -27,13 +27,11 @@ def whitening(
         Events.
     rows : slice
         Of one trial.
-    apart : bool
-        Whether what the two sensors differ by is a nuisance: a force is what both see.
     """
     white = 1 / np.sqrt(board.variance[rows])
     nuisance = board.events.nuisances(rows) * white
     sensors = board.events.of_sensors[:, rows]
-    if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
+    if (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
         travel = board.events.displacement[rows] / board.events.displacement[rows].max()
         halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
         late = board.clock_column()[None, rows] * white
@@ -86,10 +84,11 @@ def _windows_of_part(
     for trial, rows in enumerate(board.rows_of_trials()):
         enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
         joined = _join(WINDOWS, min(WINDOWS, enough))
-        white, project = whitening(board, rows, apart=True)
+        white, project = whitening(board, rows)
         design = project(white[:, None] * (newton[:, rows].T @ joined))
-        rest = project(white[:, None] * np.column_stack([board.residual[rows], columns[rows]]))
-        solved = np.asarray(np.linalg.lstsq(design, rest, rcond=None)[0], np.float64)
+        # Least squares of this design, which has no part along the nuisances.
+        inverse = np.linalg.pinv(design, rcond=max(design.shape) * np.finfo(float).eps) * white
+        solved = np.column_stack([inverse @ board.residual[rows], inverse @ columns[rows]])
         mean = joined / joined.sum(axis=0)
         where = {name: values[trial] @ mean for name, values in places.items()}
         travel = np.atleast_1d(where["displacement"]) / travel_m

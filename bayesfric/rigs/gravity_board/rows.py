@@ -7,6 +7,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, Effect, Reading
 from bayesfric.effects.candidates import Candidate, unit_response
+from bayesfric.observation.layout import COEFFICIENTS, ModelColumns
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.event_columns import EventColumns
 from bayesfric.rigs.gravity_board.measured_motion import LEAST_ACCELERATION
@@ -15,6 +16,8 @@ from bayesfric.rigs.gravity_board.reference_motion import PUSHED
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
 
 PRETENDED = 8  # windows of a trial
+NO_FORCE = Unsupported("it is an error of readings, or its phase differs from trial to trial")
+NO_READING = Unsupported("it is a force, or its phase differs from trial to trial")
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
 
@@ -47,10 +50,57 @@ class GravityRows(EventColumns):
                 return np.asarray(-np.broadcast_to(beyond, self.residual.shape)[:, None])
             sensors = self.events.of_sensors
             return np.stack([-part * seen for part in beyond for seen in sensors], axis=1)
+        return self.forces(self.candidate_forces(candidate))
+
+    def candidate_forces(self, candidate: Candidate) -> Array:
+        """Return the forces of an effect of amplitude 1 along the paths, (C, N, P) [N]."""
         force = unit_response(candidate, self.state)
-        if not effect.components:  # one that knows no direction here is a number, and nothing
-            force = np.broadcast_to(force, self._travel.shape)[None]
-        return self.forces(force)
+        if candidate.effect.components:
+            return force
+        # One that knows no direction here is a number, and nothing.
+        return np.broadcast_to(force, self._travel.shape)[None]
+
+    def filled(self, model: ModelColumns, force_n: Array) -> Array:
+        """Return the local columns of a model, not yet scaled, shape (E, q) [m].
+
+        Those of effects with phases are 0: their phases scatter.
+
+        Parameters
+        ----------
+        model : ModelColumns
+            What the columns are.
+        force_n : ndarray, shape (N,)
+            Unit of smooth forces in each trial [N].
+        """
+        shape = self._travel.shape
+
+        def along(forces: Array) -> Array:
+            return np.broadcast_to(forces, (len(forces), *shape)).reshape(len(forces), -1).T
+
+        def force(candidate: Candidate) -> Array | Unsupported:
+            effect = candidate.effect
+            if effect.acts_on == "reading" or effect.components:
+                return NO_FORCE
+            return self._untold(effect) or self.candidate_forces(candidate).ravel()
+
+        def reading(candidate: Candidate) -> Array | Unsupported:
+            effect = candidate.effect
+            if effect.acts_on != "reading" or effect.components:
+                return NO_READING
+            columns = self.candidate_columns(candidate)
+            return columns if isinstance(columns, Unsupported) else columns[:, 0]
+
+        # Forces of all columns are integrated at once.
+        forces = model.filled(
+            self.name,
+            along(self.coefficient_forces()),
+            lambda smooth: along(self.smooth_forces(smooth, force_n)),
+            force,
+        )
+        columns = self.forces(forces.T.reshape(-1, *shape))
+        none = np.zeros((self.residual.size, COEFFICIENTS))
+        columns += model.filled(self.name, none, lambda _: np.zeros(()), reading)
+        return columns
 
     def elsewhere(self, candidate: Candidate) -> Array | None:
         """Return how an effect's column changes as trials have come further by one sd.

@@ -15,7 +15,6 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import LOG_2PI
 from bayesfric.observation.layout import Layout
 from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
-from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
 ColumnsOf = Callable[[GravityRows], Array]
@@ -141,13 +140,13 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
     """Add the rows of some trials."""
     q, start = columns.shape[1], sums.across[0].shape[-1]
     end = start + sums.across[1].shape[-1]
-    apart, of_scatter = np.empty((len(columns), q + 1)), []
+    white = 1 / np.sqrt(board.variance)
+    apart = np.column_stack([columns, board.clock_residual]) * white[:, None]
+    of_scatter = []
     for trial, rows in enumerate(board.rows_of_trials(), trials.start):
-        white, project = whitening(board, rows)
-        stack = np.column_stack([columns[rows], board.clock_residual[rows], random[rows]])
-        stack *= white[:, None]
-        whole = project(stack)
-        own, along, apart[rows] = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
+        nuisances = board.events.nuisances(rows).T
+        both = np.hstack([nuisances, random[rows]]) * white[rows, None]
+        own, along, apart[rows] = orthogonal(both, apart[rows], nuisances.shape[1])
         height = len(own)
         sums.triangle[trial, :height] = own
         for across, own_along in zip(
@@ -155,9 +154,8 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
         ):
             across[trial, :height] = own_along
         sums.right[trial, :height] = along[:, q]
-        nuisances = len(board.events.nuisances(rows))
-        sums.freedom[trial] = white.size - nuisances
-        sums.constant[trial] = np.log(white).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
+        sums.freedom[trial] = rows.stop - rows.start - nuisances.shape[1]
+        sums.constant[trial] = np.log(white[rows]).sum() - 0.5 * sums.freedom[trial] * LOG_2PI
         for beyond in sums.beyond.values():
             beyond.add_residual(trial, apart[rows])
         of_scatter.append(along[ALWAYS:])
@@ -174,8 +172,17 @@ def _add(sums: TrialSums, trials: slice, board: GravityRows, columns: Array, ran
         sums.beyond[ALWAYS].precision[place] += rest.T @ rest
 
 
-def orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:
+def orthogonal(columns: Array, values: Array, nuisances: int) -> tuple[Array, Array, Array]:
     """Part values into what is along columns and what is orthogonal to them.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (m, n + R)
+        The n nuisances, which are projected out of all else, and R others.
+    values : ndarray, shape (m, k)
+        What is parted.
+    nuisances : int
+        n.
 
     Returns
     -------
@@ -184,8 +191,8 @@ def orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:
     along : ndarray, shape (w, k)
         The values in that basis.
     apart : ndarray, shape (m, k)
-        Of the values, what is orthogonal to the columns.
+        Of the values, what is orthogonal to all columns.
     """
     basis, triangle = np.linalg.qr(columns)
     along = basis.T @ values
-    return triangle, along, values - basis @ along
+    return triangle[nuisances:, nuisances:], along[nuisances:], values - basis @ along

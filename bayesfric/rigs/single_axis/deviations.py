@@ -133,7 +133,7 @@ class Shared:
 
     def __init__(self, grams: Array, others: Array, setup: Whole, levels: Levels) -> None:
         k = COLUMNS
-        self._grams, self._setup, self._levels = grams, setup, levels
+        self._grams = grams
         own = np.concatenate([[levels.run], levels.run_map, [0.0], levels.slow])
         self._run, log_run = _taken(grams[:, :, :k], own)
         taken_by_run = self._run @ grams
@@ -143,9 +143,15 @@ class Shared:
         # runs have in common, of all friction and of the law's.
         beyond = np.arange(self._assemblies, self._assemblies + COSINES + 2)
         self._places = np.column_stack([setup, np.tile(beyond, (len(setup), 1))])
-        self._shared = products = np.zeros((beyond[-1] + 1, beyond[-1] + 1))
-        across_and_down = self._places[:, :, None], self._places[:, None, :]
-        np.add.at(products, across_and_down, left[:, LIFTED[:, None], LIFTED])
+        self._member = member = np.equal.outer(np.arange(self._assemblies), setup) * 1.0
+        lifted = left[:, LIFTED[:, None], LIFTED]
+        first = member @ lifted[:, 0]  # of assemblies, by themselves and by what all runs share
+        self._shared = products = np.block(
+            [
+                [np.diag(first[:, 0]), first[:, 1:]],
+                [(member @ lifted[:, :, 0])[:, 1:].T, lifted[:, 1:, 1:].sum(axis=0)],
+            ]
+        )
         self._across = self._summed(left[:, :, k:])
         # The variance of the mean of all runs' η + ε, and its derivatives by both variances.
         sizes = np.bincount(setup).astype(np.float64)
@@ -227,7 +233,7 @@ class Shared:
     def _summed(self, values: Array) -> Array:
         """Return values of a run's C deviations, (N, C, k), summed where those above stand."""
         sums = np.zeros((self._assemblies + COSINES + 2, values.shape[2]))
-        np.add.at(sums, self._setup, values[:, 0])
+        sums[: self._assemblies] = self._member @ values[:, 0]
         sums[self._assemblies : -2] = values[:, 1 : SHARED - 1].sum(axis=0)
         sums[-2:] = values[:, [0, SHARED - 1]].sum(axis=0)
         return sums
