@@ -13,6 +13,7 @@ proposal.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -224,22 +225,68 @@ def importance_points(
     """
     proposal = Proposal.at_mode(laplace, chart)
     for _ in range(PASSES):
-        z, possible = proposal.draw(size, rng)
-        z = z[possible]
-        log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
-        if not np.isfinite(log_weights).any():
+        sample = _resampled(log_density, proposal, size, rng)
+        if sample is None:
             return None
-        weights = np.exp(log_weights - logsumexp(log_weights))
-        good = k < SAMPLING_RULES.pareto_k and 1 / (weights**2).sum() > least_effective * size
-        # Few points may hold most of the weight, and their covariance would be singular.
-        weights = np.minimum(weights, 1 / np.sqrt(size))
-        if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
-            return None
-        points: Array = z[resampled(weights, size, rng)]
-        if good:
-            return points
-        proposal = Proposal.around(points, chart)
+        if sample.pareto_k < SAMPLING_RULES.pareto_k and sample.effective > least_effective * size:
+            return sample.points
+        proposal = Proposal.around(sample.points, chart)
     return None
+
+
+def more_points(
+    log_density: LogDensity, points: Array, chart: Chart, rng: Random, size: int
+) -> Array:
+    """Draw a larger importance sample from a proposal that is fitted to a smaller one.
+
+    A covariance of D numbers has D (D + 1) / 2 entries: by a thousand points it is so uncertain
+    that ensembles refuse a half of what they propose.
+
+    Parameters
+    ----------
+    log_density, chart, rng
+        As for :func:`importance_points`.
+    points : ndarray, shape (N, D)
+        What :func:`importance_points` returned.
+    size : int
+        Of the sample.
+
+    Returns
+    -------
+    ndarray, shape (size, D)
+        Points of the sampling space, some more than once; `points` where the weights of the
+        larger sample are not to be relied on.
+    """
+    sample = _resampled(log_density, Proposal.around(points, chart), size, rng)
+    if sample is None or sample.pareto_k >= SAMPLING_RULES.pareto_k:
+        return points
+    return sample.points
+
+
+class _Resampled(NamedTuple):
+    """An importance sample, resampled by its weights; `effective` points of it count."""
+
+    points: Array
+    pareto_k: float
+    effective: float
+
+
+def _resampled(
+    log_density: LogDensity, proposal: Proposal, size: int, rng: Random
+) -> _Resampled | None:
+    """Draw an importance sample; None where too few points count for a covariance."""
+    z, possible = proposal.draw(size, rng)
+    z = z[possible]
+    log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
+    if not np.isfinite(log_weights).any():
+        return None
+    weights = np.exp(log_weights - logsumexp(log_weights))
+    effective = 1 / (weights**2).sum()
+    # Few points may hold most of the weight, and their covariance would be singular.
+    weights = np.minimum(weights, 1 / np.sqrt(size))
+    if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
+        return None
+    return _Resampled(z[resampled(weights, size, rng)], k, float(effective))
 
 
 def resampled(weights: Array, size: int, rng: Random) -> NDArray[np.intp]:

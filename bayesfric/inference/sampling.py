@@ -24,12 +24,14 @@ from bayesfric.inference.proposals import (
     Proposal,
     StudentT,
     importance_points,
+    more_points,
 )
 from bayesfric.inference.samplers import Ensembles, Sampler
 
 Progress = Callable[[int, int], None]
 Seed = np.random.SeedSequence
 
+POINTS = 2000  # of the importance sample that a proposal is fitted to
 PILOTS = 3
 PIECE_STEPS = 50  # steps between two checkpoints
 LEAST_WALKERS = 40
@@ -127,7 +129,9 @@ def _by_importance(
     def compute() -> Arrays:
         rng = np.random.RandomState(np.random.MT19937(seed))
         points = importance_points(log_density, laplace, chart, rng)
-        return {"points": np.empty((0, laplace.mode.size)) if points is None else points}
+        if points is None:
+            return {"points": np.empty((0, laplace.mode.size))}
+        return {"points": more_points(log_density, points, chart, rng, POINTS)}
 
     points = keeping.piece("importance", compute)["points"]
     return Proposal.around(points, chart) if len(points) else None

@@ -16,7 +16,19 @@ def typed(frame: pd.DataFrame, table: TableFormat) -> pd.DataFrame:
         for column in table.columns
         if column.kind != "number" and column.name in frame
     }
-    return frame.astype(types)
+    words = {
+        name: _as_words(frame[name])
+        for name in types
+        if isinstance(frame[name].dtype, pd.CategoricalDtype)
+    }
+    return frame.assign(**words).astype(types)
+
+
+def _as_words(categories: pd.Series) -> pd.Series:
+    """Return words that are categories as text; each word is made text once, not in each row."""
+    words = categories.cat.categories.astype("str").array
+    codes = categories.cat.codes.to_numpy()
+    return pd.Series(words.take(codes, allow_fill=True), index=categories.index)
 
 
 def with_setup(runs: pd.DataFrame) -> pd.DataFrame:

@@ -17,6 +17,9 @@ from bayesfric.arrays import Array
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _OF_DECIMALS = b"0123456789.eE+-"
 _BLANK = " \N{NO-BREAK SPACE}\N{THIN SPACE}\N{NARROW NO-BREAK SPACE}"
+SAMPLED, REPEATED = 10_000, 0.1
+"""Cells that are looked at for repetition, and the share of different ones below which each is read
+once."""
 LONGEST_CAUSE = 100  # characters of a cell that is looked at for a cause: longer ones have none
 
 
@@ -73,6 +76,13 @@ def to_numbers(cells: pd.Series) -> pd.Series:
     cells : Series of str
         Text without blanks around it.
     """
+    if cells.iloc[:SAMPLED].nunique() < REPEATED * min(SAMPLED, len(cells)):
+        code, words = pd.factorize(cells)
+        return pd.Series(_numbers(pd.Series(words)).to_numpy()[code], index=cells.index)
+    return _numbers(cells)
+
+
+def _numbers(cells: pd.Series) -> pd.Series:
     # Where no other characters are, what Python reads as numbers are decimal ones.
     if not "".join(cells.tolist()).encode().translate(None, _OF_DECIMALS):
         with suppress(ValueError):

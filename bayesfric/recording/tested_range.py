@@ -80,12 +80,13 @@ def _top_speeds(gravity: Gravity) -> "pd.Series[float]":
     events = gravity.events
     travel = events["displacement_m"].to_numpy(float)
     time = events["time_s"].to_numpy(float)
-    trial, sensor = (events[key].to_numpy(object) for key in ("trial", "sensor"))
+    trial, ids = pd.factorize(events["trial"])
+    sensor, _ = pd.factorize(events["sensor"])
     # Events are sorted, so that a train ends where the next row is of another.
     ends = (trial[1:] != trial[:-1]) | (sensor[1:] != sensor[:-1])
     train = np.concatenate([[0], np.cumsum(ends)])[: len(trial)]
     within = train[WINDOW:] == train[:-WINDOW]
     speed = (travel[WINDOW:] - travel[:-WINDOW]) / (time[WINDOW:] - time[:-WINDOW])
     most = pd.Series(speed[within], dtype=np.float64).groupby(train[WINDOW:][within]).max()
-    of_train = trial[np.searchsorted(train, most.index)]
+    of_train = ids[trial[np.searchsorted(train, most.index)]]
     return most.groupby(of_train).max()

@@ -13,6 +13,7 @@ from bayesfric.inference.proposals import (
     Proposal,
     StudentT,
     importance_points,
+    more_points,
     resampled,
 )
 from bayesfric.inference.samplers import SamplingError
@@ -176,6 +177,33 @@ def test_no_importance_points_are_returned_that_cannot_be_relied_on():
     assert (
         importance_points(cauchy, AROUND_CAUCHY, SAMPLING_SPACE, np.random.RandomState(1)) is None
     )
+
+
+def test_a_larger_sample_is_drawn_around_a_smaller_one():
+    """A proposal of 16 numbers that is fitted to it covers the density better."""
+    covariance = np.eye(16) + 0.9
+    precision = np.linalg.inv(covariance)
+
+    def normal(z):
+        return -0.5 * np.einsum("wi,ij,wj->w", z, precision, z)
+
+    def effective(points):
+        proposal = Proposal.around(points, SAMPLING_SPACE)
+        z, _ = proposal.draw(4000, np.random.RandomState(3))
+        weights = np.exp(normal(z) - proposal.log_density(z))
+        return weights.sum() ** 2 / (weights**2).sum() / len(z)
+
+    rng = np.random.RandomState(2)
+    few = rng.multivariate_normal(np.zeros(16), covariance, 300)
+    more = more_points(normal, few, SAMPLING_SPACE, rng, 2000)
+    assert more.shape == (2000, 16)
+    assert np.cov(more, rowvar=False) == pytest.approx(covariance, abs=0.35)
+    assert effective(more) > 1.2 * effective(few)
+
+
+def test_points_stay_where_a_larger_sample_is_not_to_be_relied_on():
+    few = np.random.RandomState(1).standard_normal((100, 6))
+    assert more_points(cauchy, few, SAMPLING_SPACE, np.random.RandomState(1), 2000) is few
 
 
 def test_no_proposal_is_fitted_to_fewer_points_than_a_covariance_needs():

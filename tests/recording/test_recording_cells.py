@@ -2,13 +2,17 @@
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from recording.mini import TABLES, Mini
 
 from bayesfric.errors import InputError
 from bayesfric.recording import read_recording
+from bayesfric.recording.columns import GRAVITY_EVENTS, Column
 from bayesfric.recording.columns import TABLES as FORMATS
-from bayesfric.recording.columns import Column
+from bayesfric.recording.frames import typed
+from bayesfric.recording.numbers import to_numbers
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 NOT_NUMBERS = (
@@ -174,3 +178,20 @@ def frame_of(recording, file):  # type: ignore[no-untyped-def]
     kind, _, part = file.removesuffix(".csv").partition("_")
     table = getattr(recording, kind)
     return table if kind == "steady" else getattr(table, part)
+
+
+@pytest.mark.parametrize("wrong", NOT_NUMBERS)
+def test_cells_that_repeat_are_the_same_numbers(wrong: str) -> None:
+    cells = ["0.0098", "0", wrong, "1e-3"]
+    expected = [0.0098, 0.0, np.nan, 0.001]
+    np.testing.assert_array_equal(to_numbers(pd.Series(cells)), expected)
+    repeated = to_numbers(pd.Series(25 * cells, index=range(7, 107)))
+    np.testing.assert_array_equal(repeated, 25 * expected)
+    assert list(repeated.index) == list(range(7, 107))
+
+
+def test_words_of_a_table_are_text_row_by_row() -> None:
+    trial = pd.Series(["b", "a", "b", None], dtype="category")
+    frame = typed(pd.DataFrame({"trial": trial, "time_s": 0.0}), GRAVITY_EVENTS)
+    assert str(frame["trial"].dtype) == "str"
+    assert frame["trial"].fillna("-").tolist() == ["b", "a", "b", "-"]
