@@ -20,7 +20,6 @@ from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rough import pull_columns
 
 SURELY = 4.0  # standard errors
-FEWEST_STRETCHES = 6  # that tell how errors of windows go together
 
 
 class MovedOtherwise(NamedTuple):
@@ -123,7 +122,7 @@ def works_backwards(readings: Readings) -> bool:
         return True
     of_stretches = _by_stretches(columns, left, readings.piece)
     return (
-        np.unique(readings.piece).size >= FEWEST_STRETCHES
+        np.unique(readings.piece).size >= AXIS_RULES.least_pieces
         and _errors(friction, numbers, of_stretches) < -SURELY
         and _errors(inertia, numbers, of_stretches) < SURELY
     )
