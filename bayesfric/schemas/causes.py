@@ -9,6 +9,8 @@ IMPLAUSIBLE = "larger or smaller than is plausible"
 """Words of a reason why an effect that fits is no cause, which held-out data did not give."""
 INERTIAS = ("inertia", "armature", "mass")
 """What the number of a joint's law may be called that its acceleration is multiplied by."""
+SIGNED = frozenset({"viscous"})
+"""Numbers of a joint's law that may be below 0."""
 
 
 class EffectNumber(Interval):
