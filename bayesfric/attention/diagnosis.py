@@ -7,7 +7,7 @@ from bayesfric.observation.coefficients import PAPER_SIZES
 from bayesfric.probabilities import in_thousands, two_digits
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import IMPLAUSIBLE, INERTIAS, Cause, LawNumber
+from bayesfric.schemas.causes import IMPLAUSIBLE, INERTIAS, SIGNED, Cause, LawNumber
 
 FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is not to be entered
 FAR_FROM_FRICTION = 0.5  # of friction, the same
@@ -46,16 +46,27 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
     instrument = diagnosis.instrument
     if instrument is None or not instrument.alarms:
         return
+    told = {
+        name: number
+        for name, number in instrument.numbers.items()
+        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.untold)
+    }
     numbers = "; ".join(
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
         f"{number.ordinary:.3g}"
-        for name, number in instrument.numbers.items()
-        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.untold)
+        for name, number in told.items()
     )
+    below = [name for name in told if name not in SIGNED and told[name].instrumental <= 0]
+    but = ""
+    if below:
+        but = (
+            f", except for {' and '.join(below)}: no joint has a value below 0, so the difference "
+            "only widens the interval"
+        )
     yield (
         "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "
         f"an instrument (the {instrument.kind}) gives {numbers} (Durbin, Wu and Hausman: "
-        f"p = {instrument.p_value:.1g}). What it gives are the numbers to use"
+        f"p = {instrument.p_value:.1g}). What it gives are the numbers to use{but}"
     )
 
 

@@ -278,6 +278,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
     suspects = [*answer.judged.named, *conclusion.objections.rivals, *conclusion.overruled.possible]
     factor = gravity_hides_inertia(answer.compared.model, answer.judged.residuals.turns)
     hidden = factor is not None and (INERTIA not in law or is_open(law[INERTIA].after))
+    axis = question.recording.axis
     return (
         *(line for rig in data.rigs for line in rig.doubts(law)),
         *([NOT_APART.format(factor=factor)] if hidden else []),
@@ -288,6 +289,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
             data.rigs[0].other_joints,
             suspects,
             question.examined,
+            has_force=axis is None or "force_n" in axis.samples,
         ),
         *far_rows(answer.compared.baseline),
         *not_followed(question.analysis, answer.compared.model),

@@ -249,9 +249,8 @@ def _objections_to(
     best, rig = judged.search.best(), compared.data.rigs[0]
     rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
     amounts = amounts_of(model, best)
-    other_joints = looks_like_others(
-        named, rivals, question.examined, rig.other_joints, gap, amounts
-    )
+    others = _others_of(rig)
+    other_joints = looks_like_others(named, rivals, question.examined, others, gap, amounts)
     held_out = _why_overruled(model, judged, gap, question.practical, remainder) if named else None
     acting = model.amplitudes(best.at, best.acting)
     instrument = rig.instrument(acting, model.laws)
@@ -311,14 +310,25 @@ def _why_bent(
     return not_held(instrument, {name: whose.get(name, name) for name in named})
 
 
+def _others_of(rig: RigTrials) -> str | None:
+    """Return what other joints did: no pull of theirs explains a log that tells no friction."""
+    return "still" if "coulomb" in rig.untold else rig.other_joints
+
+
 def _why_open(
     verdict: Verdict, objections: Objections, rig: RigTrials, judged: Judged, gap: Gap
 ) -> str | None:
-    """Return why causes, some rivals or an unknown force stay open; None where they do not."""
-    if objections.loop is not None or (objections.contradict and verdict == "unknown"):
+    """Return why causes, some rivals or an unknown force stay open; None where they do not.
+
+    Of causes that held-out data contradict it is sure that something else acts, except in a log
+    that tells nothing of friction.
+    """
+    if objections.loop is not None:
         return objections.loop
-    if "coulomb" in rig.untold and verdict in ("named", "unseparated"):
+    if "coulomb" in rig.untold and verdict in ("named", "unseparated", "unknown"):
         return rig.open_still
+    if objections.contradict and verdict == "unknown":
+        return None
     if rig.along_path and verdict == "unseparated":
         return why_beyond_rivals(gap)
     if not rig.along_path or verdict != "unknown":

@@ -22,11 +22,10 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.truncated import normal_above
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import INERTIAS, Cause, LawNumber
+from bayesfric.schemas.causes import INERTIAS, SIGNED, Cause, LawNumber
 from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 NOTHING_WIDER: Factors = MappingProxyType({})
-SIGNED = frozenset({"viscous"})  # numbers that may be below zero
 
 
 def why_bent(instrument: Instrument | str) -> str | None:

@@ -13,7 +13,7 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.hypothesis import Hypothesis
 from bayesfric.probabilities import two_digits
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import IMPLAUSIBLE, Remainder
+from bayesfric.schemas.causes import IMPLAUSIBLE, LEFT_OVER, Remainder
 from bayesfric.schemas.gap import Gap, HeldOutDensity
 
 NO_CAUSE = "no cause is named, so nothing is compared"
@@ -151,7 +151,7 @@ def why_overruled(
     if leaves_too_much(gap, practical) and not told_as_remainder:
         return (
             f"after scatter is subtracted, held-out data leave {two_digits(gap.held_out_excess)} "
-            f"{gap.unit} rms, and no remainder explains them"
+            f"{gap.unit} rms, and {LEFT_OVER}"
         )
     if implausible and (force_left or told_as_remainder):
         return (

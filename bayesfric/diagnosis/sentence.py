@@ -7,7 +7,7 @@ from bayesfric.diagnosis.verdict import Verdict
 from bayesfric.diagnosis_rules import RULES
 from bayesfric.probabilities import stated, two_digits
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import IMPLAUSIBLE, Cause, Unseparated
+from bayesfric.schemas.causes import IMPLAUSIBLE, LEFT_OVER, Cause, Unseparated
 from bayesfric.schemas.gap import Axis, Gap, GapRow
 
 ALL_BUT = 0.999
@@ -308,9 +308,10 @@ def _unknown(statement: Statement) -> str:
     why = statement.overruled_by
     if why is not None and IMPLAUSIBLE in why:
         return _implausible(statement, there if matters else "A force acts", small)
-    but = f" and {miss} what was held out{'' if why is None else f': {why}'}"
+    part, too = ("part of ", " too") if why is not None and LEFT_OVER in why else ("", "")
+    but = f" and {miss} {part}what was held out{'' if why is None else f': {why}'}"
     return (
-        f"{begun} {fit} what was recorded{but}. Something else acts {statement.chance}."
+        f"{begun} {fit} what was recorded{but}. Something else acts{too} {statement.chance}."
         f"{small}{statement.place}"
     )
 

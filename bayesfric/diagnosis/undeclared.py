@@ -16,6 +16,8 @@ def undeclared(
     other_joints: str | None,
     named: Collection[str],
     examined: Mapping[str, Effect],
+    *,
+    has_force: bool = True,
 ) -> Iterator[str]:
     """Yield a sentence for each thing that nobody said and that would change the answer.
 
@@ -31,10 +33,12 @@ def undeclared(
         Effects that are causes, possible, or considered.
     examined : mapping of str to Effect
         All that were examined.
+    has_force : bool
+        Whether a force was logged, and not only the commands of a servo.
     """
     if other_joints is None:
         return
-    if rig.force_is in (None, "unknown"):
+    if has_force and rig.force_is in (None, "unknown"):
         names = [
             name
             for name in sorted({*named})

@@ -19,6 +19,7 @@ from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile
 from bayesfric.schemas.causes import LawNumber
 from bayesfric.schemas.fit import Agreement, AssemblyCheck, DataQuality, OutlyingAssembly
+from bayesfric.schemas.instrument import Instrument, InstrumentNumber
 
 
 def quality(agreement=None):
@@ -244,3 +245,22 @@ def test_what_asks_for_nothing_stands_apart_and_a_biased_law_comes_first():
     biased = "Without viscous the fit gives 1. fit.json and claims.json are of this biased law: so"
     lines = [f"{harmless} affected", "An assembly is far", apart, biased]
     assert by_weight(lines) == ([biased, lines[1]], [lines[0], apart])
+
+
+@pytest.mark.parametrize(("inertia", "viscous"), [(0.5, 0.3), (-0.5, 0.3), (0.5, -0.3)])
+def test_an_inertia_below_0_by_the_instrument_is_no_number_to_use(inertia, viscous):
+    """Of half of a public log an inertia of -6.9 kg·m² was said to be the one to use."""
+
+    def number(value):
+        return InstrumentNumber(
+            unit="u", ordinary=1.0, ordinary_se=0.1, instrumental=value, instrumental_se=0.1
+        )
+
+    instrument = Instrument(
+        kind="earlier motion", statistic=9.0, p_value=1e-6, strength=90.0, windows=99, alarms=True,
+        numbers={"inertia": number(inertia), "viscous": number(viscous)},
+    )  # fmt: skip
+    lines = of_diagnosis(diagnosis().model_copy(update={"instrument": instrument}))
+    (line,) = (line for line in lines if "Durbin" in line)
+    assert ("except for inertia: no joint" in line) == (inertia < 0)
+    assert "numbers to use" in line

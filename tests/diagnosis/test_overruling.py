@@ -30,7 +30,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.hypothesis import Hypothesis, printed
 from bayesfric.probabilities import two_digits
 from bayesfric.schemas.base import Interval
-from bayesfric.schemas.causes import IMPLAUSIBLE, Remainder
+from bayesfric.schemas.causes import IMPLAUSIBLE, LEFT_OVER, Remainder
 from bayesfric.schemas.gap import HeldOutDensity
 
 PRACTICAL = 0.02
@@ -200,6 +200,17 @@ def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
     said = sentence_of(told)
     assert words in said
     assert "Something else acts (probability 0.970)" in said
+
+
+def test_a_cause_that_held_out_data_confirm_is_said_to_miss_a_part():
+    """Gravity that took 98 % of a public joint's held-out gap was said to miss all of it."""
+    why = f"held-out data leave 2.7 N·m rms, and {LEFT_OVER}"
+    told = Statement(
+        "unknown", 0.95, gap_of(), PRACTICAL, considered=[cause("viscous")], overruled_by=why
+    )
+    said = sentence_of(told)
+    assert f"viscous fits what was recorded and misses part of what was held out: {why}." in said
+    assert "Something else acts too (probability 0.95" in said
 
 
 def test_what_is_implausible_is_not_said_to_miss_what_was_held_out():

@@ -8,7 +8,7 @@ import pytest
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
-from bayesfric.diagnosis.concluded import _why_not_shown
+from bayesfric.diagnosis.concluded import _others_of, _why_not_shown, _why_open
 from bayesfric.diagnosis.showing import loosely_known, why_not_shown
 from bayesfric.errors import InputError
 
@@ -140,3 +140,16 @@ def test_of_an_axis_without_friction_no_share_is_told(tmp_path):
     assert "% of friction" not in found.sentence
     assert " N rms" in found.sentence
     assert "friction is within its error of zero" in found.sentence
+
+
+@pytest.mark.parametrize("untold", [(), ("coulomb",)])
+@pytest.mark.parametrize("verdict", ["named", "unseparated", "unknown"])
+def test_a_log_that_tells_no_friction_leaves_all_open(untold, verdict):
+    """Of a log whose force had the other sign, another joint's pull was told, or a compliance."""
+    rig = SimpleNamespace(
+        untold=untold, open_still="the sign is wrong", along_path=False, other_joints="unknown"
+    )
+    objections = SimpleNamespace(loop=None, contradict=verdict == "unknown")
+    why = _why_open(verdict, objections, rig, None, None)
+    assert why == ("the sign is wrong" if untold else None)
+    assert _others_of(rig) == ("still" if untold else "unknown")

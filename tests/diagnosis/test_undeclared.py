@@ -27,6 +27,12 @@ def test_a_declared_force_and_other_effects_need_no_word():
     assert told(names=["stribeck", "load-friction"]) == []  # the load is known there
 
 
+def test_a_log_of_commands_has_no_force_to_be_declared():
+    rig = RigConstants(rotary=True)
+    names = ["torque-saturation"]
+    assert not [*undeclared(rig, "named", "still", names, EFFECTS, has_force=False)]
+
+
 def test_friction_by_the_load_may_be_of_one_way_of_the_power_where_no_load_is_known():
     lacking = {name: one for name, one in EFFECTS.items() if name != "load-asymmetry"}
     rig = RigConstants(rotary=True, force_is="motor")

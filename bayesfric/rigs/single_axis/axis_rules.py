@@ -87,8 +87,8 @@ class AxisRules:
     instrument_matters: and if some coefficient differs by a larger part of its value [1;
         two-engines]
     instrument_errors: and by more standard errors of the difference [sd; two-engines]
-    least_pieces: with fewer independent stretches the instruments are not compared [stretches;
-        two-engines]
+    least_pieces: with fewer independent stretches the instruments are not compared, and their
+        scatter is no error of a coefficient [stretches; two-engines]
     """
 
     least_samples: int = 16

@@ -6,12 +6,11 @@ import numpy as np
 
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.moved_otherwise import BACKWARDS, works_backwards
 from bayesfric.rigs.single_axis.readings import Readings
-from bayesfric.rigs.single_axis.rough import pull_columns
 
 DENSEST_S = 4e-5  # between samples: no joint's log is denser than 25 kHz
 MANY_TURNS_RAD = 40.0  # in a run, of a joint that something pulls to a place
-SURELY = 4.0  # standard errors
 NEAR_ZERO = 0.05  # of the rms force
 OFTEN = 0.01  # of the windows
 
@@ -32,11 +31,8 @@ def likely_mistakes(
     viscous : bool
         Whether the law has viscous friction.
     """
-    if _works_backwards(readings):
-        yield (
-            "By least squares the force works against inertia and friction, as if its sign, or "
-            "that of the position, were the other one (sign = -1 in a mapping)"
-        )
+    if works_backwards(readings):
+        yield BACKWARDS.advice
     if measures.both_ways and _is_magnitude(readings, measures.force):
         yield (
             "The force is never below 0 and often at 0, while the axis moves both ways: is it a "
@@ -56,27 +52,6 @@ def likely_mistakes(
             "turns), and something pulls it to a place: are its positions in degrees, or those "
             "of a motor before its gear?"
         )
-
-
-def _works_backwards(readings: Readings) -> bool:
-    """Return whether inertia and friction are surely below 0 by least squares."""
-    speed = readings.speed @ readings.weights
-    pull = pull_columns(readings.position @ readings.weights, readings.way)
-    columns = np.column_stack([readings.acceleration, np.ones(readings.count), speed, pull])
-    if readings.count < 2 * columns.shape[1]:
-        return False
-    width = np.maximum(np.abs(columns).max(axis=0), 1e-300)
-    scaled = columns / width
-    numbers = np.linalg.lstsq(scaled, readings.force, rcond=None)[0]
-    variance = float(np.mean((readings.force - scaled @ numbers) ** 2))
-    covariance = variance * np.linalg.pinv(scaled.T @ scaled)
-    inertia, friction = np.zeros((2, len(width)))
-    inertia[0] = 1.0
-    friction[1:3] = 1.0 / width[1], float(speed.mean()) / width[2]
-    return all(
-        bool(what @ numbers < -SURELY * np.sqrt(what @ covariance @ what))
-        for what in (inertia, friction)
-    )
 
 
 def _is_magnitude(readings: Readings, force: float) -> bool:

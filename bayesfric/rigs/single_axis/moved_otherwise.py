@@ -1,19 +1,25 @@
-"""Logs whose force has nothing of the joint's friction: a relay along the speed, a hand.
+"""Logs whose force has nothing of the joint's friction: a relay, a hand, the other sign.
 
 A controller that feeds a free swing pushes with one size along the speed. Least squares then
 explain all of the force by Coulomb friction, without inertia and without weight, and leave
 nothing. A joint that a hand moves while its drive bears the weight alone has a force by the place
-alone, as if it had neither inertia nor friction. Of both the fit is perfect, and wrong.
+alone, as if it had neither inertia nor friction. Of both the fit is perfect, and wrong. A force
+with the other sign pulls back where the joint runs on: friction, and often inertia, come out below
+0, where no law has them.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from bayesfric.arrays import Flags
+from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
+from bayesfric.rigs.single_axis.rough import pull_columns
+
+SURELY = 4.0  # standard errors
 
 
 class MovedOtherwise(NamedTuple):
@@ -44,6 +50,14 @@ BY_HAND = MovedOtherwise(
     "estimated. Log the force of the hand, or let the drive move the joint",
 )
 
+BACKWARDS = MovedOtherwise(
+    "the force works against the motion, as if its sign, or that of the position, were wrong",
+    "By least squares, friction or inertia is below 0: the force works backwards. The sign of the "
+    "force, or that of the position, may be wrong (sign = -1 in a mapping), or something outside "
+    "the log moves the joint against its drive. So no number of the law is estimated. Correct the "
+    "sign, or let the drive move the joint",
+)
+
 
 def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> MovedOtherwise | None:
     """Return why the force says nothing of friction; None where it may.
@@ -57,12 +71,79 @@ def moved_otherwise(readings: Readings, measures: Measures, inside: Flags) -> Mo
     inside : ndarray of bool, shape (W,)
         Rows within the drive's limit.
     """
-    force, rough = readings.force, rough_law_of(readings, inside)
-    moved = rough.mass * measures.acceleration
+    if works_backwards(readings):
+        return BACKWARDS
+    force = readings.force
+    moved, friction = _law_forces(readings, measures, inside)
     is_one_size = np.std(force) < AXIS_RULES.one_force * abs(float(np.mean(force)))
     if measures.rotary and is_one_size and readings.swings_alike:
         return RELAY if moved < AXIS_RULES.one_force * measures.force else None
     size = float(np.sqrt(np.mean((readings.drive @ readings.weights) ** 2)))
+    if max(moved, friction) >= AXIS_RULES.no_friction * size:
+        return None
+    # No number of the rough law is below 0: only the force's reverse shows those that would be.
+    reverse = _law_forces(replace(readings, force=-force), measures, inside)
+    return BY_HAND if max(reverse) < AXIS_RULES.no_friction * size else BACKWARDS
+
+
+def _law_forces(readings: Readings, measures: Measures, inside: Flags) -> tuple[float, float]:
+    """Return what inertia and friction make of the force, by the rough law."""
+    rough = rough_law_of(readings, inside)
     friction = rough.coulomb + rough.viscous * measures.speed
-    nothing = max(moved, friction) < AXIS_RULES.no_friction * size
-    return BY_HAND if nothing else None
+    return rough.mass * measures.acceleration, friction
+
+
+def works_backwards(readings: Readings) -> bool:
+    """Return whether friction is surely below 0 by least squares, and inertia not above it.
+
+    What else acts on a joint, as the pull of others, makes errors that neighbouring windows
+    share. So friction alone is believed only by the scatter of whole stretches; by the scatter of
+    windows it is where inertia is below 0 too.
+
+    Parameters
+    ----------
+    readings : Readings
+        Rows of all runs.
+    """
+    speed = readings.speed @ readings.weights
+    pull = pull_columns(readings.position @ readings.weights, readings.way)
+    columns = np.column_stack([readings.acceleration, np.ones(readings.count), speed, pull])
+    if readings.count < 2 * columns.shape[1]:
+        return False
+    columns = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)
+    numbers = np.linalg.lstsq(columns, readings.force, rcond=None)[0]
+    left = readings.force - columns @ numbers
+    inertia, friction = np.zeros((2, numbers.size))
+    inertia[0], friction[1:3] = 1.0, columns[:, 1:3].mean(axis=0)
+    of_windows = np.mean(left**2) * np.linalg.pinv(columns.T @ columns)
+    if not _errors(friction, numbers, of_windows) < -SURELY:
+        return False
+    if _errors(inertia, numbers, of_windows) < -SURELY:
+        return True
+    of_stretches = _by_stretches(columns, left, readings.piece)
+    return (
+        np.unique(readings.piece).size >= AXIS_RULES.least_pieces
+        and _errors(friction, numbers, of_stretches) < -SURELY
+        and _errors(inertia, numbers, of_stretches) < SURELY
+    )
+
+
+def _errors(weights: Array, numbers: Array, covariance: Array) -> float:
+    """Return a sum of numbers over its standard error; 0 where nothing is known of it."""
+    variance = float(weights @ covariance @ weights)
+    return float(weights @ numbers) / variance**0.5 if variance > 0 else 0.0
+
+
+def _by_stretches(columns: Array, left: Array, stretch: Array) -> Array:
+    """Return the covariance of least squares whose errors go together within a stretch.
+
+    References
+    ----------
+    K.-Y. Liang, S. L. Zeger, "Longitudinal data analysis using generalized linear models",
+    Biometrika 73 (1986).
+    """
+    names, places = np.unique(stretch, return_inverse=True)
+    scores = np.zeros((names.size, columns.shape[1]))
+    np.add.at(scores, places, columns * left[:, None])
+    inverse = np.linalg.pinv(columns.T @ columns)
+    return np.asarray(inverse @ scores.T @ scores @ inverse)

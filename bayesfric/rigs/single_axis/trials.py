@@ -61,7 +61,10 @@ class AxisRuns(EnteredRuns):
             lines.append(LIKE_A_PULL)
         if self.servo is None:
             viscous = "c3" not in self._lacks
-            lines += likely_mistakes(self.readings, self.measures, self.interval_s, viscous=viscous)
+            mistakes = likely_mistakes(
+                self.readings, self.measures, self.interval_s, viscous=viscous
+            )
+            lines += [line for line in mistakes if line not in lines]
         if self.servo is not None:
             lines += self.servo.said(rotary=self.constants.rotary)
         if self._loaded_one_way:
