@@ -257,7 +257,7 @@ def read_tree(path: Path) -> xr.DataTree:
     except Exception as error:  # whatever the libraries make of bytes that are damaged
         raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
     if restored_tree.attrs.get("layout", _layout(restored_tree)) != _layout(restored_tree):
-        raise InputError([_not_netcdf(path, "a part of it is not there")])
+        raise InputError([_not_netcdf(path, "a part of it is missing")])
     return restored_tree
 
 

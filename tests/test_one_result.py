@@ -235,7 +235,7 @@ def test_arrays_without_a_group_that_was_written_are_refused(pairs, tmp_path):
     path = tmp_path / "diagnosis.nc"
     tree = read_tree(path)
     xr.DataTree(xr.Dataset(attrs=tree.attrs)).to_netcdf(path, engine="netcdf4")
-    with pytest.raises(InputError, match="a part of it is not there"):
+    with pytest.raises(InputError, match="a part of it is missing"):
         read_stored(tmp_path)
 
 

@@ -13,7 +13,7 @@ FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is n
 FAR_FROM_FRICTION = 0.5  # of friction, the same
 NOT_YET = "Do not enter these numbers yet"
 MULTIPLE = 2.0  # times friction, from which on nobody reads a percentage
-OF_BIASED_LAW = "fit.json and claims.json are of this biased law"
+OF_BIASED_LAW = "fit.json and claims.json rest on this biased law"
 APART = 2.0  # combined standard deviations, beyond which chance does not make a bias
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
@@ -64,9 +64,9 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
             "only widens the interval"
         )
     yield (
-        "Errors of the encoder, or what disturbs the joint inside its loop, bias the law: "
-        f"an instrument (the {instrument.kind}) gives {numbers} (Durbin, Wu and Hausman: "
-        f"p = {instrument.p_value:.1g}). What it gives are the numbers to use{but}"
+        "Encoder errors, or disturbances inside the control loop, bias least squares: with the "
+        f"{instrument.kind} as instrumental variable, {numbers} (Durbin-Wu-Hausman test: "
+        f"p = {instrument.p_value:.1g}). Use the instrumental-variable numbers{but}"
     )
 
 
@@ -153,7 +153,7 @@ def _biased(diagnosis: DiagnosisFile) -> Iterator[str]:
     yield (
         f"Without {causes} the fit gives {worst} as {in_thousands(number.before.mean)}{unit} "
         f"instead of {in_thousands(_refitted(number).mean)}{unit}.{more} {OF_BIASED_LAW}: use "
-        f"the numbers that were refitted with {causes}"
+        f"the numbers refitted with {causes}"
     )
 
 
@@ -176,7 +176,7 @@ def _held_out(diagnosis: DiagnosisFile) -> Iterator[str]:
         names = ", ".join(effect.effect for effect in diagnosis.considered)
         why = diagnosis.overruled_by
         if why is not None and IMPLAUSIBLE in why:
-            yield f"Not named, though it fits: {names}, since {why}."
+            yield f"Not named, though consistent with the data of the fit: {names}, since {why}."
         else:
             yield f"Held-out data contradict {names}{'' if why is None else f': {why}'}."
     # What is missed beyond scatter is told once, by `why_untrusted` where there are numbers.
@@ -201,7 +201,7 @@ def _rest(diagnosis: DiagnosisFile) -> Iterator[str]:
     if diagnosis.stray_trials:
         names = ", ".join(diagnosis.stray_trials)
         yield (
-            f"Left out, since they lie far from the other trials of their own assembly: {names}. "
+            f"Trials left out, since they are far from the others of their own assembly: {names}. "
             "Look at how they were recorded"
         )
     if diagnosis.remainder.significant and diagnosis.verdict == "named":

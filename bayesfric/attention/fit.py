@@ -142,8 +142,9 @@ def _entered(quality: DataQuality) -> Iterator[str]:
     if quality.replicated_cells == 0 and quality.trials_used:
         yield (
             "No condition (size, number of pulleys, wrap angle) was assembled twice, so that the "
-            "prior decides the scatter between assemblies (omega), and with it what these data "
-            "say of the number of pulleys and of the wrap angle: assemble some conditions twice"
+            "prior decides the scatter between assemblies (omega), and with it how well these data "
+            "determine the effects of the number of pulleys and of the wrap angle: assemble some "
+            "conditions twice"
         )
     if quality.excluded:
         of_rule = Counter(entry.reason for entry in quality.excluded)
@@ -159,9 +160,9 @@ def _sensors(agreement: Agreement | None) -> Iterator[str]:
     if agreement.disagreeing or chance < NOT_UNIFORM:
         share, where = f"{agreement.limit_friction_share:.0%} of friction", agreement.disagreeing
         counts = (
-            f"in {len(where)} of {agreement.trials} trials ({', '.join(where)}) it is also more"
+            f"in {len(where)} of {agreement.trials} trials ({', '.join(where)}) this is also more"
         )
-        check = "; check their clocks and places in these trials"
+        check = "; check the sensors' clocks and positions in these trials"
         yield (
             f"The two sensors of a trial disagree on its acceleration by up to "
             f"{agreement.largest_z:.1f} standard errors, more than noise makes; "
@@ -217,7 +218,7 @@ def contradicted(
             yield (
                 f"Parameter {parameter.name} is {entry.mean:.3g}, and {prior.mean:g} ± "
                 f"{prior.sd:.2g} by its prior: {far:.1f} standard deviations away. One of them is "
-                "wrong (is a unit, in the recording or of the prior?)"
+                "wrong: check the units in the recording and of the prior"
             )
         elif surely and (
             (prior.mean and far > MISSED) or (parameter.name in NO_DELAY and far > LATE)
@@ -243,7 +244,7 @@ def _pulled(parameter: Parameter, entry: ParameterSummary, scale: float) -> Iter
         unit = "" if parameter.unit == "1" else f" {parameter.unit}"
         yield (
             f"Parameter {parameter.name} is {entry.mean:.3g}{unit}, {entry.mean / scale:.0f} times "
-            f"the scale of its prior, which makes it some {off:.2g}{unit} too small: "
+            f"the scale of its prior, which pulls it down by some {off:.2g}{unit}: "
             "state a wider prior, or look at the unit"
         )
 
@@ -257,7 +258,7 @@ def _uncovered(coverages: Sequence[Coverage]) -> Iterator[str]:
                 f"inside their 90 % predictive interval, where {coverage.low:.1%} to "
                 f"{coverage.high:.1%} are expected: these predictive intervals may be too "
                 f"{NARROW if coverage.share < coverage.low else CAUTIOUS} (by chance in one "
-                "sound recording of ten)"
+                "recording of ten that obeys the model)"
             )
 
 

@@ -161,7 +161,8 @@ class Claim:
         trials = entered.trials(self.subject(entered))
         if self.moving(entered) != self.regime:
             if absent := [WORDS[name] for name in COLUMNS if name not in trials.asked]:
-                return f"Nobody wrote down the {' and the '.join(absent)}."
+                are = "is" if len(absent) == 1 else "are"
+                return f"The {' and the '.join(absent)} {are} not recorded."
             if (levels := trials.recorded["velocity_m_s"].abs().nunique()) < self.speeds:
                 return f"The speed takes {levels} of at least {self.speeds} values."
         for name, least in self.levels.items():

@@ -96,7 +96,7 @@ def decide(
         f"Table II with probability {stated(probability)}"
     )
     if tail < rules.refute_tail_probability:
-        out = f"Table I is far out in the posterior (joint tail probability {tail:.1g}); {within}."
+        out = f"Table I is far out in the tail (joint tail probability {tail:.1g}); {within}."
         refuted = probability <= rules.refute_probability
         return ("refuted" if refuted else "undecided"), out
     inside = f"Table I lies within the posterior (joint tail probability {tail:.2f})"
@@ -105,7 +105,7 @@ def decide(
         return "undecided", f"{inside}, but these data leave {names} to the prior."
     if probability >= rules.support_probability:
         return "supported", f"{inside}; {within}."
-    return "undecided", f"{inside}, which is too wide: {within}."
+    return "undecided", f"{inside}, which is too wide to decide: {within}."
 
 
 def _judge(claim: Claim, case: Case) -> Finding:

@@ -50,7 +50,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     weighed = {rival: studied for rival, studied in rivals.items() if studied.evidence is not None}
     if own.evidence is None or not weighed:
         why = own.why or "; ".join(lacking)
-        return Finding("undecided", f"No evidence can be had: {why}.", why=why)
+        return Finding("undecided", f"The evidence cannot be computed: {why}.", why=why)
     case = replace(case, effects=suited_effects(case.entered.data[name], case.effects))
     return _against_rivals(claim, case, name, weighed, lacking)
 
@@ -83,7 +83,7 @@ def _against_rivals(
     if lacking:
         verdicts = ["undecided" if of_width == "supported" else of_width for of_width in verdicts]
         if verdict == "supported":
-            verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
+            verdict, reason = "undecided", f"A rival has no evidence: {'; '.join(lacking)}."
     narrowest, widest = same_around(verdicts, verdict)
     figures: dict[str, Any] = {
         "best_rival": best.label,

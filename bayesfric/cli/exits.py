@@ -76,7 +76,7 @@ def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
             for fault in error.faults[:SHOWN_FAULTS]:
                 say(f"error: {fault}", err=True)
             if len(error.faults) > SHOWN_FAULTS:
-                say(f"error: and {len(error.faults) - SHOWN_FAULTS:,} faults more", err=True)
+                say(f"error: and {len(error.faults) - SHOWN_FAULTS:,} more faults", err=True)
             raise typer.Exit(2) from error
         except KeyboardInterrupt as error:
             say("interrupted", err=True)
@@ -89,7 +89,7 @@ def exit_status(verb: Callable[P, set[str] | None]) -> Callable[P, None]:
         except Exception as error:
             for line in traceback.format_exc().splitlines():
                 say(line, err=True)
-            say("error: this is a fault of bayesfric itself; please report it", err=True)
+            say("error: this is a bug in bayesfric; please report it", err=True)
             raise typer.Exit(70) from error
 
     return guarded
@@ -174,7 +174,7 @@ def check_fail_on(names: str, verb: str) -> None:
         )
     for name in given:
         if name not in CAN_HAPPEN[verb]:
-            said = f"--fail-on {name} waits in vain: `{verb}` can have {_listed(verb)}"
+            said = f"--fail-on {name} never happens in `{verb}`, which can report: {_listed(verb)}"
             say(f"note: {said}", err=True)
 
 

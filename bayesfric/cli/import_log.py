@@ -73,7 +73,7 @@ def _propose(log: Path, joint: str | None, quiet: bool) -> None:
     except OSError as error:
         where = f"It is not written beside the log ({error.strerror}): keep what is printed"
     if not quiet:
-        left = f"; to be said: {'; '.join(proposal.open)}" if proposal.open else ""
+        left = f"; still to state: {'; '.join(proposal.open)}" if proposal.open else ""
         say(f"Nothing is imported: this is a proposal{left}. {where}.", err=True)
         edited, every = log.with_name(file.name), " --joint all" if proposal.joints else ""
         say(f"Edit it, then: bayesfric import {log} -o RECORDING{every} --map {edited}", err=True)

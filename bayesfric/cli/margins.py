@@ -256,10 +256,10 @@ def _say_verified(verification: "Verification") -> None:
     say(f"  on an elastic cable, within {verification.tolerance:.0%}:")
     for figure in verification.held:
         if figure.share is None:
-            say(f"    {figure.what}: not held against it, {figure.share_why}")
+            say(f"    {figure.what}: not compared, {figure.share_why}")
         else:
             held = f"{figure.share * figure.draws:.0f} of {figure.draws} draws"
-            say(f"    {figure.what}: holds in {held}")
+            say(f"    {figure.what}: agrees in {held}")
 
 
 def _to_begin_with(template: Path | None, list_loops: bool, loops: list[Path] | None) -> None:

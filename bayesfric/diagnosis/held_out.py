@@ -321,12 +321,13 @@ def gap_row(
     shrink, why = None, no_shrink
     if why is None and np.mean(gap2 > 0) < RULES.above_floor:
         why = (
-            f"the gap exceeds what scatter makes with a probability of only {np.mean(gap2 > 0):.2f}"
+            f"the probability that this error exceeds scatter alone is {np.mean(gap2 > 0):.2f}, "
+            f"and {RULES.above_floor:g} is needed"
         )
     if why is None:
         ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
         if np.median(ratio) > RULES.most_shrink:
-            why = "with the causes in the law, what is left is less than scatter alone makes"
+            why = "with the causes in the law, the error is smaller than scatter alone makes it"
         else:
             shrink = Interval.of_draws(np.minimum(ratio, RULES.most_shrink))
     shipped: Interval | None = None

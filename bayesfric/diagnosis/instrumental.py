@@ -39,8 +39,8 @@ def why_bent(instrument: Instrument | str) -> str | None:
     if isinstance(instrument, str) or not instrument.alarms:
         return None
     return (
-        "errors of the encoder, or what disturbs the joint inside its loop, move the law by more "
-        f"than that (Durbin, Wu and Hausman: p = {instrument.p_value:.1g})"
+        "encoder errors, or disturbances inside the control loop, bias the law by more than that "
+        f"(Durbin-Wu-Hausman test: p = {instrument.p_value:.1g})"
     )
 
 
@@ -60,9 +60,9 @@ def why_unsettled(instrument: Instrument | str) -> str | None:
     if instrument.p_value >= RULES.instrument_sure or instrument.strength >= RULES.instrument_weak:
         return None
     return (
-        "errors of the encoder, or what disturbs the joint inside its loop, bend least squares "
-        f"(Durbin, Wu and Hausman: p = {instrument.p_value:.1g}), and the motion before is too "
-        f"weak an instrument to set them right (F = {instrument.strength:.2g}): log the reference"
+        "encoder errors, or disturbances inside the control loop, bias least squares "
+        f"(Durbin-Wu-Hausman test: p = {instrument.p_value:.1g}), and the earlier motion is too "
+        f"weak an instrument to correct that (F = {instrument.strength:.2g}): log the reference"
     )
 
 
@@ -84,7 +84,7 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
     for name, whose in named.items():
         value = instrument.effects.get(whose)
         if value is None:
-            parts.append(f"{name} is not told by it")
+            parts.append(f"it does not determine {name}")
         elif not _is_told(value):
             unit = "" if value.unit == "1" else f" {value.unit}"
             parts.append(
@@ -94,8 +94,9 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
     if not parts:
         return None
     return (
-        "an instrument against errors of the encoder and the loop is apart from least squares "
-        f"(Durbin, Wu and Hausman: p = {instrument.p_value:.1g}): {'; '.join(parts)}"
+        "the instrumental-variable estimate, which encoder errors and the control loop do not "
+        f"bias, differs from least squares (Durbin-Wu-Hausman test: p = {instrument.p_value:.1g}): "
+        f"{'; '.join(parts)}"
     )
 
 

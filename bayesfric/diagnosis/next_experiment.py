@@ -57,7 +57,7 @@ def next_experiment(
         if p >= RULES.rival and hypothesis in search.weighed
     ][:RIVALS]
     if len(open_) < 2:
-        return (), "no two hypotheses are left to separate"
+        return (), "no two plausible hypotheses are left to separate"
     data = feasible_trials(model)
     if not data.rigs:
         return (), "no further trial of such a recording can be predicted"

@@ -140,18 +140,21 @@ def why_overruled(
     if contradicts(gap):
         assert gap.shrink is not None
         assert gap.shrink_of_model is not None
-        return f"{_share(gap.shrink)} of the squared gap against {_share(gap.shrink_of_model)}"
+        return (
+            f"{_share(gap.shrink)} of the squared gap is removed there, against "
+            f"{_share(gap.shrink_of_model)} by the model's own estimate"
+        )
     density, errors = gap.held_out_log_density, _errors_needed(gap)
     if density is not None and density.difference < errors * density.error:
         return (
-            "with them it is predicted no better than by the law alone (log density "
-            f"{density.difference:+.2g} ± {density.error:.2g} nat, "
-            f"{errors:.0f} error{'s are' if errors > 1 else ' is'} needed)"
+            "they are predicted no better than by the law alone (log density "
+            f"{density.difference:+.2g} ± {density.error:.2g} nat; "
+            f"{errors:.0f} standard error{'s are' if errors > 1 else ' is'} needed)"
         )
     if leaves_too_much(gap, practical) and not told_as_remainder:
         return (
-            f"after scatter is subtracted, held-out data leave {two_digits(gap.held_out_excess)} "
-            f"{gap.unit} rms, and {LEFT_OVER}"
+            f"after scatter is subtracted, an error of {two_digits(gap.held_out_excess)} "
+            f"{gap.unit} rms is left there, and {LEFT_OVER}"
         )
     if implausible and (force_left or told_as_remainder):
         return (

@@ -176,22 +176,25 @@ def held_out_words(gap: Gap, causes: Sequence[Cause], verdict: Verdict | None = 
     sizes = f"{off}; scatter alone makes {floor} {gap.unit} on average"
     if row.below_floor <= 1 - RULES.above_floor:
         return f"{sizes}, a difference that chance does not explain."
-    return f"{sizes}, a difference that chance makes with probability {stated(row.below_floor)}."
+    return (
+        f"{sizes}, and chance makes such a difference with probability {stated(row.below_floor)}."
+    )
 
 
 def _beside_the_model(measured: Interval, inferred: Interval, row: GapRow, unit: str) -> str:
     """Return the share that held-out data show, a sentence, and which share to rely on."""
-    on_unseen = f"on data that the fit has not seen, {_share(measured)} is removed"
+    on_unseen = f"On data that the fit has not seen, {_share(measured)} is removed"
     if measured.q95 < inferred.q05:
         return (
-            f"{on_unseen.capitalize()}: rely on that, since {_middle(inferred)} is the model's own "
-            "figure, of the data that it was fitted to."
+            f"{on_unseen}. Rely on this lower figure: {_middle(inferred)} is the model's own "
+            "estimate, from the data that it was fitted to."
         )
     if measured.q95 - measured.q05 < ROUGH:
-        return f"{on_unseen.capitalize()}, which confirms it."
+        return f"{on_unseen}, which confirms this."
     return (
-        f"Rely on the {_middle(inferred)}, which the model has freed of scatter; {on_unseen}, a "
-        f"rough figure since scatter makes {two_digits(row.floor.q50)} {unit} there."
+        f"{on_unseen}: a consistent but rough figure, since scatter alone makes "
+        f"{two_digits(row.floor.q50)} {unit} rms there. Rely on the {_middle(inferred)}, which the "
+        "model has freed of scatter."
     )
 
 
@@ -212,7 +215,8 @@ def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -
 
 def _no_gap(statement: Statement) -> str:
     absorbed = (
-        f" {statement.acting}, and the recalibrated law takes up most of its force."
+        f" {statement.acting}, but the recalibrated law absorbs most of its force, which may bias "
+        "the coefficients."
         if statement.causes
         else ""
     )
@@ -240,9 +244,9 @@ def _undecided(statement: Statement) -> str:
         return f"{there}; its cause stays open: {statement.open_because}.{statement.place}"
     if statement.open_because is not None:
         names = " and ".join(effect.effect for effect in statement.considered)
-        fits = "fits what was recorded, and stays" if len(statement.considered) == 1 else ""
+        fits = "would explain the data, but stays" if len(statement.considered) == 1 else ""
         return (
-            f"{names} {fits or 'fit what was recorded, and stay'} open: {statement.open_because}."
+            f"{names} {fits or 'would explain the data, but stay'} open: {statement.open_because}."
         )
     if statement.not_shown is not None and gap.no_share is not None:
         return f"These data could not have shown a gap: {statement.not_shown}; {gap.no_share}."
@@ -289,7 +293,7 @@ def _unknown(statement: Statement) -> str:
     limit = f"below {statement.share:.1%} of friction a gap is negligible"
     small = "" if matters else f" Its gap is small: {statement.size}; {limit}."
     if not statement.considered and not matters:
-        return f"A force acts that none of the effects examined makes {statement.chance}.{small}"
+        return f"A force acts that none of the effects examined explains {statement.chance}.{small}"
     if not statement.considered:
         likely = stated(statement.probability)
         return (
@@ -297,21 +301,21 @@ def _unknown(statement: Statement) -> str:
             f"explains: {statement.size}.{statement.place}"
         )
     names = " and ".join(effect.effect for effect in statement.considered)
-    fit, miss = ("fits", "misses") if len(statement.considered) == 1 else ("fit", "miss")
+    fit = "explains" if len(statement.considered) == 1 else "explain"
     begun = f"{there}; {names}" if matters else names
     if statement.elsewhere is not None:
         pull, remedy = PULLS[statement.elsewhere == "logged"]
         return (
-            f"{begun} {fit} what was recorded, and so would the pull of {pull} "
+            f"{begun} {fit} the data, and so would the pull of {pull} "
             f"{statement.chance}: {remedy}.{small}{statement.place}"
         )
     why = statement.overruled_by
     if why is not None and IMPLAUSIBLE in why:
         return _implausible(statement, there if matters else "A force acts", small)
-    part, too = ("part of ", " too") if why is not None and LEFT_OVER in why else ("", "")
-    but = f" and {miss} {part}what was held out{'' if why is None else f': {why}'}"
+    part, too = ("only part of the ", " too") if why and LEFT_OVER in why else ("not ", "")
+    but = f" but {part}held-out data{'' if why is None else f': {why}'}"
     return (
-        f"{begun} {fit} what was recorded{but}. Something else acts{too} {statement.chance}."
+        f"{begun} {fit} the data of the fit{but}. Something else acts{too} {statement.chance}."
         f"{small}{statement.place}"
     )
 
@@ -355,7 +359,7 @@ def _named(statement: Statement) -> str:
         beside = f" One of {statement.rivals} acts beside {them}; these data cannot tell which."
     if statement.gap.shrink_of_model is not None:
         removed = _share(statement.gap.shrink_of_model)
-        gone = f"adding {them} removes {removed} of that gap (mean square)"
+        gone = f"adding {them} removes {removed} of this systematic gap (mean square)"
         without = f" Without {them} the simulation is systematically off by {statement.size}"
         shrunk = f"{without}; {gone}."
     return f"{statement.acting} {statement.chance}.{shrunk}{statement.place}{beside}"

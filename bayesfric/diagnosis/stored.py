@@ -17,10 +17,10 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.gap import Gap, GapRow
 from bayesfric.stored_names import RESIDUALS, variable_of
 
-NO_EVENTS, NONE_OUT = "no trial has events enough", "no data could be held out"
-NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
-NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
-NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
+NO_EVENTS, NONE_OUT = "no trial has enough events", "no data could be held out"
+NO_CAUSE = "no cause is named, so no effect was added"
+NO_PHASES = "the phase at which the cause begins differs from trial to trial, unpredictably"
+NO_GAP = "once the law is recalibrated, the cause leaves no gap to remove"
 NO_SHIPPED = "no shipped values were given, and none are published"
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 OF_SOME = ("acceleration", "trial_in_setup", "drive_end", "direction", "travel_since_reversal")

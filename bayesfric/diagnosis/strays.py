@@ -105,11 +105,11 @@ def far_rows(model: LinearModel) -> tuple[str, ...]:
             continue
         if weight.size == len(rig.rows.table):
             names = ", ".join(str(rig.rows.table["trial"].iloc[row]) for row in little)
-            said.append(f"Counts little, since far from what all others say: {names}")
+            said.append(f"Trials with little weight, since they are far from all others: {names}")
         else:
             said.append(
-                f"{little.size} of {weight.size} windows count little, since they are far from "
-                "what all others say"
+                f"{little.size} of {weight.size} windows have little weight, since they are far "
+                "from all others"
             )
     return tuple(said)
 

@@ -55,7 +55,7 @@ class Together:
     def words(self, size: str) -> str:
         """Say that it is there, a force of a size in words."""
         return (
-            f"residuals next to each other along {self.axis.replace('_', ' ')} share a force of "
+            f"neighbouring residuals along {self.axis.replace('_', ' ')} share a force of "
             f"{size} (scatter alone makes as much with probability {self.p_value:.2g})"
         )
 
@@ -157,7 +157,7 @@ def unlike_scatter(
         return None
     if leaves_too_much(gap, practical):
         excess = f"{two_digits(gap.held_out_excess)} {gap.unit} rms"
-        return f"after scatter is subtracted, held-out data leave {excess}"
+        return f"after scatter is subtracted, an error of {excess} is left on held-out data"
     structured = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
     if structured is None:
         return None

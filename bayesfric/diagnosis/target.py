@@ -204,20 +204,20 @@ def conditions_of(target: FrictionAsked) -> pd.DataFrame:
 
 def target_lines(target: FrictionAsked) -> list[str]:
     """Return a line a condition, and what does not come along, for the terminal."""
-    lines = ["friction at the conditions asked for, and what is missed of it without the causes:"]
+    lines = ["friction at the conditions of --target, and the error without and with the causes:"]
     for row in target.rows:
         where = ", ".join(f"{name} {value}" for name, value in row.condition.items())
         friction, without, with_ = row.friction, row.gap_without_causes, row.gap_with_causes
-        outside = f"; outside of what was recorded: {', '.join(row.outside)}" * bool(row.outside)
+        outside = f"; outside of the recorded range: {', '.join(row.outside)}" * bool(row.outside)
         lines.append(
             f"  {where}: {row.written(friction.q50)} [{row.written(friction.q05)}, "
-            f"{row.written(friction.q95)}] {target.unit}, missed {row.written(without.q50)}, "
+            f"{row.written(friction.q95)}] {target.unit}, error {row.written(without.q50)}, "
             f"with the causes {row.written(with_.q50)}{outside}"
         )
-    lines += [f"  {name} stays behind: {why}" for name, why in target.stays_behind.items()]
+    lines += [f"  {name} does not carry over: {why}" for name, why in target.stays_behind.items()]
     if target.unknown_probability >= RULES.possible:
         lines.append(
-            f"  an unknown force (probability {target.unknown_probability:.2f}) is carried to no "
-            "other condition"
+            f"  an unknown force (probability {target.unknown_probability:.2f}) is not "
+            "extrapolated to these conditions"
         )
     return lines

@@ -28,9 +28,9 @@ BAND = 0.95
 TINY = 1e-300  # avoids division by zero if a statistic is constant
 VISIBLE = 0.02  # relative size below which a function does not vary in these windows
 BLIND = "it did not vary in these data"
-NO_PHASE = "where it was in its round is not recorded"
+NO_PHASE = "its phase is not recorded"
 NOT_APART = "no axis varied in these data"
-TAKEN_UP = "what lies along the axes that varied is taken up by a refitted law"
+TAKEN_UP = "a refitted law absorbs any force along the axes that varied"
 NO_FORCE = "these data ask for no systematic force"
 
 

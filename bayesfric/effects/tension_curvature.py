@@ -40,8 +40,8 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="curvature",
         unit="1",
-        meaning="relative change of friction per tension from 16.5 N on, for each 100 % of "
-        "tension: quadratic, or as the exponent of a power",
+        meaning="curvature a: the friction that grows with tension T is multiplied by "
+        "1 + a (T/16.5 N − 1); in the variant `power`, by T/16.5 N to the power a",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.35, 0.35),
         reference="argued from contact laws, whose exponents lie a third around one: a point "

@@ -90,13 +90,13 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     whose = "the shipped numbers" if diagnosis.shipped else "its own numbers (now)"
     these = "the proposed numbers"
     if is_by_instrument(diagnosis):
-        these = "the numbers of least squares, which differ from the proposed ones,"
+        these = "the least-squares numbers, which differ from the proposed ones,"
     if any(_has_no_field(number) for number in diagnosis.enter):
-        these += " and those below that no simulator has a field for,"
+        these += " and those that no simulator has a field for,"
     these = these.removesuffix(",")
     return (
-        f"With {whose} the simulator's error on held-out data is {now:.2g} {gap.unit} rms{share}. "
-        f"With {these}, it is {gap.after.q50:.2g} {gap.unit} rms."
+        f"Error on held-out data: {now:.2g} {gap.unit} rms{share} with {whose}, "
+        f"{gap.after.q50:.2g} {gap.unit} rms with {these}."
     )
 
 
@@ -243,8 +243,8 @@ def _multiply(ratios: Sequence[Enter]) -> str:
         error = by_error(friction.value.mean, friction.value.sd)
         example = f" Coulomb friction is {error} {angle} of position error."
     return (
-        f"No number is in newtons: all are over the stiffness K of your servo.{example} Multiply "
-        f"each by K [{stiffness}] before you enter it."
+        f"All numbers are divided by the stiffness K of your servo.{example} Multiply each by K "
+        f"[{stiffness}] before you enter it."
     )
 
 

@@ -147,7 +147,9 @@ def draws_table(
         dropped += below
         left = len(next(iter(possible.values()), ()))
         if left < count:
-            expected = f"at most {left:,} draws, which {joint.called} has with no number below zero"
+            expected = (
+                f"at most {left:,} draws: {joint.called} has no more without a number below zero"
+            )
             raise InputError([Fault("command line", expected, column="--draws", value=str(count))])
         chosen = np.unique(np.linspace(0, left - 1, count).round().astype(int))
         drawn = {name: values[chosen] for name, values in possible.items()}

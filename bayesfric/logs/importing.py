@@ -147,7 +147,7 @@ def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
     of_joint = {joint: force.force_is for joint, force in forces.items() if force is not None}
     kinds = [kind for kind in dict.fromkeys(of_joint.values()) if kind is not None]
     if len(kinds) > 1:
-        expected = "one force_is for all joints of a recording: import those of another apart"
+        expected = "one force_is for all joints of a recording: import the others separately"
         value = ", ".join(f"{joint}: {kind}" for joint, kind in of_joint.items())
         raise InputError([Fault("the mapping", expected, column="force.force_is", value=value)])
     return kinds[0] if kinds else None

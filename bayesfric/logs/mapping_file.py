@@ -76,7 +76,7 @@ def _unsaid(keys: dict[str, Any], name: str, before: str = "") -> Iterator[Fault
         if isinstance(value, dict):
             yield from _unsaid(value, name, f"{before}{key}.")
         elif value == SAY:
-            expected = "what is right, which the log does not say"
+            expected = "the right value, which the log does not state"
             yield Fault(name, expected, column=f"{before}{key}", value=SAY)
 
 
@@ -89,7 +89,7 @@ def _of_csv(mapping: Mapping, name: str) -> list[Fault]:
         expected = 'one character, "tab", or "space" for any blanks'
         return [Fault(name, expected, column="csv.separator", value=form.separator)]
     if form.decimal == "," and form.separator in (",", "comma"):
-        expected = "another separator than a comma, where decimals have one"
+        expected = "a separator other than a comma, since the decimal mark is one"
         return [Fault(name, expected, column="csv.separator", value=form.separator)]
     return []
 
@@ -220,7 +220,7 @@ def _of_runs(mapping: Mapping, name: str) -> list[Fault]:
     ]
     names = [run.name for run in mapping.runs]
     faults += [
-        Fault(name, "a name of its own for each run", column=f"runs.{run}")
+        Fault(name, "a different name for each run", column=f"runs.{run}")
         for run in dict.fromkeys(names)
         if names.count(run) > 1
     ]

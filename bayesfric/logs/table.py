@@ -60,7 +60,7 @@ class Log:
             expected = f"a number of a column, from 1 to {len(names)}"
             return Fault(self.name, expected, column=str(column))
         listed = ", ".join(names[:LISTED]) + (", …" if len(names) > LISTED else "")
-        expected = f"one of {listed or 'its columns, of which it has none'}{near(column, names)}"
+        expected = f"one of {listed or 'its columns, but it has none'}{near(column, names)}"
         return Fault(self.name, expected, column=column)
 
     def taken(self, rows: Whole, length: int) -> "Log":

@@ -182,7 +182,7 @@ def against_the_spec(
     chances[HUNTS] = stated_of_draws(float(now.mean()), now.size)
     if not missed:
         return (
-            f"Meets its spec: each of {len(chances)} figures with a probability of "
+            f"Meets its spec: each of {len(chances)} metrics with a probability of "
             f"{percent(1 - max(spec.violation_probability_max, spec.limit_cycle_probability_max))} "
             "or more."
         )
@@ -209,8 +209,8 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
         key = max(own, key=lambda group: own[group])
         if own[key] >= MARGIN_RULES.worth_measuring:
             yield (
-                f"The assumed {key} makes {own[key]:.0%} of the variance of the friction: "
-                "measure that."
+                f"The assumed {key} contributes {own[key]:.0%} of the variance of friction: "
+                "measure it."
             )
 
 

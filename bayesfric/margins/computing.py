@@ -218,7 +218,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
             faults += error.faults
     names = [loop.name for loop in read]
     for name in sorted({name for name in names if names.count(name) > 1}):
-        faults.append(Fault("loops", "a name of its own for each loop", column="name", value=name))
+        faults.append(Fault("loops", "a different name for each loop", column="name", value=name))
     if not loops:
         faults.append(Fault("loops", "at least one loop file"))
     if faults:

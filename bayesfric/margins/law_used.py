@@ -67,7 +67,7 @@ def choose_law(
     path = draws.parent / "diagnosis.json" if diagnosis is None else Path(diagnosis)
     if diagnosis is None and not path.is_file():
         if asked == "refitted":
-            raise InputError([Fault(str(path), "a diagnosis, whose law is asked for")])
+            raise InputError([Fault(str(path), "a diagnosis, which --law refitted needs")])
         return _fitted(posterior, "no diagnosis lies beside the draws")
     record = read_json(DiagnosisFile, path)
     if diagnosis is None and not record.recording.same_data(posterior.recording):

@@ -131,8 +131,8 @@ def at_safe_gain_words(loop: LoopMargins, called: Callable[[str, str], str]) -> 
         rest = ", and meets its other specs" if len(missed) < count else ""
         return f"At γ = {up_to} it still misses {' and '.join(missed)}{rest}."
     return (  # in files of earlier versions
-        f"The other specs are judged at γ = {loop.compensation_gain:.3g}: set γ = {up_to} in the "
-        "loop's file and run again to see which of them hold there."
+        f"All specs are evaluated at γ = {loop.compensation_gain:.3g}; to see which hold at γ = "
+        f"{up_to}, set it in the loop's file and run again."
     )
 
 

@@ -75,7 +75,7 @@ def where_it_lies(
         if left is not None:
             _shares(left.subplots(), shares, unexplained)
             keys = [
-                Patch(color=COLORS["blue"], label="leads"),
+                Patch(color=COLORS["blue"], label="dominates"),
                 Patch(color=COLORS["sky"], label="share"),
                 line_key("alone", **ALONE),
             ]

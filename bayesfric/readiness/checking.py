@@ -265,7 +265,9 @@ def _part(
     numbers = power.coefficients
     if len(numbers) and not numbers["informed"].any():
         why = "; ".join((UNTOLD, *question.data.rigs[0].doubts({})))
-        return Part(name, None, (Fault(recording.name, f"data that tell a number; {why}"),))
+        return Part(
+            name, None, (Fault(recording.name, f"data that determine at least one number; {why}"),)
+        )
     lacking, in_law = question.lacking, {*map(str, power.coefficients.index)}
     return Part(
         name,

@@ -182,7 +182,7 @@ def _check_header(text: TextTable, table: TableFormat) -> None:
         return
     expected = f"a header with {', '.join(needed)} (is there none?)"
     if {name.lower() for name in written} & names:
-        expected = f"columns in small letters: {', '.join(needed)}"
+        expected = f"column names in lower case: {', '.join(needed)}"
     raise InputError([Fault(text.file, expected, row=1, value=",".join(written))])
 
 

@@ -39,7 +39,7 @@ _CAUSES = (
     _Cause(re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII), EITHER),
     _Cause(re.compile(r"[+-]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][+-]?\d+)?", re.ASCII), COMMA),
     _Cause(re.compile(".*\N{MINUS SIGN}.*"), ", with a hyphen as the minus sign"),
-    _Cause(re.compile("true|false", re.I), " (a spreadsheet's answer to a comparison is none)"),
+    _Cause(re.compile("true|false", re.I), " (a spreadsheet's TRUE or FALSE is no number)"),
     _Cause(
         re.compile(
             r"(\d{4}-?\d\d-?\d\d[T ])?\d{1,2}:\d\d(:\d\d([.,]\d*)?)? ?(Z|[AP]M|[+-]\d\d(:?\d\d)?)?"

@@ -182,7 +182,7 @@ def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> di
         file = base if base in TABLES else by_name.get(resource.name)
         if file is None and base.lower() in TABLES:
             column = f"{resource.place}.path"
-            expected = f"{base.lower()}, in small letters, here and as the file's name"
+            expected = f"{base.lower()}, in lower case, here and as the file's name"
             faults.append(Fault(PACKAGE_FILE, expected, column=column, value=resource.path))
         elif file is None:
             notes.append(f"{PACKAGE_FILE}: resource {resource.name!r} is no known table, not read")

@@ -155,7 +155,11 @@ def faults_of_joints(robot: Robot, joints: Collection[str] | None) -> list[Fault
         expected = "one joint, since axis_samples.csv has no column joint"
         return [Fault(PACKAGE_FILE, expected, column=column, value=", ".join(robot.joints))]
     return [
-        Fault(PACKAGE_FILE, "its name in the model, as of each joint", column=f"{column}.{joint}")
+        Fault(
+            PACKAGE_FILE,
+            "this joint's name in the model",
+            column=f"{column}.{joint}",
+        )
         for joint in joints
         if joint not in robot.joints
     ]

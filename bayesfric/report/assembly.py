@@ -43,7 +43,7 @@ def build_document(stored: StoredResults) -> Document:
     stored : StoredResults
         Results of the verbs, of one at least.
     """
-    subtitle = "Blind test of the diagnosis: what acts is withheld from it"
+    subtitle = "Blind test of the diagnosis: the true effect is hidden from it"
     created = None if stored.scorecard is None else stored.scorecard.created
     if stored.scorecard is None and stored.calibration is not None:
         subtitle, created = "Simulation-based calibration", stored.calibration.created
@@ -140,7 +140,9 @@ def _mentioned(details: Sequence[Block]) -> Iterator[Paragraph]:
     """Yield a sentence that lists the details of the HTML page by their headings."""
     headings = [block.text for block in details if isinstance(block, Heading) and block.level > 1]
     if headings:
-        yield Paragraph(["The details of ", Code("report.html"), f" add: {'; '.join(headings)}."])
+        yield Paragraph(
+            ["Further details are in ", Code("report.html"), f": {'; '.join(headings)}."]
+        )
 
 
 def _details(stored: StoredResults) -> Iterator[Block]:

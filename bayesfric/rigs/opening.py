@@ -170,7 +170,7 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     rig, law = own[0]
     faults = []
     if name != DEFAULT:
-        expected = f"no law to be asked for: {law.name} is the baseline"
+        expected = f"no --baseline, since {law.name} is the baseline"
         faults.append(Fault("--baseline", expected, value=name))
     if len(rigs) > 1:
         expected = f"the {rig} alone, whose baseline is {law.name}"

@@ -7,7 +7,7 @@ from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
 IMPLAUSIBLE = "larger or smaller than is plausible"
 """Words of a reason why an effect that fits is no cause, which held-out data did not give."""
-LEFT_OVER = "no remainder explains them"
+LEFT_OVER = "no smooth force explains it"
 """Words of the reason why causes that held-out data confirm are not all that acts."""
 INERTIAS = ("inertia", "armature", "mass")
 """What the number of a joint's law may be called that its acceleration is multiplied by."""

@@ -68,7 +68,7 @@ def test_sensors_that_are_far_apart_are_told():
     assert "by up to 4.4 standard errors" in line
     assert line.endswith("in no trial does this reach 2% of friction")
     (line,) = told(quality=quality(sensors(6.0, ("g0007", "g0009"))))
-    assert "in 2 of 100 trials (g0007, g0009) it is also more than" in line
+    assert "in 2 of 100 trials (g0007, g0009) this is also more than" in line
     assert told(quality=quality(sensors(3.8))) == ()  # 100 × 1.4e-4: one in 70
 
 
@@ -178,7 +178,7 @@ def test_numbers_that_are_biased_alike_are_one_remark():
     (line,) = [line for line in of_diagnosis(biased) if "Without viscous" in line]
     assert "c2[small] as 43.9e-3 N" in line
     assert "Also biased: c1[large], c3[large]." in line
-    assert line.endswith("of this biased law: use the numbers that were refitted with viscous")
+    assert line.endswith("on this biased law: use the numbers refitted with viscous")
 
 
 def test_what_a_diagnosis_holds_already_comes_first_and_once():
@@ -242,7 +242,7 @@ def test_other_biased_numbers_stand_in_their_usual_order():
 def test_what_asks_for_nothing_stands_apart_and_a_biased_law_comes_first():
     harmless = "These data hardly inform tau: its prior decides; no coefficient of the law is"
     apart = "The two sensors disagree; in no trial does this reach 1% of friction"
-    biased = "Without viscous the fit gives 1. fit.json and claims.json are of this biased law: so"
+    biased = "Without viscous the fit gives 1. fit.json and claims.json rest on this biased law: so"
     lines = [f"{harmless} affected", "An assembly is far", apart, biased]
     assert by_weight(lines) == ([biased, lines[1]], [lines[0], apart])
 

@@ -230,7 +230,7 @@ def test_what_nobody_wrote_down_of_points_is_not_made_up(column, word):
     recording = replace(recording, steady=recording.steady.drop(columns=column))
     wanted = ["coefficients", "linear-in-tension", "no-stribeck", "wrap-slope-proportional"]
     for found in check_claims(recording, only=wanted).summary.claims:
-        assert (found.verdict, found.reason) == ("not-testable", f"Nobody wrote down the {word}.")
+        assert (found.verdict, found.reason) == ("not-testable", f"The {word} is not recorded.")
 
 
 def test_one_speed_both_ways_tells_nothing_of_stribeck():

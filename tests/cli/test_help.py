@@ -65,7 +65,7 @@ def test_every_failure_can_happen_somewhere():
 def test_what_a_verb_never_has_is_told_and_what_nobody_has_is_refused(capsys):
     check_fail_on("unconverged, spec", "fit")
     assert capsys.readouterr().err == (
-        "note: --fail-on spec waits in vain: `fit` can have unconverged, attention\n"
+        "note: --fail-on spec never happens in `fit`, which can report: unconverged, attention\n"
     )
     with pytest.raises(InputError, match="found 'rain'"):
         check_fail_on("rain", "fit")

@@ -113,7 +113,7 @@ def test_what_was_verified_is_told(folder, tmp_path):
     assert held
     for one in held:
         holds = sum(1 for k in range(one.draws + 1) if k / one.draws <= one.share) - 1
-        assert f"    {one.what}: holds in {holds} of {one.draws} draws" in done.stdout
+        assert f"    {one.what}: agrees in {holds} of {one.draws} draws" in done.stdout
 
 
 def with_bound(folder, name, metres):

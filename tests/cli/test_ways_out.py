@@ -150,7 +150,7 @@ def test_an_output_that_can_be_no_folder_ends_with_2(board, verb, place, tmp_pat
     done = CliRunner().invoke(app, [verb, str(board / "board"), "-o", str(output)])
     assert done.exit_code == 2
     assert "file" in done.stderr
-    assert "fault of bayesfric" not in done.stderr
+    assert "bug in bayesfric" not in done.stderr
     assert (tmp_path / "file").read_text() == "mine"
 
 

@@ -154,7 +154,7 @@ def test_no_gap_no_shrink_and_never_more_than_there_was():
     assert row(squares(9.0, 1.0, 1.0), "nothing was named").shrink_why == "nothing was named"
     # More taken away than lies above the floor: the floor is not what it is said to be.
     assert (
-        "with the causes in the law, what is left is less than scatter"
+        "with the causes in the law, the error is smaller than scatter"
         in row(squares(9.0, 0.2, 3.0)).shrink_why
     )
 

@@ -61,7 +61,9 @@ def test_a_shrink_a_tenth_below_the_models_overrules(low, high, expected):
 
 def test_a_shrink_is_told_with_both_figures():
     said = why(gap_of(shrink=shrinking(0.3, 0.54)))
-    assert said == "42% of the squared gap against 98%"
+    assert said == (
+        "42% of the squared gap is removed there, against 98% by the model's own estimate"
+    )
 
 
 @pytest.mark.parametrize(
@@ -107,7 +109,9 @@ def test_what_is_left_overrules_where_it_matters_and_no_remainder_tells_it(share
     gap = diagnosis().gap
     gap = gap.model_copy(update={"held_out_excess": share * gap.friction_rms})
     assert (why(gap, told=told) is not None) == expected
-    assert not expected or f"leave {two_digits(gap.held_out_excess)} N rms" in why(gap, told=told)
+    assert not expected or f"error of {two_digits(gap.held_out_excess)} N rms" in why(
+        gap, told=told
+    )
 
 
 @pytest.mark.parametrize(("told", "implausible"), [(True, ["hysteresis"]), (True, []), (False, [])])
@@ -184,8 +188,8 @@ def test_why_nobody_compared_is_told():
 @pytest.mark.parametrize(
     ("effects", "words"),
     [
-        (["viscous"], "viscous fits what was recorded and misses what was held out: so and so."),
-        (["viscous", "slip"], "viscous and slip fit what was recorded and miss what was held out"),
+        (["viscous"], "viscous explains the data of the fit but not held-out data: so and so."),
+        (["viscous", "slip"], "viscous and slip explain the data of the fit but not held-out data"),
     ],
 )
 def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
@@ -209,7 +213,7 @@ def test_a_cause_that_held_out_data_confirm_is_said_to_miss_a_part():
         "unknown", 0.95, gap_of(), PRACTICAL, considered=[cause("viscous")], overruled_by=why
     )
     said = sentence_of(told)
-    assert f"viscous fits what was recorded and misses part of what was held out: {why}." in said
+    assert f"viscous explains the data of the fit but only part of the held-out data: {why}." in said
     assert "Something else acts too (probability 0.95" in said
 
 
@@ -221,7 +225,7 @@ def test_what_is_implausible_is_not_said_to_miss_what_was_held_out():
         "unknown", 0.95, gap_of(), PRACTICAL, considered=effects, overruled_by=why
     )
     assert "The closest effect examined is air-drag, but the " in sentence_of(statement)
-    assert "misses what was held out" not in sentence_of(statement)
+    assert "but not held-out data" not in sentence_of(statement)
     density = HeldOutDensity(difference=1283.0, error=88.4, blocks=20)
     all_of_it = Interval(mean=1.0, sd=0.0, q05=0.9996, q50=0.9999, q95=1.0002)
     said = held_out_words(
@@ -250,7 +254,7 @@ def test_a_cause_that_predicts_no_better_is_considered_and_the_verdict_unknown(
     assert summary.causes == ()
     assert [one.effect for one in summary.considered] == ["viscous"]
     assert "no better than by the law alone" in summary.overruled_by
-    assert f"misses what was held out: {summary.overruled_by}" in summary.sentence
+    assert f"but not held-out data: {summary.overruled_by}" in summary.sentence
     assert any("Held-out data contradict viscous" in line for line in summary.attention)
     assert all(check.holds for check in summary.checks)
 

@@ -307,7 +307,7 @@ def test_one_axis_alone():
     [
         (np.ones(ROWS), 1.0, "no axis varied"),
         (grid()[0], 0.0, "no systematic force"),
-        (np.arange(ROWS) % 2, 1.0, "taken up by a refitted law"),
+        (np.arange(ROWS) % 2, 1.0, "a refitted law absorbs any force"),
     ],
 )
 def test_where_nothing_can_be_shared_all_is_unexplained_and_why_is_told(axis, force, reason):

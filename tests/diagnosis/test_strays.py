@@ -48,7 +48,7 @@ def test_points_with_one_stray_are_named_as_without_it(tmp_path, clean, stray):
     assert found.verdict == clean.verdict == "named"
     expected = slope_of(clean)
     assert slope_of(found).mean == pytest.approx(expected.mean, abs=expected.sd)
-    (line,) = [one for one in found.attention if "Counts little" in one]
+    (line,) = [one for one in found.attention if "little weight" in one]
     assert line.endswith(f": r{stray:03d}")
 
 
@@ -57,7 +57,7 @@ def test_a_stray_alone_is_no_gap(tmp_path):
 
 
 def test_a_table_without_one_says_nothing_of_strays(clean):
-    assert not any("Counts little" in one for one in clean.attention)
+    assert not any("little weight" in one for one in clean.attention)
 
 
 def test_a_stray_has_the_weight_of_a_student_t_density():

@@ -107,7 +107,7 @@ def test_the_force_that_is_known_is_taken_off(monkeypatch):
 def test_what_is_left_of_held_out_data_is_no_scatter_either():
     gap = diagnosis().gap.model_copy(update={"held_out_excess": 0.05, "friction_rms": 1.0})
     said = unlike_scatter(gap, None, None, None, 0.02, None)
-    assert said == "after scatter is subtracted, held-out data leave 0.05 N rms"
+    assert said == "after scatter is subtracted, an error of 0.05 N rms is left on held-out data"
     nothing = gap.model_copy(update={"before": interval(0.6)})  # of friction of 1 N
     assert unlike_scatter(nothing, None, None, None, 0.02, None) is None
 
@@ -133,7 +133,7 @@ def test_the_sentence_says_that_scatter_does_not_explain_what_is_left():
     together = structure.Together("trial_in_setup", 0.028, 0.0025)
     told = Statement("undecided", 0.5, diagnosis().gap, 0.02, unlike_scatter=together.words("2.8%"))
     said = sentence_of(told)
-    assert "next to each other along trial in setup share a force of 2.8% (scatter" in said
+    assert "neighbouring residuals along trial in setup share a force of 2.8% (scatter" in said
     assert "Either something else acts, or the assumed scatter is wrong" in said
 
 

@@ -163,7 +163,7 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
         return told("unknown", gap, practical)
 
     small = sentence(1.1 * share)
-    assert small.startswith("A force acts that none of the effects examined makes (probability ")
+    assert small.startswith("A force acts that none of the effects examined explains (probability ")
     assert f"Its gap is small: {gap.systematic.q50:.2g} N rms" in small
     assert f"; below {1.1 * share:.1%} of friction a gap is negligible." in small
     assert "There is a gap" not in small
@@ -225,7 +225,7 @@ def test_the_sentence_says_what_data_held_out_say():
     )
     within = held_out_words(open_still, ())
     assert "is off by 0.052 N rms; scatter alone makes" in within
-    assert within.endswith("a difference that chance makes with probability 0.40.")
+    assert within.endswith("and chance makes such a difference with probability 0.40.")
     assert held_out_words(gap, ()).endswith("a difference that chance does not explain.")
     below = nothing.model_copy(update={"floor": nothing.before})
     assert held_out_words(gap.model_copy(update={"held_out": (below,)}), ()).endswith(
@@ -238,17 +238,17 @@ def test_the_sentence_says_what_data_held_out_say():
     [
         (
             (0.28, 0.52, 1.2),
-            "Rely on the 98.5%, which the model has freed of scatter; on data that the fit has not "
-            "seen, 52% [28%, 120%] is removed, a rough figure since scatter makes",
+            "On data that the fit has not seen, 52% [28%, 120%] is removed: a consistent but rough "
+            "figure, since scatter alone makes",
         ),
         (
             (0.97, 0.98, 0.99),
-            "On data that the fit has not seen, 98.0% [97.0%, 99.0%] is removed, which confirms it",
+            "On data that the fit has not seen, 98.0% [97.0%, 99.0%] is removed, which confirms th",
         ),
         (
             (0.85, 0.88, 0.93),
-            "On data that the fit has not seen, 88.0% [85.0%, 93.0%] is removed: rely on that, "
-            "since 98.5% is the model's own",
+            "On data that the fit has not seen, 88.0% [85.0%, 93.0%] is removed. Rely on this "
+            "lower figure: 98.5% is the model's own",
         ),
     ],
 )
@@ -312,7 +312,7 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
 @pytest.mark.parametrize(
     ("low", "words"),
     [
-        (0.9995, "removes more than 99.9% of that gap (mean square)"),
+        (0.9995, "removes more than 99.9% of this systematic gap (mean square)"),
         (0.95, "removes 99.0% [95.0%, 99.5%]"),
     ],
 )

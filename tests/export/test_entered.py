@@ -91,8 +91,8 @@ def middle(value):
 def test_how_far_the_simulator_is_off_today_stands_beside_the_numbers():
     entered = joint(as_shipped=middle(0.4), after=middle(0.003))
     said = (
-        "With its own numbers (now) the simulator's error on held-out data is 0.4 N·m rms (50% of "
-        "friction). With the proposed numbers, it is 0.003 N·m rms."
+        "Error on held-out data: 0.4 N·m rms (50% of friction) with its own numbers (now), "
+        "0.003 N·m rms with the proposed numbers."
     )
     (table, _) = numbers_to_enter(entered)
     assert said in table.caption
@@ -102,7 +102,7 @@ def test_how_far_the_simulator_is_off_today_stands_beside_the_numbers():
 def test_numbers_that_miss_held_out_data_carry_a_warning():
     """0.015 N·m beyond scatter is below 2 % of 0.8 N·m, 0.017 N·m is above."""
     quiet, loud = (
-        joint(held_out_excess=excess, after=middle(0.3), floor=middle(0.1))
+        joint(held_out_excess=excess, after=middle(0.3), floor=middle(0.1), systematic=middle(0.1))
         for excess in (0.015, 0.017)
     )
     assert not any(isinstance(block, Notice) for block in numbers_to_enter(quiet))
@@ -131,10 +131,9 @@ def test_what_an_instrument_tells_is_not_said_to_miss_what_least_squares_miss():
                     floor=middle(0.1))  # fmt: skip
     by_instrument = entered.model_copy(update={"law": by_it, "shipped": {"c2": 0.5}})
     lines = " ".join(entered_lines(by_instrument))
-    assert "With the shipped numbers the simulator's error" in lines
+    assert "0.4 N·m rms (50% of friction) with the shipped numbers, " in lines
     assert (
-        "With the numbers of least squares, which differ from the proposed ones, it is 0.3 N·m"
-        in lines
+        "0.3 N·m rms with the least-squares numbers, which differ from the proposed ones." in lines
     )
     assert "the law with those of least squares is off by" in lines
 

@@ -16,7 +16,7 @@ def test_a_mass_in_another_unit_than_the_log_is_told_and_one_that_fits_is_not():
     }
     (line,) = contradicted([mass, coulomb], found)
     assert line.startswith("Parameter mass is 0.035, and 2 ± 0.4 by its prior: 4.9 standard")
-    assert "(is a unit, in the recording or of the prior?)" in line
+    assert "check the units in the recording and of the prior" in line
     found["mass"] = SimpleNamespace(mean=0.5, sd=0.01)  # 3.75, and surely so
     (line,) = contradicted([mass, coulomb], found)
     assert "from the 2 that is declared" in line
@@ -31,6 +31,6 @@ def test_a_prior_of_a_size_that_pulls_is_told_with_what_it_takes_off():
     posterior = {"c2": SimpleNamespace(mean=3.0 * sd**2 / 0.1**2, sd=sd)}
     (line,) = contradicted([coulomb], posterior)
     assert "c2 is 1.5 N, 15 times the scale of its prior" in line
-    assert "some 1.5 N too small" in line
+    assert "pulls it down by some 1.5 N" in line
     sharp = {"c2": SimpleNamespace(mean=3.0, sd=5e-4)}  # moved by a sixth of its error
     assert not list(contradicted([coulomb], sharp))

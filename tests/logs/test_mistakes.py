@@ -71,7 +71,7 @@ MISTAKES = {
     ),
     "a proposal that is edited in part": (
         {"mapping": instead('"rad"', '"SAY"')},
-        "position.unit: found 'SAY', expected what is right, which the log does not say",
+        "position.unit: found 'SAY', expected the right value, which the log does not state",
     ),
     "amperes without a torque constant": (
         {"mapping": instead('"N·m"', '"A"')},

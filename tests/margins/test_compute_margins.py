@@ -285,7 +285,7 @@ def test_all_bad_loops_are_told_together(draws, tmp_path):
     with pytest.raises(InputError) as raised:
         compute_margins([tmp_path / "one.toml", tmp_path / "two.toml"], draws)
     assert {fault.file for fault in raised.value.faults} == {"one.toml", "two.toml"}
-    with pytest.raises(InputError, match="a name of its own"):
+    with pytest.raises(InputError, match="a different name for each loop"):
         compute_margins([loop(), loop()], draws)
 
 

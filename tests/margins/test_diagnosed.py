@@ -274,7 +274,7 @@ def test_the_refitted_law_cannot_be_had_without_a_diagnosis(tmp_path):
     draws = write_draws(tmp_path / "draws.nc", n=80)
     found = compute_margins([loop()], draws, simulated=8).summary
     assert found.law.sentence.endswith("no diagnosis lies beside the draws.")
-    with pytest.raises(InputError, match="a diagnosis, whose law is asked for"):
+    with pytest.raises(InputError, match="a diagnosis, which --law refitted needs"):
         compute_margins([loop()], draws, law="refitted", simulated=8)
 
 

@@ -124,4 +124,4 @@ def test_what_the_safe_gain_does_not_mend_is_named(draws, errors):
     said = at_safe_gain_words(judged, lambda name, _: name)
     assert said.endswith("it still misses steady_error_servo, and meets its other specs.")
     old = judged.model_copy(update={"at_safe_gain": None})
-    assert "run again to see which of them hold there" in at_safe_gain_words(old, str)
+    assert "to see which hold at γ" in at_safe_gain_words(old, str)

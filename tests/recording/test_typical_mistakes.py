@@ -217,7 +217,7 @@ MISTAKES = {
             ),
         ),
         "datapackage.json",
-        "gravity_trials.csv, in small letters",
+        "gravity_trials.csv, in lower case",
     ),
     "a boolean in capitals": (
         as_text("datapackage.json", lambda text: text.replace("{", '{"rotary": TRUE,', 1)),
@@ -232,7 +232,7 @@ MISTAKES = {
     "a boolean in place of a number": (
         put(STEADY, "friction_n", "TRUE"),
         STEADY,
-        "a finite number in N (a spreadsheet's answer to a comparison is none)",
+        "a finite number in N (a spreadsheet's TRUE or FALSE is no number)",
     ),
     "an empty file": (bytes_of(TRIALS, b""), TRIALS, "a header in line 1"),
     "a header alone": (
@@ -244,7 +244,7 @@ MISTAKES = {
     "a header in capitals": (
         as_text(RUNS, lambda text: text.upper()),
         RUNS,
-        "columns in small letters",
+        "column names in lower case",
     ),
     "a comment first": (as_text(TRIALS, lambda text: f"# mine\n{text}"), TRIALS, "not a comment"),
     "a spreadsheet's separator": (

@@ -295,7 +295,7 @@ def without_gap() -> StoredDiagnosis:
         ),
         gap=gap,
         next_experiment=(),
-        next_experiment_why="no two hypotheses are left to separate",
+        next_experiment_why="no two plausible hypotheses are left to separate",
     )
 
 

@@ -109,7 +109,10 @@ def test_effects_that_were_tried_once_have_no_smallest_strength(card):
 
 def test_the_first_page_says_what_is_missed(card):
     line = words(scorecard_line(card).text)
-    assert line.startswith("Found and named 19 of 22 real gaps; 1 false name in 10 without one.")
+    assert line.startswith(
+        "19 of 22 gaps made by an examined effect were named; an effect was named falsely in 1 of "
+        "10 cases without a gap."
+    )
     # All eleven are accounted for.
     assert "Of 11 promises: 3 kept so far, 2 missed so far, 6 without a case. Missed: " in line
     assert "Missed: strength 0.3 named, foreign form; no effect, falsely named." in line
@@ -125,7 +128,7 @@ def test_no_rate_of_a_few_cases_is_printed(blocks):
     assert rates["correct verdicts"][0] == "87.5\u202f%"
 
 
-@pytest.mark.parametrize(("seed", "said"), [(10_000, "of scoring"), (5, "prove nothing")])
+@pytest.mark.parametrize(("seed", "said"), [(10_000, "are for scoring"), (5, "prove nothing")])
 def test_tuning_is_not_passed_off_as_scoring(seed, said):
     text = [words(b.text) for b in blind_chapter(card_of([scored()], seed=seed))
             if isinstance(b, Paragraph | Notice)]  # fmt: skip
@@ -228,9 +231,9 @@ def test_a_report_is_made_of_a_scorecard_alone(card, tmp_path):
     write_report(tmp_path)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
     text = (tmp_path / "summary.md").read_text()
-    assert "Found and named 19 of 22 real gaps" in text
+    assert "19 of 22 gaps made by an examined effect were named" in text
     assert text == render_summary(build_document(StoredResults(scorecard=card)))
-    assert "What makes the same result again" in render_html(
+    assert "Settings and versions that reproduce this result" in render_html(
         build_document(StoredResults(scorecard=card))
     )
 

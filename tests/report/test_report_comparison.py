@@ -64,7 +64,7 @@ def test_the_verb_s_report_has_it_and_without_the_option_has_not(small_fit, tmp_
     path.write_text(json.dumps(content))
     write_report(now, before)
     for name in ("report.html", "summary.md"):
-        assert "Since the run that this one is compared with" in (now / name).read_text()
+        assert "Compared with the earlier run" in (now / name).read_text()
     write_report(now)
     assert "What changed since another run" not in (now / "report.html").read_text()
 

@@ -67,8 +67,8 @@ def test_a_cause_has_its_numbers():
     text = paragraphs(stored)
     for part in (
         "have probability 0.987",
-        "against the same without it: >\u00a06",
-        "7.9\u202f% of that of friction (rms). Plausible.",
+        "against the same hypotheses without it: >\u00a06",
+        "rms force is 7.9\u202f% of rms friction. Plausible.",
         "Harris and Kotzalas (2006)",
     ):
         assert part in text
@@ -142,7 +142,8 @@ def test_reasons_that_differ_in_a_number_are_one_reason_with_its_range():
 
 def test_tuning_and_effect_are_told_apart_in_the_caption():
     caption = words(figures(stored_diagnosis())["how-far"].caption)
-    assert "changes the gap from 0.095 [0.087, 0.103]\u202fN to 0.0523 [0.0480, 0.0566]" in caption
+    assert "changes the held-out error from 0.095 [0.087, 0.103]\u202fN to" in caption
+    assert "to 0.0523 [0.0480, 0.0566]" in caption
     assert "removes 98.1 [97.4, 98.8]\u202f% of the systematic gap (mean square)" in caption
 
 
@@ -151,12 +152,12 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
     assert "causes" not in tables(stored)
     assert "None is named" in paragraphs(stored)
     assert "which" not in figures(stored)  # a picture of bars that are all next to nothing
-    assert "No effect acts with a probability above 0.020" in paragraphs(stored)
-    assert "Nothing to propose: no two hypotheses" in paragraphs(stored)
-    assert "does not ask for a further, smooth force" in paragraphs(stored)
+    assert "No effect has a posterior probability above 0.020" in paragraphs(stored)
+    assert "Nothing to propose: no two plausible hypotheses" in paragraphs(stored)
+    assert "does not favour a further, smooth force" in paragraphs(stored)
     caption = words(figures(stored)["how-far"].caption)
     for reason in (
-        "No number for values as shipped: the user's simulator has no published values",
+        "No error as shipped: the user's simulator has no published values",
         "No effect is added.",
         "No number in millimetres: no trial of the gravity board was held out",
     ):
@@ -189,15 +190,13 @@ def test_reasons_for_not_telling_apart_are_told_apart():
 
 def test_trials_that_stray_are_told():
     told = paragraphs(stored_diagnosis(stray_trials=("g0042", "g0099")))
-    assert "far from that of their own assembly: g0042, g0099." in told
+    assert "far from the others of their own assembly: g0042, g0099." in told
     assert "own assembly" not in paragraphs(stored_diagnosis())
 
 
 def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     stored = stored_diagnosis()
-    assert "does not ask for a further, smooth force (log₁₀ Bayes factor −0.7)" in paragraphs(
-        stored
-    )
+    assert "does not favour a further, smooth force (log₁₀ Bayes factor −0.7)" in paragraphs(stored)
     assert rows(stored, "effects") == {
         "viscous": [">\u00a06"],
         "air-drag": [">\u00a06"],
@@ -212,12 +211,12 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
         update={"significant": True, "share_of_gap": interval(0.5)}
     )
     told = paragraphs(stored_diagnosis(remainder=asked))
-    assert "The evidence asks for" in told
-    assert "It would be 50.0 [45.9, 54.1]\u202f% of gap²" in told
+    assert "The evidence favours" in told
+    assert "It would make up 50.0 [45.9, 54.1]\u202f% of the squared gap" in told
     whole = asked.model_copy(update={"share_of_gap": None, "share_of_gap_why": "no cause"})
     more = asked.model_copy(update={"share_of_gap": interval(1.64)})
     told = paragraphs(stored_diagnosis(remainder=more))
-    assert "It would be as large as the gap or larger." in told
+    assert "It would be at least as large as the gap." in told
     assert "164" not in told
     assert "it is all of the gap" in paragraphs(stored_diagnosis(remainder=whole, causes=()))
     assert "it is all of the gap" not in paragraphs(stored_diagnosis(remainder=whole))
@@ -240,4 +239,4 @@ def test_conditions_that_were_asked_about_have_a_table():
         "25 medium pulleys": ["4.88 (4.48 to 5.28)", "−0.19", "0.00", "n_pulleys"]
     }
     assert "slip acts elsewhere" in paragraphs(stored)
-    assert "An unknown force, of probability 0.20" in paragraphs(stored)
+    assert "An unknown force (probability 0.20)" in paragraphs(stored)

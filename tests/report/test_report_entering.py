@@ -12,7 +12,7 @@ from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.entering import numbers_to_enter, replays
 from bayesfric.report.chapters.verdict import verdict_line
-from bayesfric.report.content import Figure, Notice, Paragraph, Table, inlines
+from bayesfric.report.content import Figure, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -91,19 +91,17 @@ def test_numbers_beside_a_force_without_a_cause_say_that_they_may_be_biased():
     for verdict in ("unknown", "no-gap"):
         block = stored().record.model_copy(update={"enter": (COULOMB,), "verdict": verdict})
         captions[verdict] = next(iter(numbers_to_enter(block))).caption
-    assert captions["unknown"].startswith("The best numbers while the cause is open for the joint")
+    assert captions["unknown"].startswith("Best available numbers for the joint")
     assert "They may be biased" in captions["unknown"]
     assert captions["no-gap"].startswith(
         "Enter these numbers in your simulator for the joint elbow."
     )
-    assert captions["no-gap"].endswith(
-        "Of its own numbers, coulomb lies outside its 90 % interval."
-    )
+    assert captions["no-gap"].endswith("Its present coulomb lies outside its 90 % interval.")
     assert "biased" not in captions["no-gap"]
     own = COULOMB.model_copy(update={"in_your_simulator": COULOMB.value.q50})
     block = stored().record.model_copy(update={"enter": (own,), "verdict": "no-gap"})
     (table, *_) = numbers_to_enter(block)
-    assert "Of its own" not in table.caption
+    assert "Its present" not in table.caption
     both = (COULOMB, COULOMB.model_copy(update={"parameter": "viscous"}))
     (table, *_) = numbers_to_enter(block.model_copy(update={"enter": both}))
     assert table.caption.endswith("coulomb and viscous lie outside their 90 % intervals.")
@@ -130,7 +128,11 @@ def test_numbers_that_miss_what_was_held_out_say_so_before_their_table(left, adv
         assert not said
         assert not any("after scatter is subtracted" in line for line in lines)
     else:
-        assert first == Notice("attention", f"{said[0]}.", title="Not confirmed")
+        assert (first.kind, first.title) == ("attention", "Not confirmed")
+        assert first.text.startswith(f"{said[0]}.")
+        # Two sizes that differ are explained.
+        apart = left > gap.systematic.q95
+        assert first.text.endswith("too small." if apart else "do not describe.")
         assert said[0].startswith(advice)
         assert f"is off by {left:.3g} N rms ({left:.0%} of friction) after scatter" in said[0]
         assert said[0] in lines[1]
@@ -151,7 +153,7 @@ def test_what_held_out_data_contradict_is_warned_of_once():
     words_of_held_out = held_out_words(gap, record.causes, record.verdict)
     sentence = f"There is a gap. {words_of_held_out}"
     block = record.model_copy(update={"gap": gap, "sentence": sentence})
-    assert "which confirms it" in words(verdict_line(block).text)
+    assert "which confirms this" in words(verdict_line(block).text)
     assert any("contradict the assumed scatter" in line for line in of_diagnosis(block))
     untrusted = block.model_copy(update={"enter": (COULOMB,)})
     assert "There is a gap. See" in words(verdict_line(untrusted).text)
@@ -171,7 +173,7 @@ def test_a_simulator_that_is_off_today_is_said_first_and_not_in_green():
     assert notice.kind == "attention"
     assert words(notice.text).startswith(
         "Your simulator, as it is, is off by 1.6\u202fN·m rms (71\u202f% of friction) at elbow. "
-        "With the numbers below it has the right law: "
+        "The numbers below correct this: "
     )
     untrusted = gap.model_copy(update={"held_out_excess": 1.0})
     said = words(verdict_line(block.model_copy(update={"gap": untrusted})).text)

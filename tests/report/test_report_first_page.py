@@ -158,9 +158,8 @@ def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
     line = "These data hardly inform wander_length, tau: their priors decide"
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
     assert box.text == (
-        "These data hardly inform the length over which friction varies along the travel of a "
-        "trial, "
-        "the relative scatter of friction from trial to trial: their priors decide."
+        "These data hardly inform the correlation length of friction along the travel of a "
+        "trial, the relative scatter of friction from trial to trial: their priors decide."
     )
     line, axis = "Parameter omega has not converged; friction wanders", {"rigs": ("single-axis",)}
     (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,), **axis)))
@@ -214,14 +213,14 @@ def test_only_what_a_rig_brought_is_counted(stored):
         (found,) = [b for b in chapter if isinstance(b, Table) and b.label == "data"]
         return {row[0]: row[1] for row in found.rows}
 
-    assert counts(stored)["trials of the gravity board that enter"] == "48"
+    assert counts(stored)["trials of the gravity board used"] == "48"
     assert "Hall events" in counts(stored)
     alone = changed(stored, data_quality=stored.fit.data_quality.model_copy(update={"trials": 0}))
     table = stored.predictive["trials"].to_dataset()
     words = {"rig": "rail", "title": "rail", "trial": "slide", "trials": "slides", "id": "trial"}
     rail = xr.DataTree.from_dict({"slides": table.assign_attrs(words)})
     found = counts(dataclasses.replace(alone, predictive=rail))
-    assert found["slides of the rail that enter"] == "48"
+    assert found["slides of the rail used"] == "48"
     assert "Hall events" not in found
 
 

@@ -41,7 +41,7 @@ def test_what_is_assumed_stands_beside_the_answer_and_draws_are_counted_once(com
     (assumed,) = [line for line in lines if getattr(line, "title", "").startswith("Assumed")]
     assert assumed.text == "The wind is calm."
     (specs,) = [line for line in lines if isinstance(line, Table)]
-    assert specs.note.endswith("Hunting is simulated in 20 draws; all else is over 200 draws.")
+    assert specs.note.endswith("Hunting is simulated in 20 draws; all other metrics use 200 draws.")
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_the_first_line_says_which_gain_to_set(computed):
     assert isinstance(verdict, Strong)
     rest = blocks[2].items
     assert " ".join([verdict.text, *rest]) == computed.summary.loops[0].answer
-    assert re.fullmatch(r"Meets its spec: each of \d figures .* or more\.", verdict.text)
+    assert re.fullmatch(r"Meets its spec: each of \d metrics .* or more\.", verdict.text)
     assert any(one.startswith("Set γ to ") for one in rest)
 
 
@@ -75,9 +75,9 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert re.match(r"It hunts in \d[\d.]* (of \d+ draws|% .* of the draws)\. Up", box.text)
     assert len(box.text) < 100  # the answer and no more
     assert {row[0] for row in specs.rows} == {"bench", "second"}
-    assert "c1, c2 and c3 make" in decided.text[1]
-    assert last.text[0] == "What was not examined: "
-    assert hunting.text.startswith("To hunt is to swing")  # before the words are used
+    assert "c1, c2 and c3 contribute" in decided.text[1]
+    assert last.text[0] == "For what was not examined, see "
+    assert hunting.text.startswith("A loop hunts if it oscillates")  # before the words are used
     assert [figure.label for figure in gain_figures(computed.summary)] == [
         "limit-cycle",
         "error-headroom",
@@ -117,13 +117,13 @@ def test_page_one_has_what_is_allowed_beside_how_probably_it_is_missed(computed)
     lines = gain_lines(computed.summary.model_copy(update={"loops": (bench,)}), alone=True)
     (specs,) = [line for line in lines if isinstance(line, Table)]
     assert [column.title for column in specs.head[:3]] == [
-        "figure", "misses with probability", "allowed",
+        "metric", "P(missed)", "allowed",
     ]  # fmt: skip
     allowed = {words(row[0]): words(row[2]) for row in specs.rows}
     assert allowed.pop("γ from which it hunts") == "0.02"
     assert set(allowed.values()) == {"0.1"}
     assert "“γ from which it hunts” must be at least the γ that is set; its own" in specs.note
-    assert "A simulated γ may be off by 0.01 or by 5\u202f%, whichever is more" in specs.note
+    assert "A simulated γ may be off by 0.01 or 5\u202f%, whichever is more," in specs.note
 
 
 def test_specs_at_the_safe_gain_stand_beside_those_at_the_gain_of_the_file(tmp_path):
@@ -140,7 +140,7 @@ def test_specs_at_the_safe_gain_stand_beside_those_at_the_gain_of_the_file(tmp_p
     assert at_safe["γ from which it hunts"] == "≤ 0.05"
     (hunts,) = [row for row in specs.rows if words(row[0]) == "γ from which it hunts"]
     assert words(hunts[4]) == "at least the γ set"  # 3 in one column, the safe one in the other
-    assert "which is another in each of the two columns" in specs.note
+    assert "which differs between the two columns" in specs.note
     assert isinstance(at_safe["steady error of the servo"], Strong)
     assert "5 % to 95 % of the draws: at γ = 3." in specs.note
 
@@ -374,7 +374,7 @@ def test_a_probability_beside_what_is_allowed_stands_with_its_error(computed):
     said, cell, note = shown(0.052)
     assert "steady error of the servo (borderline)." in said
     assert cell == "0.0520 ± 0.0046"
-    assert "With an error: within two Monte Carlo errors of what is allowed." in note
+    assert "With an error (±): within two Monte Carlo errors of what is allowed." in note
     said, cell, note = shown(0.07)
     assert "borderline" not in said
     assert cell == "0.070"

@@ -55,7 +55,7 @@ def test_a_clean_recording_is_called_clean(stored):
     text = paragraphs(blocks)
     assert "No trial was left out." in text
     assert "No Hall event was found missed or doubled." in text
-    assert "No trial stops on its way." in text
+    assert "No trial stops before the end of its travel." in text
     assert set(tables(blocks)) == {"agreement"}
 
 
@@ -98,7 +98,7 @@ def test_repairs_are_listed_up_to_a_page(stored):
 
 def test_stalls_are_named(stored):
     text = paragraphs(data_quality.data_quality(with_quality(stored, stalled=("g0001", "g0009"))))
-    assert "Trials that stop on their way: g0001, g0009." in text
+    assert "Trials that stop before the end of their travel: g0001, g0009." in text
     assert "No trial stops" not in text
     still = with_quality(stored, did_not_move=("g0003",))
     assert "Trials that did not move: g0003. In each of them" in paragraphs(

@@ -145,7 +145,7 @@ def test_what_is_no_simulator_is_refused_with_a_reason(tmp_path, plain, simulato
 
 
 def test_a_law_beside_a_simulator_is_refused(tmp_path, plain):
-    with pytest.raises(InputError, match="no law to be asked for: Mass is the baseline"):
+    with pytest.raises(InputError, match="no --baseline, since Mass is the baseline"):
         bf.diagnose(recorded(tmp_path, plain), simulator=Mass(), baseline="viscous")
 
 

@@ -76,14 +76,14 @@ def _counted(card: ScorecardFile) -> str:
     said = []
     if of_list:
         named = sum(case.verdict == "named" and case.correct for case in of_list)
-        said.append(f"Found and named {named} of {len(of_list)} real gaps")
+        said.append(f"{named} of {len(of_list)} gaps made by an examined effect were named")
     if none:
         alarms = sum(case.falsely_named for case in none)
-        said.append(f"{alarms or 'no'} false {'name' if alarms == 1 else 'names'} in "
-                    f"{len(none)} without one")  # fmt: skip
+        falsely = f"named falsely in {alarms or 'none'} of {len(none)} cases without a gap"
+        said.append(f"an effect was {falsely}")
     if outside:
         flagged = sum(case.flagged for case in outside)
-        said.append(f"{flagged} of {len(outside)} forces outside of the list flagged")
+        said.append(f"{flagged} of {len(outside)} forces outside of the list were flagged")
     line = "; ".join(said)
     return line[:1].upper() + line[1:]
 
@@ -94,15 +94,15 @@ def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
     yield Paragraph(
         [
             f"{len(card.cases)} of {card.planned} cases are done. In each, a recording is "
-            "simulated with an effect or without one, which is hidden from the diagnosis. The "
-            "SHA-256 of the truth is stored before the diagnosis begins, and the file is opened "
-            "after the verdict is written. ",
+            "simulated with or without an effect, which is hidden from the diagnosis. The SHA-256 "
+            "of the truth is stored before the diagnosis begins, and the truth is opened after "
+            "the verdict is written. ",
             SOURCES[card.hypotheses],
             f" The simulator is {card.engine}, the protocol {card.design}. ",
             *_seeds(card),
-            "A case is scored as empty if its gap, without noise and after a refit of the law, is "
-            f"below {format_share(card.practical_share)} of rms friction. An effect is scored as "
-            "named if the verdict names exactly the withheld effects, or effects that the "
+            "A case counts as one without a gap if its gap, without noise and after a refit of the "
+            f"law, is below {format_share(card.practical_share)} of rms friction. An effect counts "
+            "as named if the verdict names exactly the hidden effects, or effects that the "
             "diagnosis reports as identical to them on this rig. ",
             Strong("Own form"),
             ": the effect follows the formula that the diagnosis has for it. ",
@@ -120,7 +120,7 @@ def _seeds(card: ScorecardFile) -> list[Inline | str]:
     if card.hypotheses == "user":
         return []
     which = "scoring" if card.scoring else "tuning"
-    words = f"The seeds, from {card.seed} on, are those of {which}"
+    words = f"The seeds, from {card.seed} on, are for {which}"
     if card.scoring:
         return [f"{words}. "]
     return [Strong(f"{words}: these rates prove nothing."), " "]
@@ -129,7 +129,7 @@ def _seeds(card: ScorecardFile) -> list[Inline | str]:
 def _promises(card: ScorecardFile) -> Table:
     untried = [target.name for target in card.targets if target.rate.rate is None]
     return Table(
-        "What was promised, and what came of it.",
+        "Promises, and whether they were kept.",
         ["promise", *right_columns("range", "rate", "95 % interval", "cases"), "outcome"],
         [
             [
@@ -142,11 +142,11 @@ def _promises(card: ScorecardFile) -> Table:
             if target.rate.rate is not None
         ],
         label="promises",
-        note="Kept: the whole interval (Clopper and Pearson) lies in the range that is promised. "
-        "Kept so far: the rate does, with too few cases to be sure. Missed likewise. No rate is "
-        f"printed of fewer than {CASES_TO_DRAW} cases. Shrink: share of the squared gap that the "
-        "named effects remove. Remainder: a force that they leave. Outsider: a force of no effect "
-        "on the list." + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
+        note="Kept: the whole Clopper-Pearson interval is in the promised range. Kept so far: only "
+        "the rate is, with too few cases to be sure. Missed, missed so far: likewise. Fewer than "
+        f"{CASES_TO_DRAW} cases have no rate. Shrink: share of the squared gap that the named "
+        "effects remove. Remainder: a force that they leave. Outsider: a force of no effect on the "
+        "list." + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
     )
 
 
@@ -173,11 +173,13 @@ def _figure(card: ScorecardFile) -> Figure:
 
 
 def _tables(card: ScorecardFile) -> Iterator[Block]:
-    yield Heading(2, "What was withheld and what was said")
+    yield Heading(2, "Hidden effects and verdicts")
     if len(card.cases) < CASES_TO_DRAW:
         yield _cases(card)
     else:
-        yield Paragraph([Reference("confusion"), " counts the cases by either."])
+        yield Paragraph(
+            [Reference("confusion"), " counts the cases by hidden effect and by verdict."]
+        )
         yield _confusion(card)
     yield Heading(2, "Rates")
     yield _rates(card)
@@ -185,9 +187,9 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
     yield Paragraph(
         [
             Strong("Scores. "),
-            "Brier score (mean square of probability less correctness) ",
-            f"{_estimate(card.brier)}; mean log of the probability that a verdict gave to what "
-            f"came true {_estimate(card.log_score)} nat.",
+            "Brier score (mean squared difference of probability and correctness) ",
+            f"{_estimate(card.brier)}; log score (mean log probability of what was true) "
+            f"{_estimate(card.log_score)} nat.",
         ]
     )
     yield from _smallest(card)
@@ -197,7 +199,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
 def _cases(card: ScorecardFile) -> Table:
     """Return each case of a few, where a matrix of counts would be empty."""
     return Table(
-        "Each case: what was withheld, and what the verdict said.",
+        "Each case: the hidden effect, and the verdict.",
         ["case", "withheld", "verdict", *right_columns("probability"), "right"],
         [
             [
@@ -236,8 +238,8 @@ def _confusion(card: ScorecardFile) -> Figure:
         svg_of(confusion_matrix, card.confusion),
         from_file(
             "scorecard.json",
-            "Cases by what was withheld and what the verdict said; shades are shares of a row, "
-            "bold numbers are right. For an outsider, which no effect describes, ",
+            "Cases by hidden effect and by verdict; shades are shares of a row, bold numbers are "
+            "right. For an outsider, which no effect describes, ",
             Code("unknown"),
             " or a significant remainder is right.",
         ),
@@ -254,7 +256,7 @@ def _rates(card: ScorecardFile) -> Table:
         ("correct verdicts", card.accuracy),
         *((f"correct, kind {kind}", rate) for kind, rate in card.accuracy_by_kind.items()),
         *((f"named, strength/form {key}", rate) for key, rate in card.named_rate.items()),
-        ("falsely named, of what counts as none", card.false_naming_rate),
+        ("falsely named, of cases without a gap", card.false_naming_rate),
         ("any gap, of cases without an effect", card.false_alarm_rate),
     ]
     return Table(
@@ -268,7 +270,7 @@ def _rates(card: ScorecardFile) -> Table:
 def _true_by_verdict(card: ScorecardFile) -> Table:
     """Return how often each kind of verdict comes true, beside its probability."""
     return Table(
-        "How often a verdict was right, beside the probability that it gave itself.",
+        "How often each verdict was right, beside its own probability.",
         ["verdict", *right_columns("cases", "said", "came true", "expected")],
         [
             [
@@ -281,8 +283,9 @@ def _true_by_verdict(card: ScorecardFile) -> Table:
             for verdict, stated in card.reliability_by_verdict.items()
         ],
         label="verdicts-in-hindsight",
-        note="Said: the mean probability. Expected: where the share should lie, 95 %, if the "
-        "probabilities are right. Below it verdicts are too sure, above it not sure enough.",
+        note="Said: the mean probability of the verdicts. Expected: 95 % interval of the share "
+        "that came true if these probabilities are right. Below it the verdicts are overconfident, "
+        "above it underconfident.",
     )
 
 
@@ -299,8 +302,8 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
         faint = [name for name in _always_faint(card) if name not in hit]
         rest = [name for name in by_effect if name not in hit and name not in faint]
         yield Paragraph(
-            f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
-            f"from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
+            f"No effect was tried more than {_times(most)} at one strength, which is too few to "
+            f"tell from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
             f"Never named: {', '.join(rest) or 'none'}."
             + (f" The gap was negligible in every case with: {', '.join(faint)}." if faint else "")
         )
@@ -321,7 +324,7 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
         from_file(
             "scorecard.json",
             "Which effects were named, by strength: black in every case, white in none; larger "
-            "dots are more cases. Strength 1 is 10 % of friction, rms over the design.",
+            "dots: more cases. Strength 1 is 10 % of friction, rms over the design.",
         ),
         "A row for each effect with a dot at each strength that was tried, the darker the more "
         "often the effect was named.",

@@ -49,8 +49,8 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
     yield Heading(1, "Boards")
     yield Paragraph(
         f"The boards share, {pooled.shared}. Each has for itself {pooled.own}. A board with "
-        "little information is drawn to the population: its shrinkage is the variance of its own "
-        "estimate over the sum of that and the variance between boards."
+        "little information is shrunk towards the population: its shrinkage is the variance of its "
+        "own estimate over the sum of that and the variance between boards."
     )
     rows: list[list[Inline | tuple[Inline, ...]]] = []
     for size, coefficients in pooled.pulleys.items():
@@ -84,8 +84,8 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
             "correlations of its coefficients; the boards are then integrated out in closed form, "
             "and the population is drawn. A second stage draws the boards anew for each draw of "
             "the population, and accepts or rejects by the boards' own densities of the raw data, "
-            f"so that nothing normal is left: {format_share(sampler.acceptance)} of the proposals "
-            f"were accepted, the Pareto k of their weights is "
+            f"which corrects the approximation: {format_share(sampler.acceptance)} of the "
+            f"proposals were accepted, the Pareto k of their weights is "
             f"{format_number(pooled.pareto_k, 2)}, and of {format_count(sampler.draws)} draws at "
             f"least {format_count(round(least))} are effective "
             f"({SAMPLING_RULES.effective_draws:.0f} are needed). The fit of each board, with its "

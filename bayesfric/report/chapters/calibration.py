@@ -48,9 +48,9 @@ def calibration(ranks: CalibrationFile) -> Iterator[Block]:
             f"{format_count(len(ranks.cases))} of {format_count(ranks.planned)} cases are done. "
             "In each, a truth is drawn from a prior, a recording of the protocol "
             f"{ranks.protocol} is simulated from it and fitted with the same prior. Where prior, "
-            "simulator, likelihood and sampler agree, the truth ranks among "
-            f"{format_count(ranks.draws)} draws of the posterior as any of them. A line that "
-            "first rises and then falls says that posteriors are too narrow, its mirror image "
+            "simulator, likelihood and sampler agree, the rank of the truth among "
+            f"{format_count(ranks.draws)} draws of the posterior is uniform. A line that "
+            "first rises and then falls means that posteriors are too narrow, its mirror image "
             "that they are too wide, and a bow to one side that they are biased. "
             f"{format_share(ranks.stalled_share)} of the trials stalled, and the largest R-hat "
             f"is {format_fixed(ranks.r_hat, 3)}. The prior is that of ",
@@ -64,16 +64,16 @@ def calibration(ranks: CalibrationFile) -> Iterator[Block]:
         svg_of(rank_differences, ranks),
         from_file(
             "calibration.json",
-            "Distribution function of the ranks of the truths, less that of uniform ones. The "
-            "bands are simultaneous: of a right computation all lines stay inside everywhere "
-            "with probability 0.95.",
+            "Distribution function of the ranks of the truths minus the uniform one. The bands are "
+            "simultaneous: if the computation is right, all lines stay inside everywhere with "
+            "probability 0.95.",
         ),
         "A panel for each quantity: a step line around zero, and a band that is widest in the "
         "middle and vanishes at both ends.",
         label="ranks-of-truths",
     )
     yield Table(
-        "What is ranked.",
+        "Quantities ranked.",
         [
             "quantity",
             Column("p", align="right"),
@@ -90,8 +90,8 @@ def calibration(ranks: CalibrationFile) -> Iterator[Block]:
             for quantity in ranks.quantities
         ],
         label="ranked",
-        note="p is of as large a departure anywhere by chance, of this quantity alone; a "
-        f"quantity is outside its band below {format_probability(1 - ranks.level)}. T is "
+        note="p: probability of as large a departure by chance, of this quantity alone; a quantity "
+        f"is outside its band below {format_probability(1 - ranks.level)}. T is "
         f"{format_fixed(ranks.tension_n, 0)} N.",
     )
 

@@ -38,12 +38,12 @@ def checks(stored: StoredFit) -> Iterator[Block]:
     yield Heading(1, "Predictive checks")
     yield Paragraph(
         [
-            "Each trial is compared with what the fit predicts for a new trial of the same "
-            f"condition on a new {group}, scatter and noise included. In ",
+            "Each trial is compared with the posterior predictive distribution of a new trial of "
+            f"the same condition on a new {group}, scatter and noise included. In ",
             Reference("residuals"),
             ", z is the distance of a trial from its predicted median in standard deviations; ",
             Reference("coverage"),
-            " counts the trials inside their interval.",
+            " counts the trials inside their 90 % interval.",
         ]
     )
     rigs = rig_tables(stored.predictive)
@@ -84,12 +84,11 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         )
     return Table(
         "Coverage: the share of trials inside their 90 % predictive interval.",
-        ["", *right_columns("number", "inside", "if made again"), "as expected"],
+        ["", *right_columns("number", "inside", "if repeated"), "as expected"],
         rows,
         label="coverage",
-        note="If made again: the share that the fit expects of another recording of the same "
-        "design, 90 % interval. The interval is wide, since trials of an assembly deviate "
-        "together.",
+        note="If repeated: 90 % interval of this share in another recording of the same design, by "
+        "the fit. It is wide, since trials of an assembly are correlated.",
     )
 
 
@@ -113,5 +112,5 @@ def _outliers(rig: RigTable) -> Iterator[Block]:
             for row in (far.isel({rig.id: place}) for place in range(far.sizes[rig.id]))
         ],
         label=f"outliers-{rig.trials}",
-        note="One recording in twenty that obeys the model would have a trial beyond that limit.",
+        note="One in twenty recordings that obey the model has a trial beyond that limit.",
     )

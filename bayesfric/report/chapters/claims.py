@@ -69,7 +69,7 @@ def fallen(judged: ClaimsFile, lacking: str = "") -> Notice:
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
     if lacking and by_verdict["refuted"]:
         said.append(
-            f" The claims are judged by laws that lack {lacking}: that may be why some are refuted."
+            f" These verdicts rest on laws without {lacking}, which may be why some are refuted."
         )
     points: list[list[Inline]] = []
     if lacking:
@@ -135,9 +135,9 @@ def _verdicts(judged: ClaimsFile) -> Table:
             for claim in judged.claims
         ],
         label="verdicts",
-        note="Bayes factors are in favour of the claim, against the best of its rivals. Δelpd: by "
-        "how many nat the claim predicts an assembly left out better than that rival does. Its "
-        "error stands in brackets where it is not reliable (a difference below 4 nat, fewer than "
+        note="Log₁₀ Bayes factors are of the claim against the best of its rivals. Δelpd: "
+        "log predictive density of assemblies left out, by the claim minus by that rival [nat]. "
+        "Its error is in brackets where it is not reliable (a difference below 4 nat, fewer than "
         "20 assemblies, or a bad Pareto k). A claim without rivals "
         "rests on a probability or on arithmetic.",
     )
@@ -229,8 +229,8 @@ def _rules(judged: ClaimsFile) -> list[str]:
         f"must then stay at {over_width:g} or more. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
         f"{rule['refute_probability']:g}. To refute the coefficients, the joint tail "
-        f"probability of Table I must also be below {rule['refute_tail_probability']:g}. All else "
-        "is undecided."
+        f"probability of Table I must also be below {rule['refute_tail_probability']:g}. Otherwise "
+        "it is undecided."
     ]
 
 
@@ -244,7 +244,7 @@ def further_claims(stored: StoredClaims) -> Iterator[Block]:
     yield Paragraph(
         [
             Reference("rivals"),
-            " sets each claim against each of its rivals, which are an effect beside the law, "
+            " compares each claim with each of its rivals. A rival is an effect added to the law, "
             "written as effect/variant, or another law.",
         ]
     )

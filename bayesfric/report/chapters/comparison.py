@@ -22,7 +22,7 @@ SHOWN = 12  # numbers, those that moved furthest
 
 def comparison_line(compared: ComparisonFile) -> Notice:
     """Return what changed, for a report's first page."""
-    title = "Since the run that this one is compared with"
+    title = "Compared with the earlier run"
     if compared.same:
         return Notice("good", "No result of the two runs differs.", title=title)
     flips: list[Inline] = [f"{_verdicts(len(compared.flips))}. See ", Reference("comparison"), "."]
@@ -34,7 +34,7 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
     yield Heading(1, "What changed since another run", label="comparison")
     yield Paragraph(
         [
-            "Before is the run that this report is compared with, now the one that it describes. "
+            "“Before” is the earlier run, “now” the one that this report describes. "
             f"{_verdicts(len(compared.flips))}; {_settings(len(compared.settings))}; "
             f"{format_count(len(moved(compared)))} of {format_count(len(compared.shifts))} "
             "numbers with an uncertainty moved. In both are ",

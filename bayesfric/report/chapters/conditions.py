@@ -24,11 +24,11 @@ def asked(friction: FrictionAsked | None) -> Iterator[Block]:
     yield Heading(2, "At your own conditions")
     unit = format_number(1.0, unit=friction.unit).partition("\u202f")[2] or friction.unit
     yield Table(
-        f"Friction at the conditions asked for, and what a simulator misses of it [{unit}].",
+        f"Friction at the conditions of --target, and the error of the simulator there [{unit}].",
         [
             "condition",
             Column("friction (90 %)", align="left"),
-            *decimal_columns("missed without the causes", "missed with them"),
+            *decimal_columns("error without the causes", "error with them"),
             "beyond the data in",
         ],
         [
@@ -46,11 +46,11 @@ def asked(friction: FrictionAsked | None) -> Iterator[Block]:
     ).filled()
     stays = "; ".join(f"{name} {why}" for name, why in friction.stays_behind.items())
     if stays:
-        yield Paragraph(f"Some causes stay behind: {stays}.")
+        yield Paragraph(f"Some causes do not carry over to these conditions: {stays}.")
     if friction.unknown_probability > 0:
         chance = format_probability(friction.unknown_probability)
         yield Paragraph(
-            f"An unknown force, of probability {chance}, is carried to no other condition."
+            f"An unknown force (probability {chance}) is not extrapolated to these conditions."
         )
 
 

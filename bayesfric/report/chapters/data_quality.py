@@ -51,14 +51,14 @@ def _clean(quality: DataQuality) -> Iterator[str]:
     if quality.agreement is None or not quality.agreement.trials:
         yield "No trial has two sensors to compare."
     if quality.stalled:
-        yield f"Trials that stop on their way: {', '.join(quality.stalled)}."
+        yield f"Trials that stop before the end of their travel: {', '.join(quality.stalled)}."
     else:
-        yield "No trial stops on its way."
+        yield "No trial stops before the end of its travel."
     if quality.did_not_move:
         yield (
             f"Trials that did not move: {', '.join(quality.did_not_move)}. In each of them "
-            "friction at rest was at least the drive. The fit and the claims use this. A diagnosis "
-            "of forces along the travel uses neither these trials nor those that stop."
+            "static friction was at least as large as the driving force, which the fit and the "
+            "claims use. The diagnosis uses neither these trials nor those that stop."
         )
 
 
@@ -72,7 +72,7 @@ def _left_out(quality: DataQuality) -> Iterator[Block]:
         )
         selects = {entry.rule: entry.selects_on for entry in quality.excluded if entry.selects_on}
         if selects:
-            yield Paragraph("What the rules select on.")
+            yield Paragraph("What each rule selects on:")
             yield BulletList([[Code(rule), f": {what}."] for rule, what in selects.items()])
 
 
@@ -91,9 +91,9 @@ def _other_fits(fit: FitFile) -> Iterator[Block]:
         yield _beside(
             fit,
             fit.without_stalls,
-            "Coefficients of all trials that enter, and without those that did not move or stopped "
-            f"on their way: {format_count(fit.without_stalls.trials_used)} trials, which were "
-            "selected for little friction.",
+            "Coefficients of all trials used, and without those that did not move or stopped "
+            f"early: {format_count(fit.without_stalls.trials_used)} trials, a selection biased to "
+            "low friction.",
             ("with stalls", "without"),
             "without-stalls",
         )
@@ -145,7 +145,7 @@ def _repairs(quality: DataQuality) -> Iterator[Block]:
         more = [f" The first {SHOWN} of {format_count(count)}; all are in ", Code("fit.json"), "."]
     yield Table(
         "Sensors of trials whose Hall events were not clean.",
-        ["trial", "sensor", *right_columns("missed", "doubled", "taken out"), "used"],
+        ["trial", "sensor", *right_columns("missed", "doubled", "removed"), "used"],
         [
             [
                 entry.trial,
@@ -159,9 +159,9 @@ def _repairs(quality: DataQuality) -> Iterator[Block]:
         ],
         label="repairs",
         note=[
-            "Missed events leave a gap and the later ones keep their true displacement; doubled "
-            "and stray ones are taken out. Not used: beyond repair, so that all events of the "
-            "sensor are taken out.",
+            "Missed events leave a gap, and later ones keep their true displacement; doubled and "
+            "stray ones are removed. Not used: beyond repair, so all events of the sensor are "
+            "removed.",
             *more,
         ],
     )
@@ -184,8 +184,8 @@ def _agreement(quality: DataQuality) -> Iterator[Block]:
         ],
         label="agreement",
         note=[
-            "z: difference of the two accelerations over its standard error. A trial disagrees "
-            "beyond the limit if its frictions by either sensor also differ by more than "
+            "z: difference of the two accelerations over its standard error. A trial disagrees if "
+            "|z| is above the limit and its friction by the two sensors differs by more than "
             f"{format_share(agreement.limit_friction_share)}.",
             *([f" They are: {', '.join(agreement.disagreeing)}."] if agreement.disagreeing else []),
         ],

@@ -81,10 +81,10 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     yield Heading(2, "Where it lies")
     if has_gap(record):
         if blind := _blind_axes(record):
-            yield Paragraph(f"Did not vary, so that nothing is known: {blind}.")
+            yield Paragraph(f"These axes did not vary, so nothing is known along them: {blind}.")
         yield _where(stored)
     else:
-        yield Paragraph("There is no gap to place along an axis.")
+        yield Paragraph("There is no gap to locate.")
     yield from remainder(record)
     yield from asked(record.target)
     yield Heading(2, "What to measure next")
@@ -95,7 +95,7 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
     gap = record.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
     large = f"{_force(gap.systematic, gap.unit)} rms; friction is {friction} rms, and a gap "
-    large += f"below {format_share(record.practical_share)} of that is treated as none"
+    large += f"below {format_share(record.practical_share)} of that counts as none"
     if gap.no_share is not None:
         large = f"{_force(gap.systematic, gap.unit)}; as a share of friction it is unknown, "
         large += f"since {gap.no_share}"
@@ -104,23 +104,23 @@ def _at_a_glance(record: DiagnosisFile) -> Table:
         ["Which effect causes it?", _caused(record)],
     ]
     if record.considered:
-        rows.append(["What fits, and is contradicted?", listed(record.considered)])
+        rows.append(["What was considered, and is not named?", listed(record.considered)])
     if record.possible:
-        beside = " beside that" if record.causes else ""
-        rows.append([f"What may act{beside}?", listed(record.possible)])
+        also = " also" if record.causes else ""
+        rows.append([f"What may{also} act?", listed(record.possible)])
     if record.present:
-        rows.append(["What acts, and makes no gap that matters?", listed(record.present)])
+        rows.append(["What acts, but makes a negligible gap?", listed(record.present)])
     if gap.shrink_of_model is not None and record.causes:
-        shrink = f"by {_percent(gap.shrink_of_model)}; {_seen(gap)}"
-        rows.append(["How far does it shrink with that?", shrink])
+        shrink = f"{_percent(gap.shrink_of_model)} of its mean square; {_seen(gap)}"
+        rows.append(["How much of it do these causes remove?", shrink])
     if has_gap(record):
         rows.append(["Where does it lie?", _lies_along(record)])
     rows.append(
         [
             "How much of it is unexplained?",
-            "more than these data let chance explain"
+            "more than chance explains"
             if record.remainder.significant
-            else "nothing that these data show",
+            else "nothing detectable in these data",
         ]
     )
     if record.next_experiment:
@@ -138,11 +138,11 @@ def _lies_along(record: DiagnosisFile) -> str:
     chance = ""
     if (first.p_value or 0.0) > CHANCE:
         p = format_probability(first.p_value)
-        chance = f"; held-out residuals alone do not show it (adjusted p {p})"
+        chance = f"; not significant in held-out residuals alone (adjusted p {p})"
     if first.answers:
         return f"along {_with_share(first)}{chance}"
     nearest = " and ".join(_with_share(axis) for axis in shared[:2])
-    return f"no axis leads; the largest shares are those of {nearest}"
+    return f"no single axis dominates; the largest shares: {nearest}"
 
 
 def _blind_axes(record: DiagnosisFile) -> str:
@@ -169,10 +169,10 @@ def _caused(record: DiagnosisFile) -> list[Inline]:
         return said
     uncaused = {
         "no-gap": "none is needed",
-        "unknown": "a force that no effect of the list makes",
+        "unknown": "a force that no effect of the list explains",
         "unseparated": "one of several that these data do not tell apart",
     }
-    return [uncaused.get(record.verdict, "open: none is certain enough to be named")]
+    return [uncaused.get(record.verdict, "open: none is probable enough to be named")]
 
 
 def _where(stored: StoredDiagnosis) -> Figure:
@@ -189,10 +189,10 @@ def _where(stored: StoredDiagnosis) -> Figure:
         [
             Strong("Where."),
             " Left: the share of each axis in the variance of the systematic force, with its 90 % "
-            "interval; shares and that of none add up to 1. A dark bar leads, a diamond is what "
-            "the axis explains alone.",
+            "interval; with that of no axis the shares add up to 1. A dark bar dominates; a "
+            "diamond is what the axis explains alone.",
             " Right: residual force on held-out data, its systematic part with a "
-            "simultaneous 95 % band; dots are windows of trials, far ones are cut."
+            "simultaneous 95 % band; dots are windows of trials, and distant ones are cut off."
             if shapes
             else "",
         ],
@@ -216,7 +216,7 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
     ]
     hypotheses: list[Inline] = ["All hypotheses: ", Code("diagnosis.json"), "."]
     if not any(effect.probability > RARE for effect in included):
-        none = f"No effect acts with a probability above {format_probability(RARE)}. "
+        none = f"No effect has a posterior probability above {format_probability(RARE)}. "
         return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
     return Figure(
         svg_of(what_acts, included, record.practical_share),
@@ -224,9 +224,10 @@ def _which(record: DiagnosisFile) -> Figure | Paragraph:
             Strong("Which."),
             " ",
             *most,
-            "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
-            "Right: how strong it is then, with its 90 % interval; the dashed line is the "
-            "practical share. ",
+            "Left: posterior probability that an effect acts, summed over all hypotheses; dotted "
+            "at 0.1 and 0.9. Right: its strength if it acts, with its 90 % interval; dashed: "
+            f"{format_share(record.practical_share)} of friction, below which a gap counts as "
+            "none. ",
             *hypotheses,
         ],
         "Left, a horizontal bar for each effect; the longest is "
@@ -249,8 +250,10 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             " ",
             *_tuning(gap),
             *_shrink(gap, named, group_words(record.rigs)[1]),
-            "Bars: rms on conditions that the fit has not seen, and the posterior of the "
-            "systematic gap. Lines: 90 % intervals. Dashed: the practical share."
+            "Bars: rms error on conditions that the fit has not seen, and the posterior of the "
+            "systematic gap. Lines: 90 % intervals. Dashed: "
+            f"{format_share(record.practical_share)} of friction, below which a gap counts as "
+            "none."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
@@ -275,30 +278,30 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
 def _tuning(gap: Gap) -> list[str]:
     """Return what recalibration alone does; never mixed with what the effect does."""
     if gap.as_shipped is None:
-        return [f"No number for values as shipped: {gap.as_shipped_why}. "]
+        return [f"No error as shipped: {gap.as_shipped_why}. "]
     shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
-    return [f"Recalibration alone changes the gap from {shipped} to {before}. "]
+    return [f"Recalibration alone changes the held-out error from {shipped} to {before}. "]
 
 
 def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
     if not named:
         return ["No effect is added. "]
     if gap.shrink_of_model is None:
-        return [f"Shrink by an effect: none ({gap.shrink_of_model_why}). "]
+        return [f"The causes remove nothing: {gap.shrink_of_model_why}. "]
     taken = _percent(gap.shrink_of_model)
-    said = [f"Adding what is named removes {taken} of the systematic gap (mean square)"]
+    said = [f"Adding the named causes removes {taken} of the systematic gap (mean square)"]
     if gap.shrink is not None:
-        said.append(f", and {_percent(gap.shrink)} of what new {groups} show above the floor")
+        said.append(f", and {_percent(gap.shrink)} of the error of held-out {groups} above scatter")
     else:
-        said.append(f"; new {groups} cannot tell, since {gap.shrink_why}")
+        said.append(f"; held-out {groups} cannot confirm that: {gap.shrink_why}")
     return [*said, ". "]
 
 
 def _seen(gap: Gap) -> str:
     """Return what data held out say of a shrink; that they cannot tell is said too."""
     if gap.shrink is None:
-        return "data held out cannot tell"
-    return f"of data held out by {_percent(gap.shrink)}"
+        return "held-out data cannot confirm that"
+    return f"{_percent(gap.shrink)} on held-out data, above scatter"
 
 
 def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:

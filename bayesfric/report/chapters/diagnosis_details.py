@@ -56,7 +56,7 @@ def _baseline(diagnosis: DiagnosisFile) -> str:
     if simulator is None:
         return f"the {law_words(diagnosis.baseline, diagnosis.rigs)} law"
     if not simulator.parameters:
-        return f"what your simulator said ({simulator.name}), of which nothing is fitted"
+        return f"your simulator {simulator.name}, of which no parameter is fitted"
     numbers = ", ".join(
         f"{name} {format_interval(number.q50, number.q05, number.q95, number.unit)}"
         for name, number in simulator.parameters.items()
@@ -86,7 +86,7 @@ def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
             Code("none"),
             "; ",
             Code("unknown"),
-            " is a force that no effect of the list makes.",
+            " is a force that no effect of the list explains.",
         ]
     )
     every = [
@@ -125,7 +125,7 @@ def _strays(trials: Sequence[str]) -> str:
     if not trials:
         return ""
     return (
-        f" Left out, since their friction is far from that of their own assembly: "
+        f" Trials left out, since they are far from the others of their own assembly: "
         f"{', '.join(trials)}."
     )
 
@@ -141,8 +141,8 @@ def causes(named: Sequence[Cause]) -> Iterator[Block]:
                 Code(cause.effect),
                 f": {cause.sentence}. Law: {cause.law}. Hypotheses that include it "
                 f"have probability {format_probability(cause.inclusion_probability)}. "
-                f"Log₁₀ Bayes factor against the same without it: {_factor(cause)}. Its force is "
-                f"{format_share(cause.strength)} of that of friction (rms)"
+                f"Log₁₀ Bayes factor against the same hypotheses without it: {_factor(cause)}. Its "
+                f"rms force is {format_share(cause.strength)} of rms friction"
                 + (", which is below the floor. " if cause.below_floor else ". "),
                 Strong("Plausible." if cause.plausible else "Not plausible."),
                 f" Source of the range: {cause.plausible_reference}.",
@@ -194,7 +194,7 @@ def not_told_apart(diagnosis: DiagnosisFile) -> Iterator[Block]:
         yield BulletList(lines)
     if diagnosis.absorbed:
         yield Table(
-            "Effects that a parameter of the baseline absorbs, and what they do to it.",
+            "Effects that a parameter of the baseline absorbs, and the bias that they cause.",
             ["effect", "absorbed by", Column("bias", align="right")],
             [
                 [Code(effect.effect), Code(effect.by), format_number(effect.bias, unit=effect.unit)]
@@ -210,21 +210,22 @@ def remainder(diagnosis: DiagnosisFile) -> Iterator[Block]:
     """Yield what the named causes leave."""
     rest = diagnosis.remainder
     factor = f"log₁₀ Bayes factor {format_factor(rest.log10_bayes_factor)}"
-    said = f" The evidence does not ask for a further, smooth force ({factor})."
+    said = f" The evidence does not favour a further, smooth force ({factor})."
     if rest.significant:
-        said = f" The evidence asks for a further, smooth force ({factor})."
+        said = f" The evidence favours a further, smooth force ({factor})."
         if rest.share_of_gap is not None:
             low, middle, high = (
                 100 * q
                 for q in (rest.share_of_gap.q05, rest.share_of_gap.q50, rest.share_of_gap.q95)
             )
             said += (
-                " It would be as large as the gap or larger."
+                " It would be at least as large as the gap."
                 if middle > 100
-                else f" It would be {format_interval(middle, low, high)}\u202f% of gap²."
+                else f" It would make up {format_interval(middle, low, high)}\u202f% of the "
+                "squared gap."
             )
         elif not diagnosis.causes:
-            said += " No cause is named, so that it is all of the gap."
+            said += " No cause is named, so it is all of the gap."
         if rest.axis is not None:
             said += f" It is largest along {axis_words(rest.axis)}."
     yield Paragraph([Strong("Remainder."), said])
@@ -247,17 +248,17 @@ def _axes(diagnosis: DiagnosisFile) -> Table:
         [
             "axis",
             *right_columns("share", "alone", "adjusted p"),
-            "looks like, or why there is none",
+            "confounded with, or why no share",
         ],
         rows,
         label="axes",
-        note="Share: of the mean square of the systematic force, its posterior over all "
-        "hypotheses, what the axis adds in the mean over all orders in which axes can come in "
-        "(Shapley); with that of none of them they add up to 1. Alone: what functions of the axis "
-        "explain by themselves. Median, and 90 % interval. p: of held-out residuals, by the "
-        "largest statistic of all axes, from a parametric bootstrap."
+        note="Share: the Shapley share of the axis in the mean square of the systematic force "
+        "(what it adds, averaged over all orders of the axes), over the posterior of all "
+        "hypotheses; with that of none of them the shares add up to 1. Alone: what functions of "
+        "the axis explain by themselves. Median and 90 % interval. p: of held-out residuals, "
+        "adjusted for all axes by their largest statistic, from a parametric bootstrap."
         + (
-            " Looks like: axes whose smooths these data do not tell from it."
+            " Confounded with: axes whose smooth functions these data cannot separate from it."
             if any(axis.confounded_with for axis in diagnosis.where)
             else ""
         ),
@@ -287,9 +288,8 @@ def _examined(diagnosis: DiagnosisFile) -> Table:
             if effect not in absent
         ],
         label="effects",
-        note="Compared with the law that was fitted alone. Hypotheses of the table of "
-        "probabilities are compared again with the law that was refitted with the most probable "
-        "of them."
+        note="Against the law fitted alone. The hypotheses of the table of probabilities are "
+        "compared once more, around the law refitted with the most probable of them."
         + "".join(map(_no_factor, without.values(), without))
         + (f" {len(absent)} further effects need data that no rig here records." if absent else ""),
     ).filled()

@@ -31,7 +31,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         f"{sampler.ensembles} independent ensembles of {sampler.walkers} walkers made "
         f"{format_count(sampler.steps)} steps each after burn-in; {_kept(sampler.thin)}, "
         f"{format_count(sampler.draws)} draws in all. {format_share(sampler.acceptance)} of the "
-        f"proposals were accepted, and an effective draw took at most "
+        f"proposals were accepted, and the autocorrelation time is at most "
         f"{format_number(sampler.autocorrelation_time, digits=2)} steps of a walker. Converged "
         f"means: R-hat below {SAMPLING_RULES.r_hat}, walker by walker below "
         f"{SAMPLING_RULES.r_hat_walkers}, and at least {SAMPLING_RULES.effective_draws:.0f} "
@@ -87,7 +87,7 @@ def further_diagnostics(stored: StoredFit) -> Iterator[Block]:
         from_file(
             "predictive.nc",
             "Ranks of the draws of each ensemble (a line each) among all. Flat lines around one "
-            "say that the ensembles draw from one density; a slope or a hump would say that they "
+            "mean that the ensembles sample the same density; a slope or a hump means that they "
             "do not.",
         ),
         "Small panels, one for each parameter, with a step line for each ensemble: the count of "
@@ -111,7 +111,7 @@ def _stored(entries: Mapping[str, ParameterSummary]) -> Table | None:
     if not rows:
         return None
     return Table(
-        "The draws that draws.nc keeps, as ArviZ sums them up.",
+        "Convergence of the draws in draws.nc, as ArviZ computes it.",
         ["parameter", *decimal_columns("R-hat"), *right_columns("bulk ESS")],
         rows,
         label="stored-draws",

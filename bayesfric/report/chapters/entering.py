@@ -16,6 +16,7 @@ from bayesfric.export.entered import (
 )
 from bayesfric.plots.replay import replayed_forces
 from bayesfric.plots.style import svg_of
+from bayesfric.probabilities import two_digits
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -55,10 +56,10 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         else:
             ready[joint.joint or ""] = joint.enter
         if untrusted is not None:
-            yield Notice("attention", f"{untrusted}.", title=f"Not confirmed{of}")
+            yield Notice("attention", f"{untrusted}.{_apart(joint)}", title=f"Not confirmed{of}")
         elif joint.verdict in ("unknown", "unseparated"):
-            title = "The best numbers while the cause is open"
-            after += " They may be biased, since the law misses a force that has no cause yet."
+            title = "Best available numbers"
+            after += " They may be biased, since the law lacks a force whose cause is open."
         said = f" {off}" if (off := off_now(joint)) else ""
         rows = entered_rows(joint.enter)
         yield Table(
@@ -78,6 +79,18 @@ def numbers_to_enter(diagnosis: DiagnosisFile) -> Iterator[Block]:
         yield BulletList(list(map(shown, lacking)))
 
 
+def _apart(joint: DiagnosisFile) -> str:
+    """Return that the gap in the verdict is smaller than what held-out data show, where it is."""
+    gap = joint.gap
+    if gap.held_out_excess <= gap.systematic.q95:
+        return ""
+    inferred = f"{two_digits(gap.systematic.q50)} {gap.unit} rms"
+    return (
+        f" The systematic gap of {inferred} is the model's own estimate from the data of the fit; "
+        "held-out data show that it is too small."
+    )
+
+
 def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
     """Yield the numbers that no simulator has a field for; nothing where there are none."""
     rows = rows_without_field(joints)
@@ -86,7 +99,7 @@ def _without_field(joints: Mapping[str, Sequence[Enter]]) -> Iterator[Table]:
     columns: list[Column | str] = ["joint", "number", *figures]
     if rows:
         yield Table(
-            "Numbers that no simulator has a field for. Each ± is half of a 90 % interval.",
+            "Numbers that no simulator has a field for. ± is half the width of the 90 % interval.",
             columns[first:],
             [list(map(shown, row[first:])) for row in rows],
             label="no-field",
@@ -127,7 +140,7 @@ def _wrong(joint: DiagnosisFile) -> str:
         return ""
     lies = "lies outside its" if len(wrong) == 1 else "lie outside their"
     names = " and ".join(filter(None, (", ".join(wrong[:-1]), wrong[-1])))
-    return f" Of its own numbers, {names} {lies} 90 % interval{'s' * (len(wrong) > 1)}."
+    return f" Its present {names} {lies} 90 % interval{'s' * (len(wrong) > 1)}."
 
 
 def _listed(joint: DiagnosisFile) -> str:
@@ -145,8 +158,8 @@ def replays(stored: StoredDiagnosis) -> Iterator[Block]:
     unit = blocks[0].gap.unit
     yield Figure(
         svg_of(replayed_forces, traces, unit),
-        "Drive force of a held-out run: as it was measured, as your model asks for it along the "
-        "measured motion, and as it does with the numbers to enter.",
+        "Drive force of a held-out run: measured, and computed by inverse dynamics along the "
+        "measured motion, with your model's own numbers and with the proposed ones.",
         "Three lines over time a joint. "
         + " ".join(block.replay.sentence for block in blocks if block.replay is not None),
         label="replay",

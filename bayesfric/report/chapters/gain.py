@@ -44,8 +44,8 @@ from bayesfric.schemas.margins import LoopMargins
 
 NOW = ", as in the file, it hunts in "  # stands in what an answer says of the γ of the file
 HUNTING = (
-    "To hunt is to swing about the target instead of coming to rest; γ is the share of the "
-    "modelled friction that the controller compensates."
+    "A loop hunts if it oscillates about its target in a limit cycle instead of settling; γ is the "
+    "share of the modelled friction that the controller compensates."
 )
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 ASSUMED = "Assumed: "  # begins a remark of a loop's file on what nobody measured
@@ -79,7 +79,11 @@ def gain_lines(margins: MarginsFile, *, alone: bool) -> Iterator[Block]:
         for name, said in decided.items():
             if said:
                 yield Paragraph([Code(name), f": {said}"])
-    last = [*([] if several else decided.values()), _of_law(margins), "What was not examined: "]
+    last = [
+        *([] if several else decided.values()),
+        _of_law(margins),
+        "For what was not examined, see ",
+    ]
     yield Paragraph([" ".join(filter(None, last)), Reference("margins"), "."])
     yield from _assumed(margins.loops)
 
@@ -180,11 +184,11 @@ def _decided(loop: LoopMargins) -> Iterator[str]:
         return
     first = max(shares, key=lambda name: shares[name])
     law = "under 1 %" if shares[LAW] < LITTLE else format_share(shares[LAW])
-    yield f"c1, c2 and c3 make {law} of the variance of friction."
+    yield f"c1, c2 and c3 contribute {law} of the variance of friction."
     if "." in first:  # a number of the loop's file
         words = key_words(first)
         said = words if words == first else f"{words} ({first})"
-        yield f"The assumed {said} makes {format_share(shares[first])}: measure that."
+        yield f"The assumed {said} contributes {format_share(shares[first])}: measure it."
 
 
 def _shares_of_friction(loop: LoopMargins) -> Mapping[str, float]:
@@ -216,8 +220,8 @@ def gain_figures(margins: MarginsFile) -> Iterator[Block]:
             svg_of(error_and_headroom, margins.loops),
             from_file(
                 "margins.json",
-                "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
-                "to 95 % of the draws. Black tick: the spec.",
+                "Errors at the tool tip, and remaining torque as a share of its limit: median and "
+                "5 % to 95 % of the draws. Black tick: the spec.",
             ),
             "Horizontal bars with a dot at the median, in groups by loop: errors in millimetres "
             "on the left, torque headroom in per cent on the right.",
@@ -249,7 +253,7 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
             "margins.json",
             "Probability that the loop hunts, over the compensation gain. "
             f"{_band(curves)} Dot: the γ of the loop's file. Dotted: the probability that the file "
-            f"allows. Upright line: the largest γ that is safe from hunting{_elsewhere(curves)}.",
+            f"allows. Vertical line: the largest γ that is safe from hunting{_elsewhere(curves)}.",
         ),
         "A line for each loop over the compensation gain, which rises where the loop begins to "
         "hunt.",

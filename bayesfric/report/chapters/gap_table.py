@@ -21,11 +21,11 @@ def gap_words() -> Paragraph:
     return Paragraph(
         [
             Reference("gap"),
-            " has the error on data that the fit has not seen, scatter included. All parameters "
-            "are fitted anew, without and with the causes. The systematic gap of ",
+            " has the error on held-out data, which includes scatter. All parameters are refitted "
+            "without these data, with and without the causes. The systematic gap of ",
             Reference("glance"),
-            " is the part that the model ascribes to no scatter, at the recorded conditions. Its "
-            "interval is narrower: it does not have the chance of which data are held out.",
+            " is the part at the recorded conditions that the model does not ascribe to scatter. "
+            "Its interval is narrower, since it does not depend on which data are held out.",
         ]
     )
 
@@ -55,7 +55,8 @@ def gap_table(diagnosis: DiagnosisFile) -> Table:
         ],
         label="gap",
         note=[
-            "Medians. Recalibrated: all parameters fitted anew. Floor: what scatter alone makes. ",
+            "Medians. Recalibrated: all parameters refitted. Floor: the error that scatter alone "
+            "makes. ",
             "Shrink: (before² − after²) / (before² − floor²). " if diagnosis.causes else "",
             *_denser(gap, diagnosis),
             *_reasons(gap, rows, boards=not own_law(diagnosis.rigs)),
@@ -71,7 +72,7 @@ def _denser(gap: Gap, diagnosis: DiagnosisFile) -> Iterator[str]:
         return
     rise, error = error_cells(density.difference, density.error)
     yield (
-        f"The log density of held-out data is higher by {rise} ± {error} (natural logarithm) "
+        f"The log predictive density of held-out data is higher by {rise} ± {error} nat "
         f"with {' and '.join(effect.effect for effect in effects)}. "
     )
 

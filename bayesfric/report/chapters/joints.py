@@ -7,6 +7,7 @@ from bayesfric.report.chapters.entering import shown
 from bayesfric.report.content import Block, Code, Heading, Paragraph, Table
 from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import THIN, error_cells, format_number, format_unit
+from bayesfric.rigs.model_amounts import FELT, OFF_FROM_SD
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 
@@ -31,7 +32,7 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
     )
     if diagnosis.model_error:
         yield Table(
-            "How far masses and inertias of your robot's model are off, as far as these data tell.",
+            "Errors of masses and inertias in your robot's model that these data inform.",
             ["link", "number", "your model", "add to it", "clearly off"],
             [
                 [
@@ -44,7 +45,9 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
                 for error in diagnosis.model_error
             ],
             label="model-error",
-            note="Median ± half of the 90 % interval. Clearly off: by more than is usual.",
+            note="Median; ± is half the width of the 90 % interval. Clearly off: the error is "
+            f"above {OFF_FROM_SD:g} standard deviations, and above {FELT:g} of what is usual for a "
+            "model.",
         )
     yield Paragraph(
         [

@@ -69,11 +69,12 @@ def margins(record: MarginsFile, *, alone: bool) -> Iterator[Block]:
     if record.law is not None:
         yield Paragraph(record.law.sentence)
     yield Paragraph(
-        f"All figures are over {format_count(record.draws)} draws of a new assembly: the "
-        "posterior of the friction law, the scatter between assemblies, and a difference between "
-        f"rigs of {format_share(record.rig_discrepancy)} (sd; {record.rig_discrepancy_source}). "
-        "P(violates) is the share of the draws that miss the spec, with its Monte Carlo error; "
-        "angles and torques at the motor are those of its shaft."
+        f"All metrics are over {format_count(record.draws)} draws of a new assembly. They include "
+        "the posterior of the friction law, the scatter between assemblies, and a difference "
+        f"between rigs of {format_share(record.rig_discrepancy)} "
+        f"(sd; {record.rig_discrepancy_source}). "
+        "P(violates) is the share of the draws that miss the spec, with its Monte Carlo error. "
+        "Angles and torques at the motor are those of its shaft."
     )
     if not alone:
         yield from gain_figures(record)
@@ -96,9 +97,9 @@ def _loop(loop: LoopMargins, *, assumed: bool) -> Iterator[Block]:
             points=[_sentence(warning) for warning in warnings],
         )
     yield Table(
-        ["What the draws leave of ", Code(loop.name), "."],
+        ["Metrics of ", Code(loop.name), " over the draws."],
         [
-            "figure",
+            "metric",
             "unit",
             "at",
             *decimal_columns("median", "5 %", "95 %"),
@@ -112,7 +113,7 @@ def _loop(loop: LoopMargins, *, assumed: bool) -> Iterator[Block]:
         ]
         + _certified(loop),
         label=f"margins-{loop.name}",
-        note="A dash: the figure does not exist; the reason stands below the table.",
+        note="A dash: the metric does not exist; the reason is below the table.",
     ).filled()
     yield BulletList(list(_remarks(loop)))
     if (certificate := certificate_sentence(loop)) is not None:
@@ -139,7 +140,7 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
     """Yield how the joint follows references that move."""
     following = loop.following
     if following is None:
-        yield Paragraph(f"No errors on references that move: {loop.following_why}.")
+        yield Paragraph(f"No tracking errors on moving references: {loop.following_why}.")
         return
     yield Paragraph(following.answer)
     yield BulletList(
@@ -152,15 +153,15 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
         svg_of(errors_over_time, following),
         from_file(
             "margins.json",
-            f"Over {format_count(following.draws)} draws, how far the joint is behind the "
-            "reference at the tool tip: the median with each compensator, and 5 % to 95 % with "
-            "none and with the best. What is shaded grey is judged.",
+            f"Tracking error at the tool tip over {format_count(following.draws)} draws: the "
+            "median with each compensator, and 5 % to 95 % with none and with the best. Grey: the "
+            "time that is judged.",
         ),
         "Four panels of bands over time: ramp, reversal, sine and step, a colour a compensator.",
         label=f"following-{loop.name}",
     )
     yield Table(
-        ["Error at the tool tip of ", Code(loop.name), " on references that move [mm]."],
+        ["Tracking error of ", Code(loop.name), " at the tool tip on moving references [mm]."],
         [
             "trajectory",
             "compensator",
@@ -180,14 +181,14 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
             for followed in trajectory.compensators
         ],
         label=f"followed-{loop.name}",
-        note="Reference less joint, with the load and the stretch of the cable; judged for "
+        note="Reference minus joint, with the load and the stretch of the cable; judged for "
         f"{format_number(following.settling_s, 3)} s once the loop has settled, of a reversal "
         "from the turn on. Compensators have the file's γ and F̂; the sign of the error is linear "
         f"within ± {format_number(following.error_band_rad, 3)} rad of the motor, over which, or "
         "over 2γF̂/kp, the LuGre observer's friction builds up; the disturbance observer's "
         "low-pass has its corner at "
         f"{format_number(following.disturbance_cutoff_rad_s, 3)} rad/s; neither observer is "
-        "looked at for hunting. Least: share of the draws in "
+        "examined for hunting. Least: share of the draws in "
         "which the rms error is within 2 % of the least.",
     )
 
@@ -258,15 +259,15 @@ def _shares(loop: LoopMargins) -> Iterator[Block]:
         if name.partition(" ")[0] in WORDS
     ]
     yield Table(
-        ["What the spread of ", Code(loop.name), " comes from: first-order shares of variance."],
-        ["figure", *(Column(key_words(group), align="right") for group in groups)],
+        ["Sources of the spread of ", Code(loop.name), ": first-order shares of variance."],
+        ["metric", *(Column(key_words(group), align="right") for group in groups)],
         [
             [_worded(name), *(_shown_share(shares[group]) for group in groups)]
             for name, shares in shown
         ],
         label=f"shares-{loop.name}",
-        note="c1, c2 and c3 are correlated and count as one; a dot is less than 2 %. The rest "
-        "to 100 % is interaction of these numbers.",
+        note="c1, c2 and c3 are correlated and count as one; a dot is less than 2 %. What is "
+        "missing to 100 % comes from interactions of these numbers.",
     )
 
 
@@ -301,7 +302,7 @@ def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
         yield Table(
             ["Before and after the diagnosed effects: ", Code(loop.name), "."],
             [
-                "figure",
+                "metric",
                 "unit",
                 "at",
                 *decimal_columns("before", "5 %", "95 %"),
@@ -310,7 +311,7 @@ def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
             ],
             rows,
             label=f"effects-{loop.name}",
-            note="Medians with 5 % and 95 %, and P(violates); figures that do not change are left "
+            note="Medians with 5 % and 95 %, and P(violates); metrics that do not change are left "
             "out.",
         )
 
@@ -326,27 +327,27 @@ def _verification(loop: LoopMargins) -> Iterator[Block]:
         return
     yield Table(
         [
-            f"How the figures of {format_count(verified.draws)} draws of ",
+            f"Metrics of {format_count(verified.draws)} draws of ",
             Code(loop.name),
-            " hold where motor and joint are simulated on an elastic cable that rubs along its "
-            "way, with the whole load.",
+            ", compared with a simulation of motor and joint on an elastic cable that has friction "
+            "along its run, with the whole load.",
         ],
         [
-            "figure",
-            *right_columns("draws", "holds in", "95 % interval"),
+            "metric",
+            *right_columns("draws", "agrees in", "95 % interval"),
             *decimal_columns("simulated / reported", "5 %", "95 %"),
         ],
         [_held(figure) for figure in verified.held],
         label=f"verified-{loop.name}",
-        note=f"A figure holds within {format_share(verified.tolerance)}; errors at rest are "
-        "bounds, and their ratio says how near the farthest came. The draws were kicked by "
+        note=f"Agrees: within {format_share(verified.tolerance)}. Errors at rest are upper bounds, "
+        "and their ratio says how near the largest simulated one came. The draws were kicked by "
         f"{format_number(verified.kick.q50)} rad at the motor (median).",
     )
     missing = [
         f"{figure.what}: {figure.share_why}" for figure in verified.held if figure.share is None
     ]
     if missing:
-        yield BulletList([f"Not held against it, {text}." for text in missing])
+        yield BulletList([f"Not compared: {text}." for text in missing])
 
 
 def _held(figure: Held) -> list[str]:

@@ -51,7 +51,7 @@ def thresholds(stored: StoredResults) -> Iterator[Block]:
     for engine, rules in engines.items():
         if rules is not None:
             yield Table(
-                f"Thresholds of {engine}, and the page of the decisions that argues each.",
+                f"Thresholds of {engine}, and the page of docs/decisions that argues each.",
                 ("Threshold", Column("Value", align="right"), "Unit", "What it decides", "Page"),
                 [
                     (said.name.replace("_", " "), f"{said.value:.3g}", *said[2:])
@@ -80,11 +80,10 @@ def _fit(fit: FitFile) -> Iterator[Block]:
         [
             "Priors are proper and listed in ",
             Code("fit.json"),
-            "; the default ones do not rest on the paper's Table I. Draws come from emcee: moves "
-            "that propose from a Student-t fitted around the posterior, independent of the "
-            "walker's place, mixed with differential evolution. A parameter counts as informed "
-            "where the curvature "
-            "of the likelihood alone pins it down better than its prior does.",
+            "; the default ones do not use the paper's Table I. The sampler is emcee with two "
+            "moves: independence proposals from a Student-t fitted to the posterior, and "
+            "differential evolution. A parameter counts as informed where the curvature of the "
+            "likelihood alone determines it better than its prior does.",
         ]
     )
 
@@ -95,24 +94,25 @@ def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
     groups = group_words(diagnosis.rigs)[1]
     yield Heading(2, "The diagnosis")
     yield Paragraph(
-        "A hypothesis is a set of effects that act beside the law, or an unknown smooth force. "
-        "Around the fitted law each effect's force is linear in its amplitude. So the evidence of "
-        "a hypothesis is a closed form once the noise is given; each hypothesis has its own most "
+        "A hypothesis is a set of effects added to the law, or an unknown smooth force. Around the "
+        "fitted law each effect's force is linear in its amplitude, so the evidence of a "
+        "hypothesis has a closed form for given noise; each hypothesis has its own most "
         f"probable noise. Prior probabilities by number of effects: {prior}, shared equally within "
-        "a number. Every hypothesis has the same small error of the law, since no law is exact. "
-        f"Where effects leave more than {100 * RULES.foreign:g}\u202f% of the squared gap at their "
-        "best amplitudes, that hypothesis counts as an unknown force. "
+        "a number. Every hypothesis allows the same small discrepancy of the law, since no law is "
+        f"exact. Where effects at their best amplitudes leave more than "
+        f"{100 * RULES.foreign:g}\u202f% of the squared gap, their hypothesis counts as an unknown "
+        "force. "
         f"Scatter of trials and of {groups} is taken as normal here, even where the fit takes it "
         "as Student-t."
     )
     yield Paragraph(
-        "The gap is the rms of the residual friction force, resolved along the travel, on "
-        "conditions that are held out of the fit, every parameter refitted before and after an "
-        "effect is added. The floor is what a perfect law would leave there, from the scatter "
-        f"between trials and {groups}. Shrink on held-out data is (before² − "
-        f"after²) / (before² − floor²); these intervals are by bootstrap over {groups}. The "
-        "systematic gap, and the part of it that the causes take away, are posteriors of the force "
-        "that the recalibrated law leaves out, averaged over hypotheses."
+        "The held-out error is the rms of the residual friction force, resolved along the travel, "
+        "on conditions that are held out of the fit; all parameters are refitted with and without "
+        "the effects. Its floor is the error of a perfect law there, from the scatter between "
+        f"trials and {groups}. Shrink on held-out data is (before² − after²) / (before² − floor²); "
+        f"these intervals are by bootstrap over {groups}. The systematic gap, and the part of it "
+        "that the causes remove, are posteriors of the force that the recalibrated law leaves out, "
+        "averaged over hypotheses."
     )
 
 
@@ -136,8 +136,8 @@ def _law() -> Iterator[Block]:
     )
     yield Paragraph(
         [
-            "It opposes the motion. The tension depends on friction and friction on the tension; "
-            "both are solved for together, in closed form. Friction of trial ",
+            "It opposes the motion. Tension and friction depend on each other and are solved for "
+            "together, in closed form. Friction of trial ",
             Math("j"),
             " on assembly ",
             Math("i"),
@@ -160,7 +160,8 @@ def _law() -> Iterator[Block]:
             Math("τ"),
             "; ",
             Math("ζ_{ij}"),
-            " wanders along the travel of a trial around zero, drawn anew in each, with its rms ",
+            " varies along the travel of a trial around zero, independently in each trial, with "
+            "rms ",
             Math("ζ"),
             " and correlation length ",
             Math("ℓ"),
@@ -194,8 +195,7 @@ def _recursive() -> Iterator[Block]:
 def _events() -> Iterator[Block]:
     yield Paragraph(
         [
-            "Of trials with Hall events, the data are the times of these. Each has a position "
-            "error (",
+            "The data of trials with Hall events are the event times. Each has a position error (",
             Math("σ_x"),
             ") and a clock error (",
             Math("σ_t"),
@@ -217,7 +217,7 @@ def _events() -> Iterator[Block]:
 def _accelerations() -> Iterator[Block]:
     yield Paragraph(
         [
-            "Of trials without events, the datum is the acceleration; one without a standard error "
+            "The datum of a trial without events is its acceleration; one without a standard error "
             "has the error ",
             Math("σ_a"),
             ".",
@@ -228,7 +228,7 @@ def _accelerations() -> Iterator[Block]:
 def _currents() -> Iterator[Block]:
     yield Paragraph(
         [
-            "Of runs at constant speed, the data are the currents, and those of the idle motor. "
+            "The data of runs at constant speed are the currents, and those of the idle motor. "
             "With the capstan radius ",
             Math("r"),
             ", the specified torque constant ",

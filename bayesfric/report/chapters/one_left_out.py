@@ -35,7 +35,7 @@ def left_out(stored: StoredFit) -> Iterator[Block]:
     fit = stored.fit
     if not fit.prediction:
         return
-    yield Heading(2, "One left out")
+    yield Heading(2, "Leave-one-out checks")
     if fit.uniformity and has_probabilities(stored.predictive):
         yield from _probabilities(stored, fit.uniformity)
     if fit.assemblies and has_assemblies(stored.predictive):
@@ -46,10 +46,10 @@ def left_out(stored: StoredFit) -> Iterator[Block]:
 def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> Iterator[Block]:
     yield Paragraph(
         [
-            "Each trial is now left out in turn, and the fit is made to all others; those of the "
-            f"same {group_words(stored.fit.rigs)[0]} stay in it. From this fit follows the "
-            "probability of less friction than the trial had. If the model is right, these "
-            "probabilities are uniform. ",
+            "Each trial is left out in turn, and the model is fitted to all others, those of the "
+            f"same {group_words(stored.fit.rigs)[0]} included. The leave-one-out probability of "
+            "the trial is that of less friction than it had (LOO-PIT). If the model is right, "
+            "these probabilities are uniform. ",
             " ".join(map(_uniform, uniformities)),
         ]
     )
@@ -62,7 +62,8 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
     yield Figure(
         svg_of(leave_one_out_probabilities, stored.predictive),
         [
-            "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
+            "Distribution function of the leave-one-out probabilities (LOO-PIT) minus the uniform "
+            "one. "
             "A curve that first rises and then falls means that trials scatter more than the model "
             "expects. Its mirror image means that they scatter less. A bow to one side means that "
             "friction is biased. "
@@ -81,9 +82,8 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
 def _uniform(test: Uniformity) -> str:
     words = rig_words(test.rig)
     return (
-        f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, chance makes "
-        "these probabilities at least this uneven with probability "
-        f"{format_probability(test.p_value)}. The "
+        f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, the test of "
+        f"uniformity has p = {format_probability(test.p_value)}. The "
         f"{words.trials} lie "
         f"{format_fixed(test.spread, 2)} times as far from their prediction as the model expects; "
         f"{format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} is expected "
@@ -111,10 +111,10 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
             "predictive.nc",
             f"{groups.capitalize()}, each compared with its prediction from all others. Above, "
             "left: distribution of their probabilities minus the uniform distribution; by chance "
-            "95 % of such curves stay inside the band. Beside it: the same probabilities as normal "
-            "scores, in order, against the scores expected; then single trials, each predicted "
-            f"from the others of its {group}. Below: the scores by condition. If all {groups} of a "
-            "condition lie on one side, the law misses that condition.",
+            "95 % of such curves stay inside the band. Beside it: a normal Q–Q plot of the same "
+            "probabilities; then one of single trials, each predicted from the others of its "
+            f"{group}. Below: the normal scores by condition. If all {groups} of a condition lie "
+            "on one side, the law is biased at that condition.",
         ),
         "Of each rig a step line around zero inside a band, points along a diagonal, and points by "
         "condition about zero, most of them within a shaded band of the 90 percent interval.",
@@ -128,13 +128,12 @@ def _assembly(check: AssemblyCheck) -> str:
     far = "; ".join(
         f"{outlier.setup} {format_fixed(abs(outlier.z), 1)} sd "
         f"{'above' if outlier.z > 0 else 'below'} (by chance, 1 recording in "
-        f"{format_count(max(round(1 / outlier.chance), 1))} has one this far out)"
+        f"{format_count(max(round(1 / outlier.chance), 1))} has one as far away)"
         for outlier in check.outlying
     )
     return (
-        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, chance makes "
-        "their probabilities at least this uneven with probability "
-        f"{format_probability(check.p_value)}. The "
+        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, the test of "
+        f"uniformity has p = {format_probability(check.p_value)}. The "
         f"{words.groups} lie {format_fixed(check.spread, 2)} times as far from their prediction "
         f"as the model expects; {format_fixed(check.spread_q05, 2)} to "
         f"{format_fixed(check.spread_q95, 2)} is expected (90 %). "
@@ -145,7 +144,7 @@ def _assembly(check: AssemblyCheck) -> str:
 def _densities(predictions: tuple[Prediction, ...]) -> Table:
     whys = {prediction.elpd_why for prediction in predictions if prediction.elpd_why}
     return Table(
-        "Log predictive density of what is left out, one at a time.",
+        "Expected log predictive density (elpd) by leave-one-out cross-validation.",
         [
             "left out",
             Column("number", align="right"),
@@ -168,9 +167,9 @@ def _densities(predictions: tuple[Prediction, ...]) -> Table:
             for prediction in predictions
         ],
         label="elpd",
-        note="A density of raw data: its level depends on their units and number. Only "
+        note="The density is of raw data, so its level depends on their units and number; only "
         "differences between models of the same data have a meaning. ±: standard error over "
-        f"what is left out.{_limit(predictions)}{' No density: ' if whys else ''}"
+        f"the groups left out.{_limit(predictions)}{' No density: ' if whys else ''}"
         f"{'; '.join(sorted(whys))}{'.' if whys else ''}",
     )
 
@@ -189,6 +188,6 @@ def _limit(predictions: tuple[Prediction, ...]) -> str:
     if not limits:
         return ""
     return (
-        f" Where a Pareto k is above {format_number(min(limits), 2)}, the weights of the draws are "
-        "not reliable, and the posterior without that group is sampled anew."
+        f" Where a Pareto k is above {format_number(min(limits), 2)}, the importance weights are "
+        "unreliable, and the posterior without that group is sampled anew."
     )

@@ -55,8 +55,8 @@ from bayesfric.schemas import FitFile
 from bayesfric.schemas.base import RecordingId
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-USE = "Use these coefficients"
-OF_THE_LAW_ALONE = "What the named causes make at the speeds of these runs is in it. "
+USE = "Coefficients to use"
+OF_THE_LAW_ALONE = "These figures include the force of the named causes in these runs. "
 WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
 
@@ -142,8 +142,7 @@ def convergence(fit: FitFile) -> Iterator[Notice]:
     if not fit.converged:
         yield Notice(
             "attention",
-            "The draws have not converged: no number below may be used before the sampler has "
-            "run longer.",
+            "The draws have not converged. Use no number below; run the sampler longer.",
             title="Unconverged",
         )
 
@@ -158,7 +157,7 @@ def expected(
     stored : StoredFit
         Whose numbers they are.
     coefficients : bool
-        Whether they may be used: a law that misses what acts has biased ones.
+        Whether they may be used: a law without a force that acts has biased ones.
     unknown_force : bool
         Whether a force acts that no effect explains, so that nobody knows what it does to them.
     """
@@ -177,7 +176,7 @@ def expected(
     title = "Friction to expect at the recording's own conditions."
     if numbers:
         use = "Coefficients of the law, which lacks the unknown force" if unknown_force else USE
-        title = f"{use}; the friction to expect."
+        title = f"{use}, and the friction to expect."
     yield Table(
         title,
         [*of_size, *of_run],
@@ -189,10 +188,11 @@ def expected(
             for size in sizes
         ],
         label="expected",
-        note=("Coefficients: mean ± half of the 90 % interval. " if numbers else OF_THE_LAW_ALONE)
-        + "Mean friction: at the most frequent condition and its middle tension, ± half of the "
-        "90 % interval. Friction of one run: nine runs in ten on new assemblies lie in this range, "
-        "scatter included." + (papers_law() if fit.pulleys and fit.baseline == "paper" else ""),
+        note="± is half the width of the 90 % interval. "
+        + ("Coefficients: posterior means. " if numbers else OF_THE_LAW_ALONE)
+        + "Mean friction: at the most frequent condition and its median tension. Friction of one "
+        "run: 90 % predictive interval of a run on a new assembly, scatter included."
+        + (papers_law() if fit.pulleys and fit.baseline == "paper" else ""),
     ).filled()
 
 
@@ -243,12 +243,14 @@ def coefficients_figure(stored: StoredFit, refitted: Quantiles) -> Iterator[Figu
     if "ratio" not in stored.predictive["coefficients"].data_vars:
         return
     uninformed = _uninformed(stored.fit)
-    biased = " In colour: refitted with the named causes (90 %). Grey: the law alone, biased."
+    biased = (
+        " In colour: refitted with the named causes (90 %). Grey: the law alone, which is biased."
+    )
     yield Figure(
         svg_of(coefficients_relative_to_paper, stored.predictive, uninformed, refitted),
         "Each coefficient over its value in Table I of the paper (Miyasaka et al. 2015): median, "
-        "50 % and 90 % intervals. A thin bar that misses the dashed line says that data and paper "
-        "differ by more than the uncertainty." + (biased if refitted else ""),
+        "50 % and 90 % intervals. Where a thin bar misses the dashed line, data and paper differ "
+        "by more than the uncertainty." + (biased if refitted else ""),
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
         "intervals relative to the paper's value, which is a dashed vertical line at one.",
         label="relative",
@@ -298,9 +300,9 @@ def worries(stored: StoredResults) -> Iterator[Block]:
         lines = [_capital(line.removeprefix(name)) for line in lines]
     if fit is not None and diagnosed is not None and diagnosed.record.verdict == "unknown":
         lines.append(
-            "A force of unknown cause acts. Coefficients and claims are of laws that lack it: "
-            "friction by these coefficients may be wrong by as much as the gap, beside the errors "
-            "that they state."
+            "A force of unknown cause acts, and the laws behind coefficients and claims lack it: "
+            "friction computed from these coefficients may be wrong by as much as the gap, on top "
+            "of the errors stated."
         )
     heeded, harmless = by_weight(lines)
     if len(heeded) > 1:
@@ -312,14 +314,14 @@ def worries(stored: StoredResults) -> Iterator[Block]:
     if not lines and fit is None and diagnosed is not None and is_sound(diagnosed.record):
         yield Notice(
             "good",
-            "These numbers predict held-out data as well as scatter lets them, and no check asks "
-            "for attention.",
+            "With these numbers the error on held-out data is no larger than scatter makes it, and "
+            "every check passed.",
             title="Confirmed by held-out data",
         )
     if not lines and fit is not None and fit.converged:
         yield Notice(
             "good",
-            "Every R-hat and every effective sample size is within its bound, and no check asks "
-            "for attention.",
+            "Every R-hat and every effective sample size is within its bound, and every check "
+            "passed.",
             title="Nothing to worry about in the fit",
         )

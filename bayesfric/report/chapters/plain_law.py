@@ -53,7 +53,7 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
         begun = ", " if parts else ""
         parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]
     if parts:
-        yield Paragraph([*parts, " (mean ± half of the 90 % interval)."])
+        yield Paragraph([*parts, " (posterior mean; ± is half the width of the 90 % interval)."])
 
 
 def plain_table(fit: FitFile) -> Table:
@@ -75,7 +75,7 @@ def plain_table(fit: FitFile) -> Table:
         label="coefficients",
         note=""
         if all(entry.informed for entry in plain_coefficients(fit).values())
-        else "Prior: the recording does not inform the number, so that its prior drives it.",
+        else "Prior: the recording does not inform the number; its prior decides it.",
     )
 
 

@@ -22,11 +22,11 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
         yield Heading(2, "Joint posteriors")
         yield Paragraph(
             [
-                "The coefficients of a size rest on the same trials, so their draws belong "
-                "together: propagate the draws, not the means and standard deviations of ",
+                "The coefficients of a size are correlated, since they rest on the same trials: "
+                "propagate the draws, not the means and standard deviations of ",
                 Reference("coefficients"),
                 ".",
-                " The other sizes stand in the details of the HTML page." if sizes[1:] else "",
+                " The other sizes are in the details of report.html." if sizes[1:] else "",
             ]
         )
         yield _pairs(stored, sizes[0])
@@ -84,14 +84,15 @@ def _pairs(stored: StoredFit, size: str) -> Figure:
         row = table1()[size]
         paper = {"c1": row.c1.value, "c2": row.c2.value, "c3": row.c3.value}
         mark = (
-            "Dashed lines mark the paper's values. They cross inside the contours if these agree."
+            "Dashed lines mark the paper's values. They cross inside the contours where data and "
+            "paper agree."
         )
     return Figure(
         svg_of(coefficient_pairs, drawn, size, paper),
         from_file(
             "draws.nc",
             f"Joint posterior of the coefficients of the {size} pulley. A slanted contour "
-            "means that a combination of two coefficients is known better than each of them. "
+            "means that the two are correlated: a combination is known better than each alone. "
             f"{mark}",
         ),
         f"A triangle of panels for the {size} pulley: histograms of c1, c2 and c3 on the "

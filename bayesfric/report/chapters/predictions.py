@@ -28,8 +28,8 @@ from bayesfric.report.stored import StoredFit
 REFERENCE_ANGLE_DEG = 85.0
 FROM_PREDICTIVE: tuple[Inline, ...] = (" From ", Code("predictive.nc"), ".")
 AGAIN = (
-    "Grey bars show where nine in ten would lie if the recording were made again, with new scatter "
-    "on new assemblies."
+    "Grey bars: 90 % predictive intervals of a repeated recording, with new scatter on new "
+    "assemblies."
 )
 
 
@@ -53,8 +53,8 @@ def further_predictions(stored: StoredFit) -> Iterator[Block]:
                 " to ",
                 Reference(str(figures[-1].label)),
                 " show the slope of friction in tension, and the slopes of that in the number of "
-                "pulleys and the wrap angle. The posterior takes no such steps: its bands come "
-                "from all trials at once.",
+                "pulleys and the wrap angle. The posterior does not use these steps: its bands "
+                "come from all trials at once.",
             ]
         )
         yield from figures
@@ -72,9 +72,9 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
         [
             "The prediction of ",
             Reference("trajectories"),
-            " starts with the speed that the trial had at its first event and runs free to the "
-            "end of travel. Its band is that of a new trial on a new assembly, scatter included, "
-            "so nine trials in ten should stay inside it.",
+            " starts from the speed that the trial had at its first event and simulates it to the "
+            "end of travel. The band is the 90 % predictive interval of a new trial on a new "
+            "assembly, scatter included.",
             *_with_tension(stored),
         ]
     )
@@ -84,9 +84,9 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
             "Travel against time of a fast and a slow trial of each size, as in the paper's "
             "Fig. 11; titles give the condition and the driving and the lifted mass. Dots are "
             "Hall events of one sensor (some of them above, all below). Below each trial, the "
-            "residual, measured minus median: it should stay inside the band and follow a "
-            "parabola from zero, as a constant error of friction makes it; an S or a wave "
-            "would be a force that the law lacks.",
+            "residual, measured minus predicted median: it should stay inside the band and follow "
+            "a parabola from zero, which a constant error of friction makes; an S or a wave means "
+            "that the law lacks a force.",
             "trajectories fit without a viscous term, with R² of a trial often above 0.95"
             f"{_least(stored, 'least_trial_r_squared', 'trial')}.",
         ),
@@ -103,7 +103,7 @@ def _with_tension(stored: StoredFit) -> list[Inline]:
     """Return the sentence that leads to the figure over tension, where there is one."""
     if not _holds(stored, "curves", "law_n"):
         return []
-    return [" ", Reference("tension"), " has the friction of each trial."]
+    return [" ", Reference("tension"), " shows the friction of each trial."]
 
 
 def _tension(stored: StoredFit) -> Figure:
@@ -158,7 +158,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
             _caption(
                 "Slope and intercept of the least-squares lines of friction against tension at "
                 f"85°, over the number of pulleys, as in the paper's Fig. 13. {AGAIN} Points off "
-                "the line through the origin would be an offset, friction that no pulley makes.",
+                "the line through the origin would mean an offset: friction that no pulley makes.",
                 "both are proportional to n, without an offset, eqs. (6) and (7); per pulley they "
                 "are c1 and c2.",
             ),

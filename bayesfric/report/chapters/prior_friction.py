@@ -31,17 +31,17 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
         return
     table = stored.predictive["prior"].to_dataset()
     moving = "prior_stuck" in table
-    yield Heading(2, "Friction of the priors alone")
+    yield Heading(2, "Prior predictive friction")
     yield Paragraph(
         [
             Reference("prior-friction"),
             " and ",
             Reference("prior-conditions"),
-            " show the friction that the priors alone expect at the conditions of this recording. "
-            "The priors should be much wider than the posterior: then the data decide. They should "
-            "hold no absurd friction: that would lower the evidence of the law.",
-            " The priors include friction at which a board would not move. The data rule it out, "
-            "since each trial moved." * moving,
+            " show the friction that the priors predict at the conditions of this recording. "
+            "The priors should be much wider than the posterior, so that the data decide, and "
+            "should exclude absurd friction, which would lower the evidence of the law.",
+            " They include friction at which a board would not move, which the data rule out since "
+            "each trial moved." * moving,
         ]
     )
     sizes = ordered_sizes(table["pulley"].to_numpy())
@@ -77,13 +77,13 @@ def _by_size(table: xr.Dataset, sizes: list[str], moving: bool) -> Table:
         ],
         rows,
         label="prior-friction",
-        note="Median, and 5 % to 95 % in brackets, over draws of the law and conditions at the "
-        "tension measured; without scatter. Measured: least to largest mean of a condition. "
-        "Negative: share of the prior's draws and conditions with a friction below zero"
+        note="Median, and 5 % to 95 % in brackets, over draws of the law and over conditions at "
+        "the measured tension, without scatter. Measured: smallest to largest mean of a condition. "
+        "Negative: share of prior draws and conditions with friction below zero"
         + (", which c3 makes at wrap angles far from 85°." if pulleys else ".")
         + (
-            " Does not move: share in which friction at rest holds the board. In some condition: "
-            "share of draws with at least one such condition."
+            " Does not move: share in which friction holds the board at rest. In some condition: "
+            "share of prior draws in which at least one condition does not move."
             if moving
             else ""
         ),
@@ -97,7 +97,7 @@ def _by_condition(stored: StoredFit, moving: bool, *, pulleys: bool) -> Figure:
         from_file(
             "predictive.nc",
             "Friction of each condition: bands of the prior, the posterior, the measurements"
-            + (", and the friction from which on the board would not move" if moving else "")
+            + (", and the friction above which the board would not move" if moving else "")
             + ". The axis is linear around zero, logarithmic above the least friction.",
         ),
         ("A panel for each pulley size. " if pulleys else "")

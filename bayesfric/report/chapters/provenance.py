@@ -16,7 +16,7 @@ def provenance(stored: StoredFit) -> Iterator[Block]:
     fit = stored.fit
     yield Heading(1, "Data and provenance")
     yield Table(
-        "The recording as it entered.",
+        "The recording and the data used.",
         ["", "value"],
         [
             ["name", Code(fit.recording.name)],
@@ -35,9 +35,10 @@ def provenance(stored: StoredFit) -> Iterator[Block]:
     yield Paragraph(
         [
             Code("RECORDING"),
-            " is the folder of the recording; settings other than the default ones are added with ",
+            " is the folder of the recording; add settings other than the default ones with ",
             Code("--config analysis.toml"),
-            ". On one machine and with the versions above, this writes the same bytes.",
+            ". On the same machine and with the versions above, this reproduces the results byte "
+            "for byte.",
         ]
     )
 
@@ -59,7 +60,7 @@ def _made(
     record: Provenance | CalibrationFile | ScorecardFile, seed: str, label: str, *more: list[Text]
 ) -> Table:
     return Table(
-        "What makes the same result again.",
+        "Settings and versions that reproduce this result.",
         ["", "value"],
         [
             [seed, Code(str(record.seed))],
@@ -75,7 +76,7 @@ def _made(
 def _counts(stored: StoredFit) -> Iterator[tuple[str, str]]:
     """Yield what each rig brought."""
     for rig in rig_tables(stored.predictive):
-        yield f"{rig.trials} of the {rig.title} that enter", format_count(rig.count)
+        yield f"{rig.trials} of the {rig.title} used", format_count(rig.count)
     quality = stored.fit.data_quality
     if quality.trials:
         yield "trials recorded", format_count(quality.trials)

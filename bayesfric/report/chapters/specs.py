@@ -97,28 +97,28 @@ def spec_table(margins: MarginsFile, said: str) -> Iterator[Table]:
     ]
     if not rows:
         return
-    at_file, at_safe = "misses with probability", "at the safe γ"
+    at_file, at_safe = "P(missed)", "at the safe γ"
     if lower and len(loops) == 1:
         at_file, at_safe = f"missed{at_gain(loops[0])}", f"at γ = {safe_up_to(loops[0])}"
     yield Table(
-        f"What the loop's file asks for, and how probably it is missed{_at_all(loops)}"
+        f"Specs of the loop's file, and the probability that each is missed{_at_all(loops)}"
         f"{' and at the safe γ' * lower}.",
         [
             *([] if len(loops) == 1 else ["loop"]),
-            "figure",
+            "metric",
             *right_columns(
                 at_file,
                 *([at_safe] if lower else []),
                 "allowed",
-                "asked for",
+                "spec",
                 "5 % to 95 % of the draws",
             ),
         ],
         rows,
         label="specs",
         note=f"{_bold(loops)}“γ from which it hunts” must be at least the γ that is set"
-        f"{', which is another in each of the two columns' * lower}; its own value does not "
-        f"depend on that.{_of_the_file(loops) if lower else ''}"
+        f"{', which differs between the two columns' * lower}; its own value does not "
+        f"depend on that γ.{_of_the_file(loops) if lower else ''}"
         f"{_simulated(margins, said)}{_below_simulated(margins)}",
     )
 
@@ -126,10 +126,10 @@ def spec_table(margins: MarginsFile, said: str) -> Iterator[Table]:
 def _bold(loops: Sequence[LoopMargins]) -> str:
     """Return what bold says, where something is."""
     missed = any(next(missing_metrics(loop), None) is not None for loop in loops)
-    bold = "Bold: misses its spec more often than the file allows. " if missed else ""
+    bold = "Bold: missed more often than the file allows. " if missed else ""
     judged = [(loop, metric) for loop in loops for metric in loop.metrics]
     if any(is_borderline(loop, metric) for loop, metric in judged):
-        bold += "With an error: within two Monte Carlo errors of what is allowed. "
+        bold += "With an error (±): within two Monte Carlo errors of what is allowed. "
     return bold
 
 
@@ -144,8 +144,8 @@ def _simulated(margins: MarginsFile, said: str) -> str:
     if not counts:
         return ""
     return (
-        f" Hunting is simulated in {' or '.join(map(str, sorted(counts)))} draws; all else is over "
-        f"{format_count(margins.draws)} draws."
+        f" Hunting is simulated in {' or '.join(map(str, sorted(counts)))} draws; all other "
+        f"metrics use {format_count(margins.draws)} draws."
     )
 
 
@@ -162,9 +162,9 @@ def _below_simulated(margins: MarginsFile) -> str:
         return ""
     rules = MARGIN_RULES
     return (
-        f" A simulated γ may be off by {rules.threshold_tolerance:g} or by "
-        f"{100 * rules.threshold_share:g}\u202f%, whichever is more; as much has been taken off "
-        "the safe γ."
+        f" A simulated γ may be off by {rules.threshold_tolerance:g} or "
+        f"{100 * rules.threshold_share:g}\u202f%, whichever is more, and the safe γ is lower by "
+        "as much."
     )
 
 

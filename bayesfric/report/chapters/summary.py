@@ -74,14 +74,15 @@ def _of_pulleys(fit: FitFile) -> Table:
         [
             "pulley",
             "coefficient",
-            *decimal_columns("mean", "sd", "5 %", "95 %", "paper's way", "paper"),
+            *decimal_columns("mean", "sd", "5 %", "95 %", "paper's estimator", "paper"),
             "inside 90 %",
         ],
         rows,
         label="coefficients",
-        note="Paper's way: least squares, slope by slope, on the same trials; it gives no "
+        note="Paper's estimator: its least squares, slope by slope, on these trials; it gives no "
         "uncertainty. Paper: as printed in its Table I. Inside: whether the paper's value lies in "
-        "the 90 % interval; “prior”: the recording does not inform the number, its prior does.",
+        "the 90 % interval; “prior”: the recording does not inform the number, its prior decides "
+        "it.",
     )
 
 
@@ -101,15 +102,15 @@ MEANINGS = {
     "tau": "relative scatter of friction from trial to trial",
     "omega": "relative scatter of friction from {group} to {group}",
     "omega_intercept": "relative scatter of c2 alone from {group} to {group}",
-    "wander": "relative rms of the part of friction that varies along the travel of a trial",
-    "wander_length": "length over which friction varies along the travel of a trial",
+    "wander": "relative rms of the friction that varies along the travel of a trial",
+    "wander_length": "correlation length of friction along the travel of a trial",
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
-    "sigma_a": "error of an acceleration without a standard error",
+    "sigma_a": "error of an acceleration that has no standard error",
     "sigma_friction": "noise of a measured friction",
     "sigma_current": "noise of a current without load",
     "load_noise": "noise of a current per load current",
-    "row_error": "error of a window's force over what the sensors let expect",
+    "row_error": "error of a window's force over what the sensors' noise predicts",
     "latency": "time by which the clock of the force is ahead of that of the position",
     "torque_constant_factor": "torque constant over the specified one",
 }

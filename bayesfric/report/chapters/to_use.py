@@ -31,7 +31,7 @@ NO_BREAK = "\u00a0"
 OF_SPEED = {"constant": "d v", "tension": "d v T/(15 N)", "wrap": "d v θ/85°"}
 """Viscous friction of a pulley by its law, with its damping d at 15 N and 85°."""
 COUNTED = "pulley-count-curvature"  # a factor of friction, and not a force beside it
-HALF = "Median ± half of the 90 % interval."
+HALF = "Median; ± is half the width of the 90 % interval."
 
 
 def _acting_causes(diagnosis: DiagnosisFile) -> Sequence[Cause]:
@@ -79,7 +79,7 @@ def papers_law(causes: Sequence[Cause] = ()) -> str:
         and cause.effect in examined
         and examined[cause.effect].acts_on == "friction"
     ]
-    beside = f" The friction of {' and '.join(others)} comes on top of it." if others else ""
+    beside = f" Add the friction of {' and '.join(others)} to it." if others else ""
     return f" Friction of n pulleys: {formula}, with {', '.join(symbols)}.{beside}"
 
 
@@ -108,9 +108,9 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
         title = {"named": "Use these numbers", "no-gap": "Use these numbers"}.get(
             diagnosis.verdict, "The best numbers while the verdict is open"
         )
-        of_fit = "" if alone else "; the chapters on the fit are of it"
+        of_fit = "" if alone else " The chapters on the fit describe the law alone."
         biased = _biased_words(biased_numbers(diagnosis), causes)
-        yield _with_causes(title, diagnosis.law, causes, f"{biased}{of_fit}.", formula)
+        yield _with_causes(title, diagnosis.law, causes, f"{biased}{of_fit}", formula)
         if beside := list(_parameters(causes, diagnosis.law)):
             yield Paragraph(beside)
     elif alone and diagnosis.law:
@@ -122,7 +122,7 @@ def numbers_to_use(diagnosis: DiagnosisFile, *, alone: bool = False) -> Iterator
                 for whose, cells in _numbers(diagnosis.law, lambda number: number.before)
             ],
             label="use",
-            note=HALF + (" The gap is not in them." if has_gap(diagnosis) else ""),
+            note=HALF + (" The law leaves the gap unexplained." if has_gap(diagnosis) else ""),
         ).filled()
 
 
@@ -155,13 +155,14 @@ def _with_causes(
 
 
 def _biased_words(biased: Mapping[str, LawNumber], causes: Sequence[Cause]) -> str:
-    """Return what the law alone has wrong, a sentence without its full stop."""
-    takes_up = f"takes up a part of the force of {' and '.join(c.effect for c in causes)}"
+    """Return what the law alone has wrong, in sentences."""
+    names = " and ".join(cause.effect for cause in causes)
+    alone = f"Law alone: fitted without {names}, so its coefficients absorb part of that force"
     if not biased:
-        return f"The law alone {takes_up}, which moves none of its numbers beyond their errors"
+        return f"{alone}; none is biased beyond its error."
     return (
-        f"The law alone {takes_up}: {', '.join(biased)} {'is' if len(biased) == 1 else 'are'} "
-        f"more than {APART:g} combined standard deviations off"
+        f"{alone}; {', '.join(biased)} {'is' if len(biased) == 1 else 'are'} biased by more "
+        f"than {APART:g} combined standard deviations."
     )
 
 
@@ -169,9 +170,9 @@ def _slope_of(causes: Sequence[Cause]) -> str:
     """Return how damping follows from the slope that the diagnosis estimates."""
     slope = next(cause for cause in causes if cause.effect == "viscous").parameters["slope"]
     return (
-        "Damping d, the same under every load unless the law says otherwise: viscous.slope, "
+        "Damping d is viscous.slope, "
         f"{_with_error(slope)} {format_unit(slope.unit)}, times the friction of a pulley at "
-        f"{REFERENCE_TENSION_N:g} N and 85° (errors as if independent)."
+        f"{REFERENCE_TENSION_N:g} N and 85°; its error takes the errors of both as independent."
     )
 
 
@@ -282,9 +283,9 @@ def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
         yield Notice(
             "attention",
             [
-                "The law was fitted alone, and a part of the force of ",
+                "The law was fitted without ",
                 Code(", ".join(cause.effect for cause in causes)),
-                " has gone into its coefficients.",
+                ", so its coefficients absorb part of that force.",
             ],
             title="These coefficients are biased",
         )

@@ -28,7 +28,7 @@ def verdict_line(record: DiagnosisFile) -> Notice:
     begun: list[Inline] = [verdict, " "]
     said = _with_meanings(record)
     if off and _nothing_left(record):
-        begun = [Strong(f"{off} With the numbers below it has the right law:"), " "]
+        begun = [Strong(f"{off} The numbers below correct this:"), " "]
         said = said[:1].lower() + said[1:]
     elif off:
         begun = [Strong(off), " ", *begun]
@@ -70,7 +70,7 @@ def _measure_next(record: DiagnosisFile) -> Iterator[str]:
 
 def _look_for_it(record: DiagnosisFile) -> Iterator[str]:
     """Yield what to do about a force without a cause: where it holds, and what to measure."""
-    yield "Until its cause is known, use the numbers below only at the conditions measured. "
+    yield "Until the cause is known, use the numbers below only at the conditions measured. "
     leading = next((axis.axis for axis in record.where if axis.answers), None)
     if leading in ALONG_THE_WAY:
         yield (
