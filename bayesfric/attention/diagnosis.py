@@ -46,27 +46,27 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
     instrument = diagnosis.instrument
     if instrument is None or not instrument.alarms:
         return
-    told = {
+    shown = {
         name: number
         for name, number in instrument.numbers.items()
-        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.untold)
+        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.unshown)
     }
     numbers = "; ".join(
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
         f"{number.ordinary:.3g}"
-        for name, number in told.items()
+        for name, number in shown.items()
     )
-    below = [name for name in told if name not in SIGNED and told[name].instrumental <= 0]
-    but = ""
+    below = [name for name in shown if name not in SIGNED and shown[name].instrumental <= 0]
+    exception = ""
     if below:
-        but = (
+        exception = (
             f", except for {' and '.join(below)}: no joint has a value below 0, so the difference "
             "only widens the interval"
         )
     yield (
         "Encoder errors, or disturbances inside the control loop, bias least squares: with the "
         f"{instrument.kind} as instrumental variable, {numbers} (Durbin-Wu-Hausman test: "
-        f"p = {instrument.p_value:.1g}). Use the instrumental-variable numbers{but}"
+        f"p = {instrument.p_value:.1g}). Use the instrumental-variable numbers{exception}"
     )
 
 

@@ -263,4 +263,4 @@ def test_an_inertia_below_0_by_the_instrument_is_no_number_to_use(inertia, visco
     lines = of_diagnosis(diagnosis().model_copy(update={"instrument": instrument}))
     (line,) = (line for line in lines if "Durbin" in line)
     assert ("except for inertia: no joint" in line) == (inertia < 0)
-    assert "numbers to use" in line
+    assert "Use the instrumental-variable numbers" in line
