@@ -213,7 +213,7 @@ def test_a_cause_that_held_out_data_confirm_is_said_to_miss_a_part():
         "unknown", 0.95, gap_of(), PRACTICAL, considered=[cause("viscous")], overruled_by=why
     )
     said = sentence_of(told)
-    assert f"but only part of the held-out data: {why}. Something else acts too (probability" in said
+    assert f"but only part of the held-out data: {why}. Something else acts too (" in said
 
 
 def test_what_is_implausible_is_not_said_to_miss_what_was_held_out():
