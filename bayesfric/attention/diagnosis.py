@@ -49,7 +49,7 @@ def _bent_by_the_loop(diagnosis: DiagnosisFile) -> Iterator[str]:
     shown = {
         name: number
         for name, number in instrument.numbers.items()
-        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.unshown)
+        if not set(INERTIAS if name in INERTIAS else (name,)) & set(diagnosis.untold)
     }
     numbers = "; ".join(
         f"{name} {number.instrumental:.3g} ± {number.instrumental_se:.1g} {number.unit}, not "
