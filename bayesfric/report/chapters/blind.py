@@ -79,8 +79,8 @@ def _counted(card: ScorecardFile) -> str:
         said.append(f"{named} of {len(of_list)} gaps made by an examined effect were named")
     if none:
         alarms = sum(case.falsely_named for case in none)
-        falsely = f"named falsely in {alarms or 'none'} of {len(none)} cases without a gap"
-        said.append(f"an effect was {falsely}")
+        of = f"{alarms or 'none'} of {len(none)} cases without a gap"
+        said.append(f"an effect was named falsely in {of}")
     if outside:
         flagged = sum(case.flagged for case in outside)
         said.append(f"{flagged} of {len(outside)} forces outside of the list were flagged")
@@ -177,9 +177,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
     if len(card.cases) < CASES_TO_DRAW:
         yield _cases(card)
     else:
-        yield Paragraph(
-            [Reference("confusion"), " counts the cases by hidden effect and by verdict."]
-        )
+        yield Paragraph([Reference("confusion"), " counts the cases by both."])
         yield _confusion(card)
     yield Heading(2, "Rates")
     yield _rates(card)
@@ -188,8 +186,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
         [
             Strong("Scores. "),
             "Brier score (mean squared difference of probability and correctness) ",
-            f"{_estimate(card.brier)}; log score (mean log probability of what was true) "
-            f"{_estimate(card.log_score)} nat.",
+            f"{_estimate(card.brier)}; log score {_estimate(card.log_score)} nat.",
         ]
     )
     yield from _smallest(card)
