@@ -33,8 +33,8 @@ EFFECT = Effect(
         meaning="force above which the drive loses a part of the command",
         prior=LogNormal(median=2.5, sd_log=0.6),
         plausible=(1.0, 40.0),
-        reference="argued: drives are chosen for some times the friction; where commands are "
-        "logged, it is where acceleration no longer answers to them",
+        reference="argued: a drive is chosen for several times the friction. Where commands are "
+        "logged, the limit is where acceleration no longer grows with the command",
         typical=2.5,
     ),
     laws={"beyond": _beyond},

@@ -29,7 +29,7 @@ EFFECT = Effect(
         "of Coulomb friction",
         prior=Normal(mean=0.0, sd=0.15),
         plausible=(-0.7, 0.7),
-        reference="argued: as much as viscous friction itself, which costs up to some times "
+        reference="argued: as much as viscous friction itself, which costs up to several times "
         "Coulomb friction at the top speed of a geared joint",
     ),
     laws={"per-speed": _per_speed},

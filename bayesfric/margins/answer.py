@@ -36,7 +36,7 @@ class SafeGain:
     why : str or None
         Why there is none.
     condition : Condition or None
-        In which the draws hunt that decide; None where none does.
+        The condition in which the deciding draws hunt; None if no draw hunts.
     """
 
     gamma: float | None

@@ -48,9 +48,9 @@ SHARES = np.geomspace(1e-8, 0.9, 40)
 """q over b_eff/kp, above which no loop passes at low frequency."""
 COVERS = (
     "for rest and every constant speed of the reference, friction of any size at motor and joint, "
-    "a constant load, and the continuous stand-in of the sampled loop; not covered are encoder "
-    "steps, clipping, backlash, and integral action with stiction. The criterion is sufficient "
-    "only: a loop that is not certified need not hunt"
+    "a constant load, and the continuous approximation of the sampled loop; not covered are "
+    "encoder steps, clipping, backlash, and integral action. The criterion is sufficient only: a "
+    "loop that is not certified need not hunt"
 )
 
 
@@ -65,8 +65,8 @@ def not_applicable(shaft: LoopAtShaft) -> str | None:
         )
     if (shaft.breakaway > (1 + ROUNDING) * shaft.friction).any():
         return (
-            "breakaway is more than moving friction in some draw, so that friction falls as "
-            "speed grows and is in no sector about a reference that moves"
+            "breakaway friction exceeds moving friction in some draw, so that friction falls as "
+            "speed grows and is in no sector around a moving reference"
         )
     if shaft.wrist is not None:
         return "its joint shares motors with others, and the criterion is for one motor alone"

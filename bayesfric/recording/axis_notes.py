@@ -21,10 +21,10 @@ def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
         notes = [*notes[:LISTED], f"axis_samples.csv: and {len(notes) - LISTED:,} runs like these"]
     has_force = "force_n" in axis.samples
     if has_force and "command_time_s" in axis.samples:
-        notes.append("axis_samples.csv: command_time_s is read and checked, and not used yet")
+        notes.append("axis_samples.csv: command_time_s is read and checked, and not used")
     unused = (*UNUSED_KEYS, *(OF_COMMANDS if has_force else ()))
     if keys := [f"rig.{name}" for name in unused if getattr(rig, name) is not None]:
-        notes.append(f"datapackage.json: {_listed(keys)} read and checked, and not used yet")
+        notes.append(f"datapackage.json: {_listed(keys)} read and checked, and not used")
     if "sim_position_m" in axis.samples and rig.moving_mass_kg is None:
         notes.append(
             "axis_samples.csv: sim_position_m is checked and not used: it takes "
