@@ -1,4 +1,4 @@
-"""A drive that gives less than what is commanded beyond a limit."""
+"""A drive that gives less than the command beyond a limit."""
 
 from collections.abc import Mapping
 
@@ -22,7 +22,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="part of the command beyond the limit that is lost; 1 where the drive clips",
+        meaning="share of the command beyond the limit that is lost; 1 if the drive clips",
         prior=HalfNormal(scale=1.0),
         plausible=(0.0, 1.2),
         reference="by definition: none or all of it is lost",

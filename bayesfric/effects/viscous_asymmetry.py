@@ -1,7 +1,7 @@
 """Viscous friction that differs between the two directions of an axis.
 
-It is confounded with ``direction-asymmetry`` where the axis runs at one speed, and with a drive
-whose back-EMF is not the same both ways.
+It is confounded with ``direction-asymmetry`` if the axis runs at one speed, and with a drive whose
+back-EMF differs between the directions.
 """
 
 from collections.abc import Mapping

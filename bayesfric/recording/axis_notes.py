@@ -1,17 +1,17 @@
-"""What of a log of driven joints is read and then not used, or not as it stands."""
+"""Notes on data of driven joints that are read and not used, or not used as recorded."""
 
 from bayesfric.recording.csv_text import LISTED
 from bayesfric.recording.held import released
 from bayesfric.recording.tables import Axis, RigConstants
 
 OF_COMMANDS = ("command_gain", "latency_s", "payload_arm_m")
-"""Keys of ``rig`` that say something of a log of commands without a force."""
+"""Keys of ``rig`` that describe a log of commands without a force."""
 UNUSED_KEYS = ("sample_hold_s",)
-"""Keys of ``rig`` that no model takes yet."""
+"""Keys of ``rig`` that no model uses."""
 
 
 def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
-    """Return a sentence for what no verb uses, and for readings that are held."""
+    """Return a sentence for data that no command uses, and for readings that are held."""
     notes = [
         f"axis_samples.csv: run {run}: {held}; repeated readings are left out"
         for run, samples in axis.samples.groupby("run", sort=False)
