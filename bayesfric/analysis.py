@@ -1,6 +1,6 @@
-"""``analysis.toml``: every choice of an analysis that is the user's to make.
+"""``analysis.toml``: the settings of an analysis.
 
-The models validate and document; they compute nothing. Unknown keys are refused.
+The models validate and document the settings; they compute nothing. Unknown keys are refused.
 """
 
 import hashlib
@@ -34,8 +34,8 @@ class Scatter(Section):
     Fields
     ------
     by_size: A tau and an omega for each size, instead of one.
-    trial: Distribution of a trial's scatter on the gravity board; student-t forgives outliers.
-        Other rigs have normal scatter, and results state this.
+    trial: Distribution of a trial's scatter on the gravity board; student-t is robust against
+        outliers. Other rigs have normal scatter, and results state this.
     assembly: Distribution of an assembly's scatter. Trial and assembly cannot both be student-t.
     degrees_of_freedom: Degrees of freedom of the student-t. Its scale is tau, or omega and
         omega_intercept.
@@ -59,13 +59,14 @@ class Sampler(Section):
     Fields
     ------
     ensembles: Number of independent ensembles. R-hat needs 4 or more.
-    walkers: Walkers in an ensemble, an even number. Absent: 40, or 2 for each parameter if that is
+    walkers: Number of walkers in an ensemble, even. Absent: 40, or 2 for each parameter if that is
         more.
-    burn: Steps of an ensemble that are thrown away. If no importance sample gives a proposal, the
-        first of three pilots is as long, and each further pilot is twice as long.
+    burn: Steps of an ensemble that are discarded. If the importance samples are unreliable, three
+        pilot runs give the proposal. The first has this many steps, and each further one twice as
+        many as the one before.
     steps: Steps of an ensemble that are kept, before thinning.
-    thin: Keep each thin-th step.
-    extensions: How often the ensembles are extended at most, while the draws have not converged.
+    thin: Every `thin`-th step is kept.
+    extensions: Largest number of extensions of the ensembles, while the draws have not converged.
         Each extension runs as many steps as before, with a better proposal, and thins to as many
         draws.
     independence_share: Share of independence proposals; the rest are differential evolution.
@@ -116,8 +117,8 @@ class ClaimRules(Section):
     region_of_equivalence: Share of friction below which an effect does not matter [-].
     refute_effect_probability: A claim is refuted only if a rival's effect is beyond the region of
         equivalence with this probability or more.
-    refute_elpd_errors: A claim is refuted only if a rival predicts better by so many standard
-        errors.
+    refute_elpd_errors: A claim is refuted only if a rival predicts better by more than this many
+        standard errors.
     support_probability: A claim without rivals is supported from this probability on.
     refute_probability: A claim without rivals is refuted up to this probability.
     refute_tail_probability: The claim `coefficients` may be refuted if the joint tail probability
@@ -178,13 +179,13 @@ class DiagnosisRules(Section):
     Fields
     ------
     practical_share: Share of rms friction below which a systematic gap, or an effect, does not
-        matter. Every hypothesis has a discrepancy with a quarter of this as its rms (at least
-        0.0025).
+        matter. The rms of the discrepancy in every hypothesis is a quarter of this share, at
+        least 0.0025.
     unknown_scale: Scale of the half-normal prior of an unknown force's rms, as a share of rms
         friction.
     hypotheses: Prior probabilities of hypotheses.
-    widths: Factors, by name of an effect, on the width of its amplitude's prior; the prior of an
-        effect that is listed stands, also where it is too tight for the data.
+    widths: Factor on the width of the amplitude's prior, by name of the effect. The diagnosis does
+        not widen the prior of a listed effect, even if it is too tight for the data.
     """
 
     practical_share: Share = 0.02
@@ -197,9 +198,9 @@ class CalibrationRules(Section):
     """Priors of simulation-based calibration: recordings are drawn from them and fitted with them.
 
     Each prior is uniform: coefficients around the paper's Table I, scatter and noise around the
-    values here, each within `spread`. They are so narrow that boards move: the protocols leave a
-    reserve of 40 % of friction. The sampler is short, since only 99 draws of each posterior are
-    ranked.
+    values here, each within `spread`. They are narrow enough that the masses move: the driving
+    force of the protocols exceeds friction by at least 40 %. The sampler is short, since only 99
+    draws of each posterior are ranked.
 
     Fields
     ------
@@ -283,11 +284,11 @@ def checked_analysis(values: Mapping[str, Any], name: str, *, strict: bool = Fal
     Parameters
     ----------
     values : mapping
-        Keys of an ``analysis.toml``; what is absent has its default.
+        Keys of an ``analysis.toml``; absent keys have their defaults.
     name : str
-        Of the file that they are from.
+        Name of the file that they are from.
     strict : bool
-        Whether a text or a truth value is no number, as in a file.
+        Whether a text or a truth value is refused as a number, as in a file.
 
     Raises
     ------
@@ -302,5 +303,5 @@ def checked_analysis(values: Mapping[str, Any], name: str, *, strict: bool = Fal
 
 
 def analysis_sha256(analysis: Analysis) -> str:
-    """Return the SHA-256 of the settings in full, defaults filled in."""
+    """Return the SHA-256 of all settings, with their defaults."""
     return hashlib.sha256(analysis.model_dump_json().encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""The priors of an analysis, and why their defaults are what they are."""
+"""The priors of an analysis, and the reasons for their defaults."""
 
 from typing import Self
 
@@ -16,7 +16,7 @@ from bayesfric.families import (
 
 
 def _refuse_two_wrap_slopes(section: Section) -> None:
-    """Refuse a section that states the wrap slope by itself and as a share of c1."""
+    """Refuse a section that states both the wrap slope and its share of c1."""
     fields = type(section).model_fields
     # A stored analysis has all defaults written out.
     if all(getattr(section, name) != fields[name].default for name in ("c3", "wrap_share")):
@@ -55,30 +55,30 @@ class Priors(Section):
     - c2: 0.04 N is the weight of 4 g for each pulley. The masses of a board weigh about 1 kg.
     - wrap_share: friction in proportion to the bearing's load 2 T sin(θ/2) would grow by
       ½ cot(θ/2) = 0.0095/deg at 85°. Friction of bending the cable would not grow at all.
-    - tau, omega: a rig whose friction repeats worse than 5 % is loose.
+    - tau, omega: if friction varies by more than 5 % between repeats, the rig has loose parts.
     - sigma_a: an acceleration with an error above 0.05 m/s² is hardly a measurement.
-    - wander: friction that varies by 2 % along a trial belongs to an uneven bearing. Its length of
+    - wander: a variation of 2 % along a trial means an uneven bearing. Its correlation length of
       0.1 m (95 %: 0.04 to 0.27 m) is two turns of the medium pulley. It lies between one turn of
       the small pulley and half the travel.
-    - The cable is that of model (3). It matters only where it stretches. 0.61 mm 7×19 stainless
+    - Cable: model (3). It matters only if the cable stretches. 0.61 mm 7×19 stainless
       cable has an EA of 14 to 16 kN after running in, and less when new. A length of 1.6 m
       (95 %: 1.1 to 2.4 m) and the damping (95 %: 1.3 to 20 % of the critical) are assumptions. Only
       the ratio of EA to length matters.
     - Motor board: a torque constant is as good as its data sheet, about 5 %. Currents of a few
-      ampere are known to 20 mA, plus 2 % of the part of the current that carries the load. A motor
-      with 1 A of idle current would need most of its current for itself.
-    - rig_difference: two rigs of one drawing hardly differ by 20 % in friction. What makes them
-      differ (weights, motor, axles) is the same for all sizes, apart from differences between
-      assemblies.
-    - boards: boards of one experiment, in other weeks or by other hands, differ by as much as
-      assemblies of one board do.
+      ampere are known to 20 mA, plus 2 % of the part of the current that carries the load. With an
+      idle current of 1 A, a motor would use most of its current for its own friction.
+    - rig_difference: two rigs built to one drawing hardly differ by 20 % in friction. The causes of
+      a difference (weights, motor, axles) are the same for all sizes, apart from differences
+      between assemblies.
+    - boards: boards of one experiment, assembled in other weeks or by other people, differ by as
+      much as assemblies of one board do.
 
     Fields
     ------
     c1: Friction of a pulley per tension [-].
     c2: Constant friction of a pulley [N].
-    wrap_share: Change of c1 with wrap, over c1: c3 / c1 [1/deg].
-    c3: Change of c1 with wrap [1/deg], in place of `wrap_share`.
+    wrap_share: Change of c1 with the wrap angle, over c1: c3 / c1 [1/deg].
+    c3: Change of c1 with the wrap angle [1/deg], instead of `wrap_share`.
     tau: Relative scatter of friction from trial to trial [-].
     omega: Relative scatter of friction from assembly to assembly [-].
     omega_intercept: Relative scatter of c2 alone from assembly to assembly [-].
@@ -86,25 +86,25 @@ class Priors(Section):
     wander_length: Correlation length of the wander [m].
     sigma_x: Position error of an event [m].
     sigma_t: Clock error of an event [s].
-    sigma_a: Error of an acceleration that comes without its standard error [m/s²].
-    tau_motor: Relative friction scatter of a motor run [-].
-    omega_motor: Relative friction scatter of an assembly of the motor board [-].
-    omega_intercept_motor: Relative scatter of c2 an assembly of the motor board, beside that of all
-        friction [-].
+    sigma_a: Error of an acceleration that is given without a standard error [m/s²].
+    tau_motor: Relative scatter of friction between runs of the motor board [-].
+    omega_motor: Relative scatter of friction between assemblies of the motor board [-].
+    omega_intercept_motor: Additional relative scatter of c2 alone between assemblies of the motor
+        board [-].
     torque_constant_factor: Torque constant over the specified one [-].
     sigma_current: Noise of a current without load [A].
     load_noise: Noise of a current per load current [-].
-    sigma_friction: Error of a friction reading that comes without its standard error [N]. Absent:
+    sigma_friction: Error of a friction reading that is given without a standard error [N]. Absent:
         half-normal with a twentieth of the machine's rms friction.
     idle_current_sd: Standard deviation of the normal priors of the idle curve's level [A], slope [A
         s/m] and curvature [A s²/m²]; their means are 0.
     first_speed: Speed at the first event of a trial [m/s].
     axial_stiffness_n: Axial stiffness EA of the cable [N].
-    cable_length_m: Cable between the two masses [m].
+    cable_length_m: Length of cable between the two masses [m].
     damping_ratio: Damping of the masses ringing on the cable, over the critical [-].
     rig_difference: Friction of a second rig over that of the first, less 1: the mean over sizes
         [-].
-    rig_difference_of_size: How far one size differs from that mean [-].
+    rig_difference_of_size: Deviation of one size from that mean [-].
     boards: Standard deviation of a coefficient from board to board, over its mean, where several
         recordings are fitted together [-].
     pulleys: Priors of single sizes: [priors.pulleys.SIZE].

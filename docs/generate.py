@@ -82,7 +82,7 @@ def _cell(text: str, place: int) -> dict[str, object]:
 
 def _results() -> str:
     lines = [
-        "# What holds of every result",
+        "# Rules that every result obeys",
         "",
         "A stored result obeys the rules below for any data. If a result breaks a rule, the",
         "computation is wrong. A diagnosis then lists this in `checks` and `attention`, and its",

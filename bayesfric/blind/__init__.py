@@ -1,1 +1,1 @@
-"""Recordings whose effect is withheld, and how well the diagnosis does on them."""
+"""Recordings whose effect is withheld, and the performance of the diagnosis on them."""

@@ -1,4 +1,4 @@
-"""The answer to a recording that a user brings: what is really there."""
+"""The answer to a user's recording: the effects that really act."""
 
 from pathlib import Path
 from typing import Any
@@ -22,21 +22,21 @@ AXES = (
     "trial_in_setup",
     "rig",
 )
-"""Along which a remainder can be found."""
+"""Axes along which a remainder can be found."""
 
 
 class WithheldEffect(Record):
-    """One effect that is there.
+    """One effect that acts.
 
     Fields
     ------
-    name: An effect's name, or one of the user's own.
-    strength: 1 is 10 % of friction, rms.
+    name: Name of an effect of bayesfric, or of the user's own.
+    strength: Strength; 1 is 10 % of friction, rms.
     form: Functional form, in words.
     own: Whether the form is that of bayesfric's effect.
-    parameters: Of bayesfric's effect, with an own form: their intervals are checked where `form` is
-        the law that the diagnosis tells.
-    axes: Where an effect shows that bayesfric does not have; required of one.
+    parameters: True parameters of an effect of bayesfric with its own form. Their intervals are
+        checked if `form` is the law that the diagnosis reports.
+    axes: Axes along which an effect that bayesfric does not have acts; required for such an effect.
     """
 
     name: str = Field(min_length=1)
@@ -48,11 +48,11 @@ class WithheldEffect(Record):
 
 
 class Answer(Record):
-    """What ``--answer FILE`` holds: ``{"withheld": []}`` where nothing is there.
+    """The content of ``--answer FILE``: ``{"withheld": []}`` if no effect acts.
 
     Fields
     ------
-    withheld: Every effect that is there.
+    withheld: Every effect that acts.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -1,8 +1,8 @@
-"""One case: made, sealed, diagnosed, its verdict written, and only then opened and scored.
+"""One case: made, sealed and diagnosed; after its verdict is written, opened and scored.
 
-The same case is made without noise and scatter. What a law recalibrated by least
-squares leaves of it is systematic, and so is what it leaves beside the named causes: the gap
-and the shrink that :mod:`bayesfric.diagnosis.systematic` draws.
+The same case is also made without noise and scatter. The residual of a law that is recalibrated by
+least squares is then the true systematic gap. The residual beside the named causes gives the true
+shrink. :mod:`bayesfric.diagnosis.systematic` draws both.
 """
 
 from collections.abc import Sequence
@@ -39,15 +39,15 @@ from bayesfric.rigs.data import Data
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.simulate import table1_coefficients
 
-FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis
-ROUNDS = 2  # of fitting the law and linearising around it
+FALSE_ALARMS = 0.02  # rate of the oracle, the same as promised for the diagnosis
+ROUNDS = 2  # rounds of fitting the law and linearising around it
 
 
 ENGINES = {
     "reference": "bayesfric.blind.engines.reference",
     "mujoco": "bayesfric.blind.engines.mujoco_board",
 }
-"""Realities of another hand, by name."""
+"""Independent simulators of reality, by name."""
 VERDICT = "verdict.json"
 
 
@@ -57,14 +57,14 @@ class CleanCase:
     Parameters
     ----------
     recording : Recording
-        Without noise, of the paper's pulley sizes.
+        The recording without noise, with the paper's pulley sizes.
     analysis : Analysis
         Priors.
 
     Attributes
     ----------
     gap : float
-        Rms of the residual friction over rms friction, equal weight a condition.
+        Rms of the residual friction over rms friction, with equal weight for each condition.
     """
 
     def __init__(self, recording: Recording, analysis: Analysis) -> None:
@@ -72,7 +72,7 @@ class CleanCase:
         data = Data(tuple(trials for trials in opened if trials is not None))
         laws = {size: table1_coefficients()[size] for size in data.sizes}
         model = LinearModel(data, laws, (), analysis, discrepancy=False)
-        # A noise as rigs have it, whatever these data are free of.
+        # Noise of a usual rig, since these data have none.
         self._psi = np.log([noise.usual for noise in model.noise])
         for _ in range(ROUNDS - 1):
             laws = model.fitted_laws(model.evaluate(self._psi, Acting()))
@@ -83,17 +83,17 @@ class CleanCase:
         self.gap = _rms(residuals, force) / residuals.friction_rms
 
     def shrink(self, causes: Sequence[tuple[str, str]]) -> float | None:
-        """Return which part of the squared gap some causes take up.
+        """Return the share of the squared gap that some causes remove.
 
         Parameters
         ----------
         causes : sequence of (str, str)
-            Name and law of each; its shape is the one of the usual nodes that fits best.
+            Name and law of each; its shape is the node that fits best.
 
         Returns
         -------
         float or None
-            None where a cause has phases that nobody records, or is no effect of ours.
+            None if a cause has phases that are not recorded, or is no effect of bayesfric.
         """
         effects = all_effects()
         if not causes or self.gap <= 0.0:
@@ -104,7 +104,7 @@ class CleanCase:
         every: list[Candidate] = [candidate for own in by_cause for candidate in own]
         model = self._model.around(self._model.laws, every, discrepancy=False)
         residuals = residuals_of(model, self._psi)
-        # Each candidate is a law of its own here: shapes are those of the nodes.
+        # Each candidate is a law of its own here: shapes are at the nodes.
         laws = [
             replace(law, places=(place,), nodes=(node,))
             for each_law in model.lawbook.values()
@@ -127,11 +127,11 @@ class CleanCase:
         return max(shrinks)
 
     def oracle_power(self) -> float:
-        """Return the power of the best test that knows the force that is there.
+        """Return the power of the best test that knows the true force.
 
-        Neyman and Pearson: the likelihood ratio, at 2 % false alarms. Its signal-to-noise
-        ratio is the norm of what the refitted baseline leaves, whitened by the measurement
-        error and by the scatter of trials and of assemblies.
+        It is the likelihood ratio test (Neyman and Pearson) at 2 % false alarms. Its
+        signal-to-noise ratio is the norm of the residual of the refitted baseline, whitened by
+        the measurement error and by the scatter of trials and of assemblies.
         """
         model, residuals = self._model, residuals_of(self._model, self._psi)
         rest = residuals.left(self._fitted(model, Acting()))
@@ -151,7 +151,7 @@ class CleanCase:
         return float(ndtr(np.sqrt(square) + ndtri(FALSE_ALARMS)))
 
     def _systematic(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
-        """Return what a recalibrated law leaves, once trials' own nuisances are taken out."""
+        """Return the residual of a recalibrated law, without the trials' nuisance parameters."""
         local = self._fitted(model, acting)
         local[:, : COEFFICIENTS + model.layout.candidates] = 0.0
         return residuals.without_law(residuals.left(local))
@@ -167,7 +167,7 @@ def engine_of(name: str) -> Any:
     Raises
     ------
     InputError
-        There is no such engine, or what it needs is not installed.
+        There is no such engine, or its dependencies are not installed.
     """
     if name not in ENGINES:
         expected = one_of(sorted(ENGINES), name)
@@ -179,7 +179,7 @@ def engine_of(name: str) -> Any:
 
 
 def catalogue_of(engine: str) -> Catalogue:
-    """Return what an engine can withhold."""
+    """Return the effects that an engine can withhold."""
     module = engine_of(engine)
     effects = {}
     for name in module.effect_names():
@@ -194,12 +194,12 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
     Parameters
     ----------
     case : BlindCase
-        What is withheld, and the seed.
+        The withheld effects, and the seed.
     folder : Path
-        Gains a folder of the case's name, with its envelope and its verdict. Workers on
+        Receives a folder with the case's name, with its envelope and its verdict. Workers on
         other machines write to their own folder of this name, if it is not shared.
     analysis : Analysis
-        Of the diagnosis; the seed is the case's.
+        Settings of the diagnosis; the seed is that of the case.
 
     Returns
     -------
@@ -209,7 +209,7 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
     engine = engine_of(case.engine)
     withheld = engine.Withheld(case.kind, case.effects, case.form)
     made = engine.make(withheld, case.seed, design=case.design)
-    # Not a word of an engine's own about its recording reaches the diagnosis.
+    # The diagnosis gets none of the engine's metadata on its recording.
     recording = replace(made.recording, name=case.name, title="A blind case", metadata={})
     public = {
         "name": case.name,
@@ -226,7 +226,7 @@ def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any
         clean = partial(engine.make, withheld, case.seed, design=case.design, noise=False)
         alone = CleanCase(clean(beside=False).recording, analysis)
         gap, power = alone.gap, alone.oracle_power()
-        # Causes shrink the gap of the whole recording, small amounts of other effects included.
+        # The gap is that of the whole recording, including small amounts of other effects.
         whole = CleanCase(clean().recording, analysis)
         shrink = whole.shrink([(cause.effect, cause.law) for cause in diagnosis.causes])
     scored = score(
@@ -254,7 +254,7 @@ def _rms(residuals: Residuals, force: Array) -> float:
 
 
 def _candidates(name: str, law: str) -> list[Candidate]:
-    """Return the shapes of a cause's law; of a twin on this rig it is called ``law (twin)``."""
+    """Return the candidates of a cause's law; a twin's law is called ``law (twin)``."""
     own, _, twin = law.partition(" (")
     effect = all_effects()[twin.removesuffix(")") or name]
     return [candidate for candidate in candidates_of(effect) if candidate.law == own]

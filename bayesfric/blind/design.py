@@ -1,11 +1,10 @@
-"""The cases of a campaign: what is withheld, in which order, with which seeds.
+"""The cases of a campaign: the withheld effects, their order and their seeds.
 
-Rule of the seeds: what is tuned is tuned on seeds below :data:`SCORING_FROM`, and scored
-on seeds from there on. Every campaign is logged, and no scoring case is looked at before
-the version that it scores is fixed.
+Seeds below :data:`SCORING_FROM` are for tuning, and all others for scoring. Every campaign is
+logged, and no scoring case is examined before the version that it scores is fixed.
 
-The order interleaves all kinds, so that a campaign that is stopped after a third is a
-balanced sample, and one of fewer cases is the beginning of one of more.
+The order interleaves all kinds of case. So a campaign that is stopped early is a balanced sample,
+and a campaign of fewer cases is the beginning of one of more.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,24 +18,24 @@ from bayesfric.errors import Fault, InputError
 
 Kind = Literal["none", "effect", "pair", "outsider"]
 SCORING_FROM = 10_000
-"""First seed of scoring; below it one may tune."""
+"""First seed for scoring; smaller seeds are for tuning."""
 FULL, WEAK = 1.0, 0.3
 OTHER_STRENGTHS = (0.1, 0.2, 0.5)
 NONE, OUTSIDERS, PAIRS = 200, 60, 40
-CASES_PER_EFFECT = 6  # cases of an effect at full and at weak strength
-EACH_OTHER = 3  # at other strengths
+CASES_PER_EFFECT = 6  # cases of each effect at full strength, and at weak strength
+EACH_OTHER = 3  # cases of each effect at other strengths
 INSEPARABLE_CLASSES = (
     frozenset({"clock-scale", "length-scale"}),
     frozenset({"hysteresis", "presliding"}),
 )
-"""Effects that these boards cannot tell apart, by rank; no pair is drawn from one class."""
-ORDER_SEED = 20150928  # of the order in which pairs are gone through
+"""Classes of effects that these boards cannot tell apart; no pair has both from one class."""
+ORDER_SEED = 20150928  # seed of the order of the pairs
 PRIOR_SEED = 1
 LEAST_STRENGTH = 1e-3
 KINDS: tuple[Kind, ...] = ("none", "effect", "pair", "outsider")
 PRIOR = {"none": 0.5, "effect": 0.3, "pair": 0.1, "outsider": 0.1}
-"""Prior probabilities that a diagnosis reports, by what is withheld; the 2 % of three effects
-or more are drawn as pairs, since engines withhold two at most."""
+"""Prior probabilities of a diagnosis, by kind of case. The 2 % of three or more effects are drawn
+as pairs, since engines withhold at most two."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class Catalogue:
     Parameters
     ----------
     effects : mapping of str to (bool, bool)
-        Name to whether there is a form that is the diagnosis's own, and a foreign one.
+        By name: whether there is a form that is the diagnosis's own, and a foreign form.
     outsiders : tuple of str
         Effects that the diagnosis does not know.
     """
@@ -57,22 +56,22 @@ class Catalogue:
 
 @dataclass(frozen=True)
 class BlindCase:
-    """One recording to be made, and what it withholds.
+    """One recording to be made, and its withheld effects.
 
     Parameters
     ----------
     name : str
-        Within the campaign; also a file name.
+        Name within the campaign; also a file name.
     seed : int
-        The case's own: of its recording, its diagnosis and its envelope.
+        Seed of its recording, its diagnosis and its envelope.
     kind : {"none", "effect", "pair", "outsider"}
-        What is withheld.
+        Kind of the case.
     effects : tuple of (str, float)
         Names and strengths; strength 1 is 10 % of friction, rms over the design.
     form : {"own", "foreign", "random"}
         Whether the force has the functional form that the diagnosis assumes.
     engine, design : str
-        Who makes the recording, and after which protocol.
+        The engine that makes the recording, and the protocol.
     """
 
     name: str
@@ -94,25 +93,25 @@ def cases_of(
 ) -> dict[str, BlindCase]:
     """Return the cases of a campaign by name, in their order.
 
-    With some 600 cases there are 200 without an effect; of each effect 6 at full strength,
-    6 at a strength of 0.3 (half of them of its own form) and 3 at others; 60 outsiders and
-    40 pairs. Fewer cases are in the same proportions, more too.
+    About 600 cases contain 200 without an effect, 60 outsiders and 40 pairs. Of each effect they
+    contain 6 at full strength, 6 at a strength of 0.3 (half of them of its own form) and 3 at other
+    strengths. Any other number of cases has the same proportions.
 
     Parameters
     ----------
     catalogue : Catalogue
-        What the engine has.
+        The effects of the engine.
     number : int
-        Of cases, at least 1.
+        Number of cases, at least 1.
     first_seed : int
-        Of the first case; each further case has the next.
+        Seed of the first case; each further case has the next.
     engine, design : str
-        Noted in each case.
+        Recorded in each case.
 
     Raises
     ------
     InputError
-        The number is not positive, or the seeds are on both sides of the rule.
+        The number is not positive, or the seeds include both tuning and scoring seeds.
     """
     _check(number, first_seed)
     cases = {}
@@ -133,9 +132,8 @@ def cases_from_prior(
 ) -> dict[str, BlindCase]:
     """Return cases whose hypotheses are drawn from the prior that a diagnosis reports.
 
-    Strengths are half-normal of scale 1, which is 10 % of friction. On such cases a
-    probability that is reported should come true as often as it says. Parameters as of
-    :func:`cases_of`.
+    Strengths are half-normal with scale 1, which is 10 % of friction. On such cases reported
+    probabilities should be calibrated. Parameters as for :func:`cases_of`.
     """
     _check(number, first_seed)
     cases = {}
@@ -180,9 +178,9 @@ Drawn = tuple[Kind, tuple[tuple[str, float], ...], Literal["own", "foreign", "ra
 
 
 def _endless(catalogue: Catalogue) -> Iterator[Drawn]:
-    """Yield what is withheld, kinds interleaved in proportion to their numbers."""
+    """Yield withheld effects, with kinds interleaved in proportion to their numbers."""
     effects = sorted(catalogue.effects)
-    # Each strength begins elsewhere, so that few cases are of many effects.
+    # Each strength starts at another effect, so that few cases cover many effects.
     third = len(effects) // 3
     weak, other = (effects[k:] + effects[:k] for k in (third, 2 * third))
     groups: list[tuple[int, Iterator[Drawn]]] = [

@@ -1,8 +1,8 @@
-"""The envelope: an answer that is fixed before anybody says what it might be.
+"""The envelope: the truth of a case, fixed before its verdict.
 
-The truth of a case is written to a file of its own, and the file's SHA-256 stands in the
-case's public file before its verdict is computed. A nonce, made from the case's seed, lets the
-envelopes of equal answers differ. Whoever opens the envelope checks the hash.
+The truth of a case is written to a file of its own. The SHA-256 of this file is in the case's
+public file before the verdict is computed. A nonce from the case's seed makes the envelopes of
+equal answers differ. Opening the envelope checks the hash.
 """
 
 import hashlib
@@ -16,18 +16,18 @@ ENVELOPE, PUBLIC = "envelope.json", "case.json"
 
 
 def seal(folder: Path, truth: dict[str, Any], public: dict[str, Any], seed: int) -> str:
-    """Write a sealed truth and what may be known of the case.
+    """Write the sealed truth and the public file of a case.
 
     Parameters
     ----------
     folder : Path
-        Of the case; created if it is not there.
+        Folder of the case; created if needed.
     truth : dict
-        Plain JSON types.
+        The truth, in plain JSON types.
     public : dict
-        Plain JSON types, nothing of the truth; gains ``envelope_sha256``.
+        Public data in plain JSON types, without the truth; receives ``envelope_sha256``.
     seed : int
-        Of the nonce, so that a case that is made again has the same envelope.
+        Seed of the nonce, so that a case that is made again has the same envelope.
 
     Returns
     -------
@@ -54,8 +54,8 @@ def open_envelope(folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        A file is missing or not what :func:`seal` wrote, or the envelope is not the one
-        whose hash stands in the public file.
+        A file is missing or damaged, or the hash of the envelope is not that in the public
+        file.
     """
     try:
         public = json.loads((folder / PUBLIC).read_bytes())

@@ -13,9 +13,9 @@ LEVEL = 0.95
 TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
 DRAWS = 2000
 RATE_DRAWS = 400
-SEED = 1987  # of the bootstrap and the consistency bands
+SEED = 1987  # seed of the bootstrap and the consistency bands
 EDGES = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
-DETECTED = 0.8  # of the cases
+DETECTED = 0.8  # share of the cases in which a detected effect is named
 
 
 def rate_of(hits: Iterable[bool]) -> Rate:
@@ -36,7 +36,7 @@ def rate_of(hits: Iterable[bool]) -> Rate:
 
 
 def estimate_of(values: Sequence[float]) -> Estimate:
-    """Return a mean with the interval of its bootstrap (Efron 1979), percentiles."""
+    """Return a mean with its percentile bootstrap interval (Efron 1979)."""
     if not values:
         return Estimate(value=None, low=None, high=None, cases=0)
     scores = np.array(values)
@@ -51,17 +51,17 @@ def reliability_of(
 ) -> list[ReliabilityBin]:
     """Return how often verdicts were correct, in bins of their probability.
 
-    The band is that of Bröcker and Smith (Weather and Forecasting 22, 2007): each case of
-    the bin comes true with the probability that it reported.
+    The band is that of Bröcker and Smith (Weather and Forecasting 22, 2007), under which each
+    case of the bin is correct with the probability that it reports.
 
     Parameters
     ----------
     probability : sequence of float
-        Of each verdict.
+        Probability that each verdict reports.
     correct : sequence of bool
-        Whether it was.
+        Whether each verdict is correct.
     edges : sequence of float
-        Of the bins, from 0 to 1.
+        Edges of the bins, from 0 to 1.
     """
     chance, right = np.array(probability), np.array(correct, dtype=bool)
     place = np.clip(np.searchsorted(edges, chance, side="right") - 1, 0, len(edges) - 2)
@@ -92,13 +92,13 @@ def reliability_of(
 def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
     """Return the smallest strength that is named in 80 % of cases.
 
-    Rates are taken to grow with strength (isotonic regression), since a strength has few
-    cases; the interval is over their Jeffreys posteriors (Brown, Cai and DasGupta 2001).
+    Each strength has few cases, so rates are assumed to grow with strength (isotonic regression).
+    The interval is over their Jeffreys posteriors (Brown, Cai and DasGupta 2001).
 
     Parameters
     ----------
     named : mapping of float to sequence of bool
-        Strength to whether the effect was named, case by case.
+        By strength: whether the effect was named, for each case.
     """
     strengths = np.array(sorted(named))
     hits = np.array([sum(named[s]) for s in strengths])
@@ -122,7 +122,7 @@ def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
 
 
 def _least(strengths: Array, rates: Array, cases: NDArray[np.int_]) -> float:
-    """Return the smallest strength whose rate is high, inf where there is none."""
+    """Return the smallest strength with a high enough rate; inf if there is none."""
     grown = np.asarray(scipy.optimize.isotonic_regression(rates, weights=cases).x)
     high = np.flatnonzero(grown >= DETECTED - 1e-12)
     return float(strengths[high[0]]) if high.size else float("inf")

@@ -1,4 +1,4 @@
-"""A campaign of blind cases, or one recording with its answer, to a scorecard."""
+"""Runs a campaign of blind cases, or one recording with its answer, and writes a scorecard."""
 
 import json
 import subprocess
@@ -43,40 +43,40 @@ def run_blind(
 ) -> ScorecardFile:
     """Diagnose recordings whose effect is withheld, and write ``scorecard.json``.
 
-    Cases that are done are kept under ``blind/``, so that a campaign that was killed goes
-    on where it stopped, and one of more cases continues one of fewer.
+    Finished cases are kept under ``blind/``. So an interrupted campaign continues where it
+    stopped, and a campaign of more cases continues one of fewer.
 
     Parameters
     ----------
     folder : Path or str
-        Created if it is not there.
+        Created if needed.
     engine : str
-        Who makes the recordings.
+        The engine that makes the recordings.
     number, first_seed : int
-        Of cases, and the first one's seed: below 10,000 for tuning, from there on for scoring.
+        Number of cases, and seed of the first: below 10,000 for tuning, else for scoring.
     from_prior : bool
-        Whether hypotheses are drawn from the prior that a diagnosis reports, not laid out.
+        Whether hypotheses are drawn from the prior of a diagnosis, not from a fixed design.
     workers : int
-        Processes of this machine; any number gives the same scorecard.
+        Number of processes on this machine; it does not affect the scorecard.
     scheduler : str or None
-        Address of a Dask scheduler, whose workers take the place of processes.
+        Address of a Dask scheduler, whose workers replace the processes.
     analysis : Analysis or None
-        Of every diagnosis, but for its seed.
+        Settings of every diagnosis, except its seed.
     so_far : bool
-        Score the cases that are done, and run none.
+        Score the finished cases, and run none.
     progress : callable or None
-        Called with the cases done and the cases in all.
+        Called with the number of finished cases and the number of all cases.
 
     Returns
     -------
     ScorecardFile
-        What was written.
+        The scorecard, as written.
 
     Raises
     ------
     InputError
-        An engine, number or seed that there is not, a scheduler that does not answer,
-        nothing done where `so_far` asks for it, or a folder that cannot be written.
+        An unknown engine, an invalid number or seed, a scheduler that does not answer, no
+        finished case with `so_far`, or a folder that cannot be written.
     """
     folder, analysis = Path(folder), Analysis() if analysis is None else analysis
     campaign, cases = _laid_out(engine, number, first_seed, from_prior)
@@ -101,18 +101,18 @@ def score_recording(
     Parameters
     ----------
     folder : Path or str
-        Created if it is not there.
+        Created if needed.
     recording : Recording
-        What is diagnosed.
+        The recording to diagnose.
     answer : Path or str
         A JSON file, see :class:`bayesfric.blind.answers.Answer`.
     analysis : Analysis or None
-        Of the diagnosis.
+        Settings of the diagnosis.
 
     Raises
     ------
     InputError
-        The answer is none, or the recording has nothing to diagnose.
+        The answer is invalid, or the recording has nothing to diagnose.
     """
     folder, analysis = Path(folder), Analysis() if analysis is None else analysis
     truth = read_answer(Path(answer))
@@ -158,14 +158,14 @@ def _laid_out(
 
 
 def _kept(folder: Path, campaign: Campaign, analysis: Analysis) -> Path:
-    """Return where the cases of a campaign are kept, however many it has."""
+    """Return the folder of the cases of a campaign, which does not depend on their number."""
     catalogue = catalogue_of(campaign.engine)
     key = {
         "engine": campaign.engine,
         "catalogue": [sorted(catalogue.effects.items()), catalogue.outsiders],
         "design": campaign.design,
         "hypotheses": campaign.hypotheses,
-        "first_seed": campaign.seed,  # what a seed's case is depends on where the campaign begins
+        "first_seed": campaign.seed,  # the case of a seed depends on the first seed of the campaign
         "analysis_sha256": analysis_sha256(analysis),
         "versions": package_versions(),
     }
@@ -173,7 +173,7 @@ def _kept(folder: Path, campaign: Campaign, analysis: Analysis) -> Path:
 
 
 def _done(cases: Mapping[str, BlindCase], kept: Path) -> dict[str, BlindCase]:
-    """Return the cases that are done, of which there has to be one."""
+    """Return the finished cases; raise if there is none."""
     done = {n: case for n, case in cases.items() if (kept / "scored" / f"{n}.json").is_file()}
     if not done:
         raise InputError([Fault(str(kept), "a case that is done, of these seeds")])
@@ -196,7 +196,7 @@ def _write_log(folder: Path, campaign: Campaign, analysis: Analysis, *, so_far: 
 
 
 def _commit() -> str | None:
-    """Return the commit of the source tree, marked where files differ; None outside of one."""
+    """Return the commit of the source tree, marked if files differ; None outside of a tree."""
     root = Path(__file__).resolve().parents[2]
     if not ((root / ".git").exists() and (root / "pyproject.toml").is_file()):
         return None

@@ -1,4 +1,4 @@
-"""Scored cases to the scorecard: counts, rates with intervals, and what was promised."""
+"""The scorecard of scored cases: counts, rates with intervals, and promises."""
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
@@ -25,26 +25,26 @@ from bayesfric.schemas.scorecard import (
 )
 
 BELOW_PRACTICAL = "below practical share"
-"""Row of the confusion matrix: withheld, and too small to count."""
+"""Row of the confusion matrix: effects that are withheld and too small to count."""
 SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")
-LEAST_CHANCE = 1e-6  # a probability below it is scored as this
+LEAST_CHANCE = 1e-6  # smaller probabilities are scored as this
 PROMISED = {"1/own": 0.95, "1/foreign": 0.90, "0.3/own": 0.85, "0.3/foreign": 0.75}
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """Which cases a scorecard is of.
+    """The campaign of a scorecard.
 
     Parameters
     ----------
     engine, design : str
-        Who made the recordings, and after which protocol.
+        The engine that made the recordings, and the protocol.
     hypotheses : {"design", "prior", "user"}
-        Where the hypotheses come from.
+        Source of the hypotheses.
     seed : int
-        Of the first case.
+        Seed of the first case.
     planned : int
-        Cases in all, of which some may be still to come.
+        Number of all cases, including unfinished ones.
     """
 
     engine: str
@@ -55,7 +55,7 @@ class Campaign:
 
     @property
     def scoring(self) -> bool:
-        """Whether its seeds are those on which nothing was tuned."""
+        """Whether its seeds are for scoring, so that nothing was tuned on them."""
         return self.hypotheses != "user" and self.seed >= SCORING_FROM
 
 
@@ -65,18 +65,18 @@ def scorecard_of(
     analysis: Analysis,
     recording: RecordingId | None = None,
 ) -> ScorecardFile:
-    """Return the scorecard of the cases that are done.
+    """Return the scorecard of the finished cases.
 
     Parameters
     ----------
     cases : sequence of ScoredCase
         In the order of the campaign.
     campaign : Campaign
-        Theirs.
+        Their campaign.
     analysis : Analysis
-        Of every diagnosis, but for its seed.
+        Settings of every diagnosis, except its seed.
     recording : RecordingId or None
-        A user's.
+        A user's recording.
     """
     rates = _rates(cases)
     verdicts = sorted({case.verdict for case in cases})
@@ -115,7 +115,7 @@ def scorecard_of(
 
 
 def _effects(cases: Iterable[ScoredCase]) -> list[ScoredCase]:
-    """Return cases of one effect that the diagnosis knows and that is there to be seen."""
+    """Return the cases of one effect that the diagnosis knows and that is large enough to count."""
     return [case for case in cases if case.kind == "effect" and not case.counts_as_none]
 
 
@@ -163,7 +163,7 @@ def _reliability(
 
 
 def _came_true(cases: Sequence[ScoredCase], verdict: str) -> ReliabilityBin:
-    """Return how often a verdict was right, whatever its probability."""
+    """Return how often the statement of a verdict is true, at any probability."""
     (together,) = _reliability([case for case in cases if case.verdict == verdict], (0.0, 1.0))
     return together
 

@@ -11,10 +11,10 @@ from bayesfric.schemas.scorecard import ScoredCase
 
 NO_CLAIM = ("no-gap", "undecided")
 """Verdicts that claim no gap."""
-BETS_ON_GAP_FROM = 0.5  # probability of a practical gap, from which on `undecided` bets on one
-FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
+BETS_ON_GAP_FROM = 0.5  # probability of a practical gap above which `undecided` bets on a gap
+FLAG_SHARE = 0.1  # share of the gap: an outsider is flagged if a remainder's 5 % quantile is larger
 OTHERS = "other-combination"
-"""Column of joint verdicts that are not the pair withheld."""
+"""Column of verdicts with several effects that are not the withheld pair."""
 LAWS_OF_FORMS = {
     ("air-drag", "drag"): "quadratic",
     ("cable-weight", "off-centre"): "passing",
@@ -27,12 +27,12 @@ LAWS_OF_FORMS = {
     ("viscous", "damping"): "constant",
     ("viscous", "with-tension"): "tension",
     ("viscous", "with-wrap"): "wrap",
-    ("wear-drift", "applied_n"): "exponential",  # of which a straight line is a limit
+    ("wear-drift", "applied_n"): "exponential",  # a straight line is its limit
     ("wear-drift", "linear"): "exponential",
     ("wear-drift", "saturating"): "exponential",
     ("wrap-curvature", "applied_n"): "quadratic",
 }
-"""Law of the diagnosis by effect and form, where an engine calls its form otherwise."""
+"""Law of the diagnosis by effect and form, if an engine has another name for the form."""
 
 
 def score(
@@ -47,30 +47,29 @@ def score(
 ) -> ScoredCase:
     """Compare a verdict with the truth.
 
-    A case counts as ``none`` where nothing is withheld, or where what is withheld leaves
-    less than ``practical_share`` once the baseline is refitted; there ``no-gap`` and
-    ``undecided`` are correct where they list no cause that is absent, and so is naming
-    what is there all the same. An effect is named where the causes are exactly those
-    withheld, or effects that the diagnosis itself calls identical to them on this rig.
-    An effect that the diagnosis does not know is flagged by ``unknown``, or by a
-    significant remainder on a true axis.
+    A case counts as ``none`` if nothing is withheld, or if the withheld effects leave less than
+    ``practical_share`` after the baseline is refitted. Then ``no-gap`` and ``undecided`` are
+    correct if they list no absent cause, and naming the withheld effects is correct too. An effect
+    is named if the causes are exactly the withheld effects, or effects that the diagnosis itself
+    calls identical to them on this rig. An effect that the diagnosis does not know is flagged by
+    ``unknown``, or by a significant remainder on a true axis.
 
     Parameters
     ----------
     public : mapping
         ``name``, ``seed``, ``engine``, ``design`` and ``envelope_sha256`` of the case.
     truth : mapping
-        ``withheld``: a list with ``name``, and where known ``form``, ``own``,
-        ``strength``, ``parameters`` and ``axes`` of each effect.
+        ``withheld``: a list with ``name`` of each effect and, if known, its ``form``, ``own``,
+        ``strength``, ``parameters`` and ``axes``.
     diagnosis : DiagnosisFile
         The verdict.
     gap : float or None
-        Noise-free gap over rms friction, after the baseline is refitted; None where
-        nobody knows it, as with a user's recording.
+        Noise-free gap over rms friction, after the baseline is refitted; None if unknown, as
+        for a user's recording.
     true_shrink : float or None
-        What the named causes take of the noise-free gap, squared.
+        Share of the squared noise-free gap that the named causes remove; None if unknown.
     oracle_power : float or None
-        Of the best test that knows what is withheld, likewise.
+        Power of the best test that knows the withheld effects; None if unknown.
     effect_names : collection of str
         Effects that the diagnosis examines.
     """
@@ -98,7 +97,7 @@ def score(
 
 
 def _of_truth(withheld: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the fields of what is withheld."""
+    """Return the fields on the withheld effects."""
     return {
         "withheld": tuple(str(effect["name"]) for effect in withheld),
         "form": tuple(str(effect.get("form", "")) for effect in withheld),
@@ -113,7 +112,7 @@ def _of_diagnosis(
     true_shrink: float | None,
     named: bool,
 ) -> dict[str, Any]:
-    """Return the fields of what is diagnosed; `named` is whether it names what is withheld."""
+    """Return the fields on the diagnosis; `named`: whether it names the withheld effects."""
     shrink, covered = diagnosis.gap.shrink_of_model, None
     if named and shrink is not None and true_shrink is not None:
         covered = shrink.q05 <= true_shrink <= shrink.q95
@@ -153,7 +152,7 @@ def _stands_for(name: str, cause: str, twins: Sequence[set[str]]) -> bool:
 
 
 def _all_act(names: Sequence[str], diagnosis: DiagnosisFile) -> bool:
-    """Return whether each cause is one of the effects withheld, no two of them the same one."""
+    """Return whether each cause stands for another one of the withheld effects."""
     causes, twins = [cause.effect for cause in diagnosis.causes], _twins(diagnosis)
     return any(
         all(_stands_for(name, cause, twins) for name, cause in zip(chosen, causes, strict=True))
@@ -166,11 +165,11 @@ def _is_named(names: Sequence[str], diagnosis: DiagnosisFile) -> bool:
 
 
 def _came_true(names: Sequence[str], kind: str, as_none: bool, diagnosis: DiagnosisFile) -> bool:
-    """Return whether the statement is true whose probability the verdict gives.
+    """Return whether the statement to which the verdict's probability belongs is true.
 
-    ``named`` states that all its causes act, whatever acts beside them; ``unseparated``, that
-    one of its sets does; ``unknown``, that a force does that no effect has; ``no-gap``, that
-    the gap is below the practical share; ``undecided``, that it is on the likelier side.
+    ``named``: all its causes act, possibly with others. ``unseparated``: one of its sets acts.
+    ``unknown``: a force acts that no effect has. ``no-gap``: the gap is below the practical share.
+    ``undecided``: the gap is on the more probable side of the practical share.
     """
     if diagnosis.verdict == "named":
         return _all_act(names, diagnosis)
@@ -233,10 +232,10 @@ def _truth_probability(
 
 
 def _covered(withheld: Sequence[Mapping[str, Any]], diagnosis: DiagnosisFile) -> dict[str, bool]:
-    """Return whether 90 % intervals of parameters hold the truth, for forms of our own.
+    """Return whether 90 % intervals of parameters contain the truth, for own forms.
 
-    Two laws of an effect may make one curve with other numbers, such as the exponent of a power
-    and the curvature of a parabola: only those of the law that is withheld are compared.
+    Two laws of an effect may give the same curve with different numbers, such as the exponent of a
+    power and the curvature of a parabola. Only parameters of the withheld law are compared.
     """
     causes = {cause.effect: cause for cause in diagnosis.causes}
     covered = {}

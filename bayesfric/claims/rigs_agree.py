@@ -107,7 +107,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 CLAIM = Claim(
     name="rigs-agree",
     place=12,
-    statement="The motor board's friction is what the law of the gravity board gives.",
+    statement="The law of the gravity board predicts the friction of the motor board.",
     paper="Means of the motor board lie within 5 % of eq. (16) mostly, within 10 % at most.",
     judge=_judge,
     regime="accelerated",

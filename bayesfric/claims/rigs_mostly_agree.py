@@ -31,7 +31,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 CLAIM = Claim(
     name="rigs-mostly-agree",
     place=11,
-    statement="Most of the motor board's frictions are within 5 % of the gravity board's law.",
+    statement="Most friction values of the motor board are within 5 % of the gravity board's law.",
     paper="Means of the motor board lie within 5 % of eq. (16) mostly.",
     judge=_judge,
     regime="accelerated",

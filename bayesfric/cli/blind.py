@@ -60,7 +60,7 @@ def blind(
     quiet: options.Quiet = False,
     fail_on_list: Annotated[str, options.fails("blind")] = "",
 ) -> set[str]:
-    """Diagnose simulated recordings whose effect is hidden, and score it; write scorecard.json.
+    """Diagnose simulated recordings with a hidden effect, score the verdicts; write scorecard.json.
 
     --seed is the seed of the first case. Seeds below 10,000 are for tuning, all others for
     scoring. Finished cases are kept under blind/.

@@ -21,8 +21,8 @@ def check(
     """Check the telemetry of a recording, and print what it can determine and what to record next.
 
     It takes seconds and writes nothing. Errors are the standard deviations that a
-    posterior would have with the noise of these data. If it can determine no number, check and
-    diagnose end with status 2.
+    posterior would have with the noise of these data. If the recording determines no
+    number, check and diagnose end with status 2.
 
     Example: bayesfric check my-joint
     """
@@ -32,7 +32,7 @@ def check(
 
     analysis = read_analysis(config)
     read = read_recording(recording)
-    with stage("checking what the recording can tell", quiet=quiet):
+    with stage("checking what the recording can determine", quiet=quiet):
         readiness = readiness_of(read, analysis, baseline=baseline)
     for line in readiness.lines():
         say(line)

@@ -19,7 +19,7 @@ def compare(
     ] = None,
     fail_on_list: Annotated[str, options.fails("compare")] = "",
 ) -> set[str]:
-    """Say what changed from A to B: verdicts, settings, and numbers (in standard deviations).
+    """Print what changed from A to B: verdicts, settings, and numbers (in standard deviations).
 
     Example: bayesfric compare last-night my-results --fail-on changed
     """

@@ -48,7 +48,7 @@ def export(
         options.whole(
             "--draws",
             1,
-            f"Also write so many sets of joint parameters, for domain randomisation: {DRAWS}.",
+            f"Also write this many sets of joint parameters, for domain randomisation: {DRAWS}.",
         ),
     ] = None,
 ) -> None:

@@ -52,7 +52,7 @@ Law = Annotated[
 Verify = Annotated[
     int,
     options.whole(
-        "--verify", 0, "Compare so many draws of each loop with a simulation of an elastic cable."
+        "--verify", 0, "Compare this many draws of each loop with a simulation of an elastic cable."
     ),
 ]
 Tune = Annotated[bool, options.switch("--tune", "Search for gains that meet all specs at once.")]

@@ -63,7 +63,7 @@ Baseline = Annotated[
         "--baseline",
         "LAW",
         "Friction law. For pulleys: paper (c1 T + c2), recursive (pulley by pulley), "
-        "proportional (no constant), constant (nothing else). For an axis: coulomb-viscous "
+        "proportional (no constant), constant (only a constant). For an axis: coulomb-viscous "
         "(inertia, Coulomb, viscous, offset; the default), coulomb (inertia, Coulomb, offset), "
         "none (inertia, offset).",
     ),
@@ -88,7 +88,7 @@ def fails(verb: str) -> Any:
     said = (
         f"Exit with status 1 if one of these happened: {named}."
         if named
-        else "Accepted as in every command, but nothing that it names can happen here."
+        else "Accepted as in every command; no outcome can occur here."
     )
     return worded("--fail-on", "NAME,…", said)
 

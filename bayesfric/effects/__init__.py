@@ -1,8 +1,8 @@
-"""Unmodelled effects, one a file: what the baseline may leave out.
+"""Effects that the baseline may leave out, one in each file.
 
-A file of this folder that holds an ``EFFECT`` is an effect; there is no list to add
-it to. Other packages offer theirs by the entry point ``bayesfric.effects``, and a
-user's own file is read by :func:`effect_of_file`.
+Every file of this folder that defines ``EFFECT`` is an effect; there is no list to add it
+to. Other packages add effects by the entry point ``bayesfric.effects``. A user's own file
+is read by :func:`effect_of_file`.
 """
 
 from collections.abc import Mapping
@@ -35,20 +35,20 @@ __all__ = [
 
 
 PULLEYS = frozenset({"pulleys", "turns"})
-"""What boards with pulleys offer: these, and trials that begin anew, as an axis that turns."""
+"""What boards with pulleys offer: pulleys, and motion that starts anew, as after a reversal."""
 NO_OFFSET = "law-without-offset"
-"""What a rig offers whose law has no constant force: on one that goes both ways it may be one."""
+"""What a rig offers if its law has no constant force, so that such a force may be an effect."""
 
 
 @cache
 def all_effects(offered: frozenset[str] | None = PULLEYS) -> dict[str, Effect]:
-    """Return the effects of this folder and of other packages, by name and sorted so.
+    """Return the effects of this folder and of other packages, sorted by name.
 
     Parameters
     ----------
     offered : frozenset of str or None
-        What a rig offers: effects that need more are left out. The default is that of a
-        cable over pulleys; None leaves none out.
+        What a rig offers; effects that need more are left out. The default is that of a
+        cable over pulleys. None keeps all effects.
     """
     modules = (import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__))
     effects = [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
@@ -63,7 +63,7 @@ def effect_of_file(path: Path) -> Effect:
     Parameters
     ----------
     path : Path
-        The file; it is run.
+        The file. It is executed.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def effect_of_file(path: Path) -> Effect:
     module = module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # whatever a user's file does, it is told where
+    except Exception as error:  # any error of a user's file is reported with its place
         raise InputError([Fault(str(path), f"{expected} ({error!r})")]) from error
     effect = getattr(module, "EFFECT", None)
     if not isinstance(effect, Effect):
@@ -88,20 +88,20 @@ def effect_of_file(path: Path) -> Effect:
 def with_priors(
     effects: Mapping[str, Effect], priors: Mapping[str, Mapping[str, Prior]]
 ) -> dict[str, Effect]:
-    """Return effects with the priors of an analysis in the place of their own.
+    """Return effects with their priors replaced by those of an analysis.
 
     Parameters
     ----------
     effects : mapping of str to Effect
-        By name.
+        The effects by name.
     priors : mapping of str to mapping of str to Prior
-        By the names of an effect and of one of its parameters.
+        Priors by the names of an effect and of one of its parameters.
 
     Returns
     -------
     dict of str to Effect
-        All of `effects`. An analysis may have priors of effects that are none of them, such as
-        those of another rig.
+        All of `effects`. Priors of effects that are not among them, such as those of another
+        rig, are ignored.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 
 def _first_order(p: Mapping[str, Array], state: State) -> Array:
-    # τ F_a' + F_a = F: what is commanded is more than what acts by τ F_a'.
+    # τ F_a' + F_a = F: the command F exceeds the acting force F_a by τ F_a'.
     return np.asarray(p["time"] * np.asarray(state.lagging_rate_n_s))
 
 
@@ -30,6 +30,6 @@ EFFECT = Effect(
     laws={"first-order": _first_order},
     along_path=True,
     needs=frozenset({"drive", "commanded-force"}),
-    # Beside a law with inertia and viscous friction it shows where friction has just turned.
+    # Beside a law with inertia and viscous friction it shows just after friction has reversed.
     axes=frozenset({"acceleration", "travel_since_reversal", "velocity"}),
 )

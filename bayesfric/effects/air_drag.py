@@ -31,7 +31,7 @@ EFFECT = Effect(
             "argued: fans, stirred oil and long links take up to twice the friction of a joint "
             "at its top speed",
         ),
-        joint_prior=HalfNormal(scale=0.6),  # at the top speed as much as the friction of a joint
+        joint_prior=HalfNormal(scale=0.6),  # as large as the friction of a joint at its top speed
     ),
     laws={"quadratic": _quadratic},
     edge={"speed_m_s": 1.3, "n_pulleys": 5.0},

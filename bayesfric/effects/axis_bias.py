@@ -23,8 +23,8 @@ EFFECT = Effect(
         meaning="force against the positive direction",
         prior=Normal(mean=0.0, sd=0.5),
         plausible=(-3.0, 3.0),
-        reference="argued: an axis that is out of level by some degrees, or an amplifier with "
-        "an offset, is pushed by less than some times its friction",
+        reference="argued: a tilt of a few degrees, or the offset of an amplifier, pushes an axis "
+        "with less than several times its friction",
     ),
     laws={"constant": _constant},
     along_path=True,

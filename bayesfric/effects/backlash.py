@@ -1,8 +1,8 @@
-"""Play in a transmission: the drive turns alone, then it catches the load.
+"""Backlash in a transmission: the drive moves alone, then it catches the load.
 
-A load without mass stands still after a reversal, until the drive is through the gap. One with mass
-coasts: wherever the drive is braked harder than its own friction brakes the load, it runs through
-the gap, is caught on the other side and gets the drive's speed, which takes its momentum.
+A load without mass stands still after a reversal until the drive has crossed the gap. A load with
+mass coasts. If the drive decelerates faster than friction decelerates the load, the load crosses
+the gap. It is caught on the other side, takes the drive's speed and loses its excess momentum.
 """
 
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, Law, State, followed
 from bayesfric.physics.loads import taken_along
 
-SHARP = 10.0  # the gap closes over a tenth of it
+SHARP = 10.0  # the load is picked up over a tenth of the gap
 
 
 def _light(p: Mapping[str, Array], state: State) -> Array:
@@ -40,7 +40,7 @@ EFFECT = Effect(
         "behind it",
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 1.0),
-        reference="by definition: between nothing and all of it is behind the gap",
+        reference="by definition: the share behind the backlash is between 0 and 1",
     ),
     shape=EffectParameter(
         name="gap",
@@ -48,7 +48,8 @@ EFFECT = Effect(
         meaning="width of the backlash",
         prior=LogNormal(median=0.004, sd_log=1.0),
         plausible=(1e-4, 0.06),
-        reference="argued: from a thousandth of the travel to a tenth of it, which one would see",
+        reference="argued: from a thousandth of the travel to a tenth of it; a larger backlash "
+        "would be visible",
         typical=0.01,
     ),
     laws=LAWS,

@@ -17,41 +17,41 @@ LADDER = (
     "Duclusaud et al., Extended friction models for the physics simulation of servo actuators, "
     "2024 (M3 to M6), and the parameters published with it"
 )
-"""Source of what friction by the load of a gear may be."""
+"""Source of the plausible ranges of friction that grows with the load of a gear."""
 BY_LOAD = "friction by the load"
-"""The ladder of effects of which each is friction that grows with the load of a gear."""
+"""Name of the ladder of effects that are friction which grows with the load of a gear."""
 WRAP_SPAN_DEG = 50.0
-"""Turn of the wrap angle from the paper's 85° that strength 1 of an effect of it refers to."""
+"""Change of the wrap angle from the paper's 85° at which a wrap effect has its amplitude."""
 ActsOn = Literal["friction", "drive", "reading", "current"]
 Law = Callable[[Mapping[str, Any], Any], Array]
-"""(parameters, :class:`State` or, of an effect on readings, :class:`Reading`) to numbers."""
+"""(parameters, :class:`State`), or :class:`Reading` for an effect on readings, to numbers."""
 
 
 @dataclass(frozen=True)
 class EffectParameter:
-    """A number of an effect.
+    """A parameter of an effect.
 
     Parameters
     ----------
     name : str
-        Within the effect.
+        Name within the effect.
     unit : str
-        SI, degrees for angles; 1 for a ratio.
+        SI unit; degrees for angles; 1 for a ratio.
     meaning : str
-        In words, for reports.
+        The meaning in words, for reports.
     prior : Prior
-        Wide: what would be noticed, not what is expected.
+        A wide prior: it covers every size that could go unnoticed, not only the expected one.
     plausible : tuple of float
         Lowest and highest physically plausible value.
     reference : str
-        Where the plausible range comes from.
+        Source of the plausible range.
     typical : float or None
-        Of a shape: the value that the simulator takes where none is given.
+        For a shape: the value that the simulator uses by default.
     on_joints : tuple or None
-        Of a driven axis, where its gears and bearings have another range than pulleys: lowest and
-        highest plausible value, and where they come from.
+        For a driven axis, if its gears and bearings have another range than pulleys: lowest and
+        highest plausible value, and their source.
     joint_prior : Prior or None
-        Of a driven axis likewise, in the place of `prior`; None is that.
+        For a driven axis, the prior instead of `prior`; None: `prior`.
     """
 
     name: str
@@ -67,67 +67,66 @@ class EffectParameter:
 
 @dataclass(frozen=True)
 class Effect:
-    """One unmodelled effect.
+    """An effect: a mechanism that the baseline leaves out.
 
     Parameters
     ----------
     name : str
-        As in commands and results.
+        Name, as in commands and results.
     acts_on : {"friction", "drive", "reading", "current"}
-        What a law returns: a force against the motion [N], which trial and setup
-        scatter multiply like all friction; a force against the motion that they leave
-        alone, as of a weight or of inertia; by how much a magnet passes beyond the place
-        that is written down [m], linear in the amplitude; or an addition to the motor
-        current of a run [A].
+        What a law returns. ``friction``: a force against the motion [N], which the scatter of
+        trials and setups multiplies like all friction. ``drive``: a force against the motion
+        that scatter does not multiply, as of a weight or of inertia. ``reading``: how far a
+        magnet passes beyond its recorded place [m], linear in the amplitude. ``current``: an
+        addition to the motor current of a run [A].
     sentence : str
-        For the report: what the board does.
+        What the effect does, for the report.
     amplitude : EffectParameter
-        Without effect at 0.
+        Amplitude; at 0 there is no effect.
     laws : mapping of str to callable
-        Variants by name, of one meaning of the parameters: (parameters, state) to
-        the quantity of `acts_on`. They are averaged with equal weight.
+        Variants by name: (parameters, state) to the quantity of `acts_on`. The parameters have
+        the same meaning in each variant. Variants have equal prior weight.
     shape : EffectParameter or None
-        A second parameter, that decides how the effect depends on the state.
+        A second parameter, which sets how the effect depends on the state.
     edge : mapping of str to float
-        Where it matters most of the paper's tested range: fields of :class:`State` that
-        differ from 15 N, 85°, 9 pulleys and 0.65 m/s.
+        The condition in the paper's tested range at which the effect matters most: fields of
+        :class:`State` that differ from 15 N, 85°, 9 pulleys and 0.65 m/s.
     along_path : bool
-        Whether the effect changes while a trial runs, as what depends on speed does.
-        Then it is linear in its amplitude.
+        Whether the effect changes during a trial, for example because it depends on speed. It
+        must then be linear in its amplitude.
     needs : frozenset of str
         What a rig must offer beyond speed, friction and order: ``pulleys``, ``direction``,
-        ``position``, ``drive`` (the drive force along a run), ``angle`` (a position that is
-        one), ``test`` (runs of that role), ``period`` (of a force that comes back along the
-        path), ``play`` and ``spring`` (a load that is followed behind such), ``load-both-ways``
-        (lifting and lowering at one pose, or two loads), ``known-load`` (whose mass or torque is
-        known), ``dwell`` (rests of several lengths), ``commanded-force`` (which a drive may not
-        give), ``warmth`` (a temperature, or work done), ``law-without-coulomb`` and
-        ``law-without-offset``; or a covariate, which is a further column of the recording by its
-        name and stands in ``State.covariates``.
+        ``position``, ``drive`` (the drive force along a run), ``angle`` (the position is an
+        angle), ``test`` (runs of that role), ``period`` (of a force that is periodic along the
+        path), ``play`` and ``spring`` (the motion of a load behind it), ``load-both-ways``
+        (lifting and lowering at one pose, or two loads), ``known-load`` (its mass or torque is
+        known), ``dwell`` (rests of several lengths), ``commanded-force`` (which the drive may
+        not deliver), ``warmth`` (a temperature, or work done), ``law-without-coulomb`` and
+        ``law-without-offset``. Any other name is a covariate: a further column of the
+        recording, which is in ``State.covariates``.
     components : int
-        0; or how many components a law returns, stacked on a first axis, each to be
-        multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
-        readings for each of its sensors): a phase that nobody recorded.
+        0, or the number of components that a law returns, stacked on the first axis. Each is
+        multiplied by an independent N(0, 1) number for every trial (for an effect on readings,
+        for each sensor of it). They stand for a phase that is not recorded.
     searched : int
-        Among how many forms that cannot be told apart beforehand a rig found its laws in the
-        data: what they weigh is divided by it.
+        Number of distinguishable forms among which a rig searched the data for its laws. The
+        evidence of a law is divided by it.
     turning : mapping of str to callable
-        Further laws, of a motion that turns; the others are of one from rest.
+        Further laws, for motion that reverses; the others are for motion from rest.
     two_ends : str or None
-        An axis that takes two values only: whatever differs along it is this effect, and
-        nothing along it alone is unknown.
+        A field of the state that takes two values only. Every difference between them is this
+        effect, so no unknown force depends on that field alone.
     axes : frozenset of str
-        Along which its force changes once the law is recalibrated, as ``where`` of a diagnosis
-        names axes; empty where nobody says. Of phases that nobody recorded it is what they go
-        round with.
+        Axes along which its force changes after the law is recalibrated, named as in ``where``
+        of a diagnosis; empty if not stated. For phases that are not recorded: the axis along
+        which they advance.
     odds : float
-        How much likelier it is than any other effect, where a rig offers what it needs, before
-        the data.
+        Prior odds against any other effect, if the rig offers what this effect needs.
     is_exact : bool
-        Whether its law is one of mechanics, as a weight's is: it has no other form.
+        Whether the law is exact mechanics, such as that of a weight. Then no other form exists.
     ladder : str
-        Name of a ladder of models, or empty. Effects of one ladder are rungs of it: each is a
-        limit or a part of a richer one, so that no two of them act together.
+        Name of a ladder of models, or empty. Each effect of a ladder is a limit or a part of a
+        richer one, so no two of them act together.
     """
 
     name: str
@@ -150,30 +149,31 @@ class Effect:
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:
-        """Amplitude, and the shape where there is one."""
+        """The amplitude, and the shape if there is one."""
         return (self.amplitude,) if self.shape is None else (self.amplitude, self.shape)
 
 
 def followed(held: str, length: str, heavy: float) -> Law:
-    """Return the law of a load that is followed along the path.
+    """Return the law of a load whose motion behind a play or a spring is simulated.
 
     Parameters
     ----------
     held : str
         ``play`` or ``spring``.
     length : str
-        Name of the parameter that is the play, or the travel over which friction winds it up.
+        Name of the parameter: the play, or the travel over which friction winds the spring up.
     heavy : float
-        Share of the mass that is behind, over that of the friction; infinite for the mass alone.
+        The load's share of the mass over its share of the friction; infinite for a load without
+        friction.
     """
     return partial(_followed, held, length, heavy)
 
 
 def followed_by_own_shares(held: str, length: str) -> Law:
-    """Return the law of a load whose shares of mass and friction were looked for.
+    """Return the law of a load whose ratio of shares, ``mass_over_friction``, was searched for.
 
-    Its `length` is that at which as much of the friction is behind as of the mass, so that a
-    length means one stiffness for each mass.
+    Its `length` is defined with a share of the friction that equals the share of the mass. So a
+    length and a mass give one stiffness.
 
     Parameters
     ----------
@@ -197,19 +197,20 @@ def _followed(held: str, length: str, heavy: float, p: Mapping[str, Array], stat
 
 
 def after_passes(p: Mapping[str, Array], state: State) -> Array:
-    """Return Dahl's law, dz/dx = (1 − z)/L along the motion, through passes of any travel.
+    """Return Dahl's law, dz/dx = (1 − z)/L along the motion, over passes of any travel.
 
-    After a reversal friction starts from where the pass before left it: the less it was built up
-    there, the less is missing now.
+    After a reversal friction starts from the state in which the previous pass ended. The less it
+    had built up there, the less is missing now.
 
     Parameters
     ----------
     p : mapping of str to ndarray
-        ``share``, what a whole reversal takes as a share of friction, and ``length``, L [m].
+        ``share``: friction that is missing after a full reversal, as a share of friction.
+        ``length``: L [m].
     state : State
-        With the travel of the passes before.
+        The state, with the travel of the previous passes.
     """
-    missing: Array = np.ones(())  # of what a whole reversal takes
+    missing: Array = np.ones(())  # share of what is missing after a full reversal
     for passed in reversed(state.passes_m):
         missing = 1 - missing * np.exp(-np.asarray(passed) / p["length"])
     left = missing * np.exp(-np.asarray(state.travel_m) / p["length"])

@@ -10,7 +10,7 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 
 def _first(p: Mapping[str, Array], state: State) -> Array:
-    """Return the excess in an assembly's first trial, none where that is long past."""
+    """Return the excess in an assembly's first trial; 0 in a steady state, where it is over."""
     return np.asarray(p["excess"] * state.friction_n * (not state.steady))
 
 
@@ -19,7 +19,7 @@ def _exponential(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _hyperbolic(p: Mapping[str, Array], state: State) -> Array:
-    """Return what is left of surfaces that settle by the square of what is still to settle."""
+    """Return the remaining excess if its rate of decay is in proportion to its square."""
     return np.asarray(_first(p, state) / (1 + np.asarray(state.trial_in_setup) / p["trials"]))
 
 
@@ -33,13 +33,14 @@ EFFECT = Effect(
         meaning="excess of friction in the first trial of an assembly, as a share of friction",
         prior=Normal(mean=0.0, sd=0.15),
         plausible=(-0.3, 0.3),
-        reference="argued: cable and grease come to their places within some runs; more than a "
-        "third of friction would be seen by eye",
+        reference="argued: cable and grease settle within a few runs. An excess above a third of "
+        "friction would be visible without analysis",
     ),
     shape=EffectParameter(
         name="trials",
         unit="1",
-        meaning="trials after which 1/e of the excess is left, or half of it",
+        meaning="trials after which 1/e (`exponential`) or half (`hyperbolic`) of the excess is "
+        "left",
         prior=LogNormal(median=3.0, sd_log=0.7),
         plausible=(0.3, 20.0),
         reference="argued: a change that lasts longer than an assembly's trials is wear or warm-up",

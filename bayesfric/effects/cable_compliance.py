@@ -18,7 +18,7 @@ def _ringing(p: Mapping[str, Array], reading: Reading) -> Array:
     stretch = p["stretch"] * np.cos(phase) * np.exp(-DAMPING_RATIO * phase)
     at_load = np.asarray(reading.is_load)
     moved = np.where(at_load, -drive, load) / (drive + load) * stretch
-    return np.asarray(-moved)  # an end that is ahead meets its magnet sooner
+    return np.asarray(-moved)  # an end that is ahead reaches its magnet earlier
 
 
 EFFECT = Effect(
@@ -28,7 +28,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="stretch",
         unit="m",
-        meaning="stretch at the release beyond that of the moving board; negative where the "
+        meaning="stretch at the release beyond that of the moving board; negative if the "
         "drive side was held",
         prior=Normal(mean=0.0, sd=3e-4),
         plausible=(-5e-4, 5e-4),

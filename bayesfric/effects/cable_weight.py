@@ -9,11 +9,11 @@ from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 from bayesfric.physics.gravity import TRAVEL_M
 
-CABLE_M = 1.6  # of cable between the masses, all of which moves
+CABLE_M = 1.6  # length of the cable between the masses; all of it moves
 
 
 def _passing(p: Mapping[str, Array], state: State) -> Array:
-    longer = 2 * np.asarray(state.travel_m) - p["middle"]  # the drive side, beyond the load side
+    longer = 2 * np.asarray(state.travel_m) - p["middle"]  # drive side less load side
     weight = p["density"] * np.asarray(state.gravity_m_s2) * (not state.steady)
     return np.asarray(-weight * longer)
 
@@ -35,12 +35,13 @@ EFFECT = Effect(
         prior=HalfNormal(scale=0.02),
         plausible=(0.0, 0.003),
         reference="argued: steel that fills 0.5 to 0.7 of a circle of 0.61 mm weighs 1.2 to "
-        "1.6 g/m; twice that where a cable is coated or doubled",
+        "1.6 g/m; a coated or doubled cable weighs twice that",
     ),
     shape=EffectParameter(
         name="middle",
         unit="m",
-        meaning="by how much longer the load side hangs when a trial is released",
+        meaning="how much longer the hanging cable is on the load side than on the drive side at "
+        "the release",
         prior=Normal(mean=TRAVEL_M, sd=0.2),
         plausible=(0.0, 1.2),
         reference="argued: the masses change places in a trial of 0.6 m, and hang from cords "

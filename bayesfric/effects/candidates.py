@@ -1,8 +1,8 @@
-"""Effects as candidates: each law at each of some shapes is one column.
+"""Effects as candidates: each law, at each node of its shape, is one column of the linear model.
 
-A shape parameter, such as the Stribeck speed, has nodes over its prior, between which a column
-is interpolated. An effect with phases that nobody recorded has no column: its amplitude is a
-scatter of every trial.
+A shape parameter, such as the Stribeck speed, has nodes over its prior. Columns are interpolated
+between the nodes. An effect whose phases are not recorded has no column: its amplitude is the
+standard deviation of a scatter of every trial.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,8 +18,8 @@ from bayesfric.effects import Effect
 from bayesfric.inference.priors import from_normal
 
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
-"""Shapes that are tried, as normal quantiles of the prior."""
-LINEAR_STEP = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
+"""Nodes of a shape, as normal quantiles of its prior."""
+LINEAR_STEP = 1e-4  # share of the prior's sd at which laws are linearised in their amplitude
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Candidate:
     Parameters
     ----------
     effect : Effect
-        What may act.
+        The effect.
     law : str
         Name of the variant.
     node : float
@@ -45,7 +45,7 @@ class Candidate:
 
     @property
     def shape(self) -> float | None:
-        """The shape parameter, None without one."""
+        """The value of the shape parameter; None without one."""
         if self.effect.shape is None:
             return None
         return float(from_normal(self.effect.shape.prior, self.node))
@@ -63,7 +63,7 @@ def candidates_of(effect: Effect) -> list[Candidate]:
 
 
 def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
-    """Return parameters at a small amplitude, and the divisor that makes their response unit."""
+    """Return parameters at a small amplitude, and that amplitude, the divisor of the response."""
     effect = candidate.effect
     small = LINEAR_STEP * prior_moments(effect.amplitude.prior)[1]
     values: dict[str, Any] = {effect.amplitude.name: np.float64(small)}
@@ -73,7 +73,7 @@ def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
 
 
 def unit_response(candidate: Candidate, where: Any) -> Array:
-    """Return what an effect of amplitude 1 does at some places, by what a small one does."""
+    """Return the response at amplitude 1, extrapolated linearly from a small amplitude."""
     values, small = unit_values(candidate)
     return np.asarray(candidate.effect.laws[candidate.law](values, where)) / small
 
@@ -81,9 +81,10 @@ def unit_response(candidate: Candidate, where: Any) -> Array:
 def prior_moments(prior: Prior) -> tuple[float, float]:
     """Return mean and standard deviation of the normal that replaces a prior.
 
-    That of a half-normal is the normal that is folded; :func:`is_positive` says so. A
-    half-Cauchy density is the half-normal of its median, and a Student-t, gamma, beta or
-    truncated one the normal of its median and of its interval of 68 %.
+    A half-normal prior is replaced by the normal whose absolute value it is; see
+    :func:`is_positive`. A half-Cauchy prior is first replaced by the half-normal with its median.
+    Student-t, gamma, beta and truncated priors are replaced by the normal with their median and
+    half the width of their 68 % interval.
     """
     match prior:
         case HalfNormal(scale=scale):
@@ -102,17 +103,17 @@ def prior_moments(prior: Prior) -> tuple[float, float]:
 
 
 def is_positive(prior: Prior) -> bool:
-    """Return whether a prior is a folded normal, or has one in its place."""
+    """Return whether a prior is a half-normal, or is replaced by one."""
     return isinstance(prior, HalfNormal | HalfCauchy)
 
 
 def goes_to_and_fro(effect: Effect) -> bool:
-    """Return whether an error of readings has no equivalent force: no parabola sees it."""
+    """Return whether an effect on readings has no equivalent force."""
     return effect.acts_on == "reading" and bool(effect.components or effect.shape)
 
 
 def on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candidate, float]]:
-    """Return the effects, with their amplitudes, that add to friction along a known path."""
+    """Return those effects, with their amplitudes, that are a known force of friction."""
     return [
         (candidate, amplitude)
         for candidate, amplitude in acting

@@ -1,7 +1,7 @@
 """A clock whose rate is not the specified one.
 
-To first order it is the wrong length scale, twice: from rest, v t is twice the travel. On
-the gravity board the two cannot be told apart.
+To first order it equals an error of the length scale that is twice as large: from rest, v t is
+twice the travel. On the gravity board the two cannot be told apart.
 """
 
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from bayesfric.effects.base import Effect, EffectParameter, Reading
 
 
 def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
-    # A time that reads too long by ε t: by then the cable is v ε t further.
+    # If the clock reads too long by ε t, the cable is v ε t further on at the recorded time.
     return np.asarray(p["excess"] * np.asarray(reading.speed_m_s) * np.asarray(reading.time_s))
 
 

@@ -1,8 +1,8 @@
-"""Cogging: a drive that pulls towards places that come back along the path.
+"""Cogging: a drive force that is periodic along the path.
 
-Nobody knows period and phase beforehand, and between periods whose waves drift apart by half a
-turn over the path nothing can be interpolated. The rig looks for both, and the law's weight is
-that of the one of all its forms that was found.
+Period and phase are not known beforehand. The response cannot be interpolated between two periods
+whose waves drift apart by half a turn over the path. So the rig searches the data for period and
+phase, and the evidence is divided by the number of distinguishable forms that were searched.
 """
 
 from collections.abc import Mapping
@@ -29,8 +29,8 @@ EFFECT = Effect(
         meaning="amplitude of the periodic force",
         prior=HalfNormal(scale=0.3),
         plausible=(0.0, 2.0),
-        reference="argued: magnets and teeth pull with some per cent to a fifth of the rated "
-        "force, and a drive is chosen for some times the friction",
+        reference="argued: cogging is a few per cent to a fifth of the rated force, and the rated "
+        "force is several times the friction",
     ),
     shape=EffectParameter(
         name="period",
@@ -38,8 +38,8 @@ EFFECT = Effect(
         meaning="wavelength of the periodic force",
         prior=LogNormal(median=0.05, sd_log=0.8),
         plausible=(0.002, 0.3),
-        reference="argued: a pole pair or a tooth is a hundredth of the travel at the least, and "
-        "half of it is no longer a period",
+        reference="argued: a pole pair or a tooth spans at least a hundredth of the travel. A "
+        "wavelength above half of the travel is no period",
         typical=0.05,
     ),
     laws={"wave": _wave},

@@ -1,7 +1,7 @@
 """Coulomb friction that a simulator of an axis lacks: a force against the motion at any speed.
 
-It is examined where the law, or the simulator in its place, has no Coulomb friction to fit. Along
-a motion that never turns it cannot be told from a weight or from an offset (``axis-bias``).
+It is examined if the law, or the simulator that replaces it, has no Coulomb friction to fit. In
+motion in one direction only, it cannot be told from a weight or from an offset (``axis-bias``).
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ EFFECT = Effect(
         meaning="Coulomb friction that is missing",
         prior=HalfNormal(scale=1.5),
         plausible=(0.0, 3.0),
-        reference="argued: about the Coulomb friction that plain least squares estimate",
+        reference="argued: about the Coulomb friction that least squares estimates",
     ),
     laws={"constant": _constant},
     along_path=True,

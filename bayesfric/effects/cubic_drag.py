@@ -1,7 +1,7 @@
 """Drag that grows with the cube of speed: the next odd power after viscous friction.
 
-Churned oil and eddy currents bend the line of viscous friction. Over a small range of speeds it
-is confounded with ``air-drag``, and with ``viscous`` where the law lacks that.
+Churned oil and eddy currents make viscous friction nonlinear. Over a small range of speeds this
+effect is confounded with ``air-drag``, and with ``viscous`` if the law has no viscous friction.
 """
 
 from collections.abc import Mapping
@@ -25,13 +25,14 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="coefficient",
         unit="N s³/m³",
-        meaning="force against the motion at 1 m/s; below zero where viscous friction sags",
+        meaning="force against the motion at 1 m/s; negative if friction grows less than in "
+        "proportion to speed",
         prior=Normal(mean=0.0, sd=0.15),
         plausible=(-0.5, 0.5),
         reference="argued: at the top speed it changes friction by no more than friction itself; "
         "polynomial laws of joints are in Simoni et al., Modelling the temperature in "
         "joint friction of industrial manipulators, Robotica (2017)",
-        joint_prior=Normal(mean=0.0, sd=0.45),  # at the top speed as much as `air-drag`
+        joint_prior=Normal(mean=0.0, sd=0.45),  # as large as `air-drag` at the top speed
     ),
     laws={"cubic": _cubic},
     along_path=True,

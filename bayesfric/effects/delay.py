@@ -1,4 +1,4 @@
-"""The drive force acts later than the log has it."""
+"""The drive force acts later than the log says."""
 
 from collections.abc import Mapping
 
@@ -10,25 +10,25 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 
 def _late(p: Mapping[str, Array], state: State) -> Array:
-    # What is logged is more than what acts by F(t) − F(t − d) = d F'(t − d/2), up to d³.
+    # The logged force exceeds the acting one by F(t) − F(t − d) = d F'(t − d/2), up to d³.
     return np.asarray(p["time"] * np.asarray(state.force_rate_n_s))
 
 
 EFFECT = Effect(
     name="delay",
     acts_on="drive",
-    sentence="the drive force acts later than the log has it",
+    sentence="the drive force acts later than the log says",
     amplitude=EffectParameter(
         name="time",
         unit="s",
         meaning="time from the logged force to the force that acts",
         prior=HalfNormal(scale=0.01),
         plausible=(0.0, 0.05),
-        reference="argued: field buses and drives need one to some cycles of 1 to 10 ms",
+        reference="argued: field buses and drives need one to several cycles of 1 to 10 ms",
     ),
     laws={"late": _late},
     along_path=True,
     needs=frozenset({"drive"}),
-    # Beside a law with inertia and viscous friction it shows where friction has just turned.
+    # Beside a law with inertia and viscous friction it shows just after friction has reversed.
     axes=frozenset({"acceleration", "travel_since_reversal", "velocity"}),
 )

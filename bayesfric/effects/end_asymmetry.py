@@ -14,7 +14,7 @@ def _relative(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _constant_part(p: Mapping[str, Array], state: State) -> Array:
-    """Return the difference where it is one of seals or grease, which no tension changes."""
+    """Return the difference if its cause is seals or grease, independent of tension."""
     ends = np.asarray(state.drive_end) * np.ones_like(state.tension_n)
     return np.asarray(p["difference"] * np.asarray(state.constant_friction_n) * ends)
 

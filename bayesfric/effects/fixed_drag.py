@@ -1,4 +1,4 @@
-"""A drag that is there whatever the number of pulleys."""
+"""A drag that does not depend on the number of pulleys."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 from bayesfric.effects.state import REFERENCE_TENSION_N
 
-WITH_TENSION = 0.4  # of the drag at 15 N; of a pulley by Table I it is 0.8, of felt 0
+WITH_TENSION = 0.4  # share at 15 N that grows with tension; 0.8 for a pulley by Table I, 0 for felt
 
 
 def _constant(p: Mapping[str, Array], state: State) -> Array:
@@ -17,7 +17,7 @@ def _constant(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _with_tension(p: Mapping[str, Array], state: State) -> Array:
-    # Pulleys of the sensors drag more under more tension, felt and brushes do not.
+    # The drag of sensor pulleys grows with tension; that of felt and brushes does not.
     more = np.asarray(state.tension_n) / REFERENCE_TENSION_N - 1
     return np.asarray(_constant(p, state) * (1 + WITH_TENSION * more))
 

@@ -1,6 +1,7 @@
-"""A weight on a lever: torque that goes with sine and cosine of the angle.
+"""A weight on a lever: a torque that varies with the sine of the angle.
 
-On a small stroke about where it hangs it is a spring; few joints have one, and most have a weight.
+Over a small stroke about the hanging position it is the same as a spring. Few joints have a spring,
+and most have a weight.
 """
 
 from collections.abc import Mapping
@@ -20,23 +21,25 @@ def _lever(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="gravity-torque",
     acts_on="drive",
-    sentence="a weight off the axis pulls with the sine of the angle",
+    sentence="the weight of an eccentric mass gives a torque that varies with the sine of the "
+    "angle",
     amplitude=EffectParameter(
         name="torque",
         unit="N",
         meaning="largest torque of the weight",
         prior=Normal(mean=0.0, sd=1.0),
         plausible=(-10.0, 10.0),
-        reference="argued: joints are balanced, or their drives are chosen, so that weight takes "
-        "no more than some times friction",
+        reference="argued: joints are balanced, or their drives are chosen, so that the weight "
+        "takes no more than several times the friction",
     ),
     shape=EffectParameter(
         name="angle",
         unit="1",
-        meaning="angle to add to the position so that the weight hangs at zero [rad]",
-        prior=Uniform(low=-1.7, high=1.7),  # a quarter turn, as where 0 is level, lies inside
+        meaning="angle to add to the position so that the weight hangs down at zero [rad]",
+        prior=Uniform(low=-1.7, high=1.7),  # includes a quarter turn: zero where the lever is level
         plausible=(-1.5708, 1.5708),
-        reference="nobody knows where an encoder's zero is; half a turn more changes the sign",
+        reference="the zero of an encoder is arbitrary. Half a turn more only changes the sign of "
+        "the torque",
         typical=0.3,
     ),
     laws={"lever": _lever},
@@ -44,5 +47,5 @@ EFFECT = Effect(
     needs=frozenset({"acting-gravity", "angle", "position"}),
     axes=frozenset({"direction", "displacement", "rotation_angle"}),
     is_exact=True,
-    odds=10.0,  # argued: of joints pulled to a place ten have a weight where one has a spring
+    odds=10.0,  # argued: for each joint with a spring, ten have a weight
 )

@@ -1,8 +1,8 @@
-"""Memory of the path: friction that takes long to settle after the last reversal.
+"""Hysteresis: friction that takes a long travel to settle after the last reversal.
 
-Dahl's model from rest, dz/dx = (1 − z)/L, is the curve of presliding: a board whose cable
-only ever runs one way cannot tell the two apart, except by their lengths. The model of
-Bouc and Wen with exponent 2, dz/dx = (1 − z²)/L, is not.
+Dahl's model from rest, dz/dx = (1 − z)/L, has the same curve as ``presliding``. A board whose
+cable runs in one direction only cannot tell the two apart, except by their lengths. The model of
+Bouc and Wen with exponent 2, dz/dx = (1 − z²)/L, has another curve.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Names of what users look for among effects and what is no effect of its own, and why not."""
+"""Names that users may look for among the effects, and why they are no effects of their own."""
 
 from types import MappingProxyType
 
@@ -12,4 +12,4 @@ IN_THE_MODEL = MappingProxyType(
         "only beside a mass that is declared, in the first line of attention",
     }
 )
-"""By name, of a driven joint."""
+"""Reasons by name, for a driven joint."""

@@ -1,10 +1,10 @@
-"""A gear that loses more of its load when driving than when driven back, or the other way.
+"""A gear whose friction per load differs between driving and being driven back.
 
-Duclusaud et al. have |k_m τ_m − k_e τ_e|, τ_m the motor's torque and τ_e that of the load. At
-one pose the two of them differ by friction and inertia alone, so that the formula is k |ℓ| with
-one k where the motor drives and another where the load drives back. The half of it that is odd,
-k ℓ along the motion, is an error of the force's gain, of the mass or of gravity: it shows only
-where these are known. With ``load-friction`` it shares the other half.
+Duclusaud et al. have |k_m τ_m − k_e τ_e|, with the motor's torque τ_m and the load's torque τ_e. At
+one pose the two differ only by friction and inertia. So the formula is k |ℓ|, with one k if the
+motor drives and another if the load drives back. The odd half of it, k ℓ along the motion, looks
+like an error of the force's gain, of the mass or of gravity, and shows only if these are known. The
+even half is the same as ``load-friction``.
 """
 
 from collections.abc import Mapping

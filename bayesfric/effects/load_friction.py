@@ -1,9 +1,9 @@
 """Friction that grows with the load of a gear: k |ℓ|, ℓ the torque that the gear carries.
 
-Teeth and bearings are pressed together by what they carry. Where an axis runs one way only, or
-always carries the same, this is Coulomb friction, or an error of the force's gain: lifting and
-lowering at one pose, or two loads, tell it apart. It is confounded with ``load-asymmetry`` and, at
-low speeds, with ``load-stribeck``.
+The load presses teeth and bearings together. If an axis runs in one direction only, or always
+carries the same load, this effect cannot be told from Coulomb friction or from an error of the
+force's gain. Lifting and lowering at one pose, or two loads, tell it apart. It is confounded with
+``load-asymmetry`` and, at low speeds, with ``load-stribeck``.
 
 References
 ----------

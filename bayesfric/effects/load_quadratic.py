@@ -1,7 +1,7 @@
 """Friction that grows with the square of the gear's load: k ℓ².
 
-The last step of M6 of Duclusaud et al., whose square dies out with speed as well. Over a small
-range of loads it is ``load-friction``, which is no effect beside it.
+This is the last step of M6 of Duclusaud et al., in which the square also decays with speed. Over a
+small range of loads it is the same as ``load-friction``. The two never act together.
 """
 
 from collections.abc import Mapping

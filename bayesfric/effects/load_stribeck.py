@@ -1,8 +1,8 @@
-"""Friction by the gear's load that dies out as speed grows: k |ℓ| exp(−v / v_s).
+"""Friction from the gear's load that decays with speed: k |ℓ| exp(−v / v_s).
 
-M4 of Duclusaud et al. At high speed friction by the load may stay, half of it or less: that is
-``load-friction``, which therefore is no effect beside this one but a part of it. The two are not
-told apart where all is slow; where the load is always the same this is ``stribeck``.
+This is M4 of Duclusaud et al. Half of the friction or less may remain at high speed. That part is
+``load-friction``, so the two are rungs of one ladder and never act together. They cannot be told
+apart if all speeds are low. If the load is always the same, this effect is ``stribeck``.
 """
 
 from collections.abc import Mapping
@@ -15,19 +15,19 @@ from bayesfric.effects.base import BY_LOAD, LADDER, Effect, EffectParameter, Sta
 
 
 def _exponential(p: Mapping[str, Array], state: State) -> Array:
-    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * _dying(p, state))
+    return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * _decay(p, state))
 
 
 def _at_rest(p: Mapping[str, Array], state: State) -> Array:
-    return np.asarray(p["share"] * np.abs(np.asarray(state.held_n)) * _dying(p, state))
+    return np.asarray(p["share"] * np.abs(np.asarray(state.held_n)) * _decay(p, state))
 
 
 def _half_stays(p: Mapping[str, Array], state: State) -> Array:
-    left = 0.5 * (1 + _dying(p, state))
+    left = 0.5 * (1 + _decay(p, state))
     return np.asarray(p["share"] * np.abs(np.asarray(state.carried_n)) * left)
 
 
-def _dying(p: Mapping[str, Array], state: State) -> Array:
+def _decay(p: Mapping[str, Array], state: State) -> Array:
     return np.asarray(np.exp(-np.asarray(state.speed_m_s) / p["speed"]))
 
 
@@ -46,10 +46,10 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="speed",
         unit="m/s",
-        meaning="Stribeck speed, at which it has fallen to 1/e",
+        meaning="Stribeck speed, at which the friction has fallen to 1/e",
         prior=LogNormal(median=0.25, sd_log=0.7),
         plausible=(0.005, 1.3),
-        reference=f"{LADDER}: 0.35 to 4.2 rad/s, of joints that reach some rad/s",
+        reference=f"{LADDER}: 0.35 to 4.2 rad/s, of joints that reach a few rad/s",
         typical=0.25,
     ),
     laws={"exponential": _exponential, "of-what-is-held": _at_rest, "half-stays": _half_stays},

@@ -1,8 +1,8 @@
-"""Magnets of the sensor pulley that sit off their places.
+"""Magnets of the sensor pulley that are displaced.
 
-The pattern repeats each revolution, and which magnet came first is not recorded: waves of
-one and of two periods a revolution, with free phases. They are all patterns that five
-magnets can have, beside a constant; of more magnets they are the smooth ones.
+The pattern repeats each revolution, and the recording does not say which magnet came first. So the
+pattern is a sum of waves with one and two periods a revolution, with free phases. For five magnets
+these are all patterns except a constant; for more magnets they are the smooth patterns.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""A mass on one side that is not what was written down."""
+"""A mass on one side that differs from the recorded one."""
 
 from collections.abc import Mapping
 
@@ -20,9 +20,9 @@ def _load_side(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _felt(state: State) -> Array:
-    """Return the friction by which the excess weighs on the pulleys, as a share of it.
+    """Return the friction that the excess adds by its tension, as a share of its weight.
 
-    Half of it goes into the nominal tension, the mean of both sides.
+    Half of the weight enters the nominal tension, which is the mean of both sides.
     """
     return np.asarray(0.5 * np.asarray(state.tension_friction_n) / np.asarray(state.tension_n))
 
@@ -34,7 +34,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="excess",
         unit="kg",
-        meaning="mass on that side beyond what is written down",
+        meaning="mass on that side beyond the recorded one",
         prior=Normal(mean=0.0, sd=0.01),
         plausible=(-0.005, 0.005),
         reference="argued: a hook or a clamp that was not weighed is a few grams, and kitchen "

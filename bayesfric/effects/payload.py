@@ -1,4 +1,4 @@
-"""Mass that moves in the runs that show the gap, and that the baseline has not."""
+"""Additional mass in the runs that show the gap, beyond the mass of the baseline."""
 
 from collections.abc import Mapping
 
@@ -17,15 +17,15 @@ def _carried(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="payload",
     acts_on="drive",
-    sentence="the runs that show the gap move more mass than the baseline has",
+    sentence="the test runs carry an additional mass",
     amplitude=EffectParameter(
         name="mass",
         unit="kg",
-        meaning="mass, or inertia, that runs move beyond the baseline's: those of role test, or, "
-        "where no run is only a test, those without a role",
+        meaning="additional mass (or inertia) of the runs of role `test`, or of the runs without a "
+        "role if there are none",
         prior=Normal(mean=0.0, sd=0.5),
         plausible=(-0.5, 2.0),
-        reference="argued: what an axis carries is up to some times its own mass; what it lost "
+        reference="argued: a payload is up to several times the mass of the axis. A missing part "
         "is less than half of it",
     ),
     laws={"carried": _carried},

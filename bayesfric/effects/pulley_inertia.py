@@ -16,7 +16,7 @@ def _same(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _discs(p: Mapping[str, Array], state: State) -> Array:
-    # Discs of one thickness: the mass, and half of it moves with the rim, ∝ radius².
+    # Discs of one thickness: the mass is ∝ radius², and half of it moves with the rim.
     return _same(p, state) * (np.asarray(state.radius_m) / MEDIUM_RADIUS_M) ** 2
 
 

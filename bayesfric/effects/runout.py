@@ -25,7 +25,7 @@ EFFECT = Effect(
         meaning="rms of the variation, as a share of friction",
         prior=HalfNormal(scale=0.2),
         plausible=(0.0, 0.2),
-        reference="argued: a pulley that runs out by a tenth of its radius changes its friction "
+        reference="argued: a pulley with a runout of a tenth of its radius changes its friction "
         "by a tenth; several pulleys in step at most double that",
     ),
     laws={"once": _once},

@@ -1,4 +1,4 @@
-"""Cable that slips: the two sensors disagree ever more."""
+"""Cable that slips: the two sensors disagree more and more."""
 
 from collections.abc import Mapping
 
@@ -18,7 +18,7 @@ def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
 
 
 def _creep(p: Mapping[str, Array], reading: Reading) -> Array:
-    # Cable stretches over the pulleys by the step of tension, which is their friction.
+    # The cable's strain changes over the pulleys by the step of tension, which is their friction.
     drive, load = np.asarray(reading.mass_drive_kg), np.asarray(reading.mass_load_kg)
     pull = (drive - load) * STANDARD_GRAVITY_M_S2
     friction = pull - (drive + load) * np.asarray(reading.acceleration_m_s2)

@@ -24,13 +24,13 @@ EFFECT = Effect(
         meaning="force for each unit of travel",
         prior=HalfNormal(scale=3.0),
         plausible=(0.0, 30.0),
-        reference="argued: hoses and cables that drag along pull with up to some times the "
+        reference="argued: hoses and cables that drag along pull with up to several times the "
         "friction at the end of travel",
     ),
     shape=EffectParameter(
         name="rest",
         unit="m",
-        meaning="position at which it does not pull",
+        meaning="position at which the spring exerts no force",
         prior=Normal(mean=0.0, sd=0.15),
         plausible=(-0.6, 0.6),
         reference="argued: somewhere within the travel, whose zero is near its middle or at an end",

@@ -1,4 +1,4 @@
-"""Where a board, an axis or a sensor is when an effect acts: all that an effect may depend on."""
+"""The state of a board, an axis or a sensor: everything on which an effect may depend."""
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
@@ -19,22 +19,22 @@ REFERENCE_TENSION_N = 15.0
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 STANDARD_GRAVITY_M_S2 = 9.80665
 Load = Callable[[str, float, ArrayLike], tuple[ArrayLike, ArrayLike]]
-"""How a load follows that is held by a drive in ``play``, or on a ``spring``.
+"""Simulates a load that follows a drive in ``play`` or on a ``spring``.
 
-Of how it is held, its share of the mass over its share of the friction, and a length (the play, or
-the travel over which friction winds the spring up), it makes the load's acceleration beyond the
-drive's, and its friction beyond that of a load which never lets go, as a share of it.
+Arguments: how it is held; its share of the mass over its share of the friction; a length (the play,
+or the travel over which friction winds the spring up). Results: the load's acceleration less the
+drive's, and its friction less that of a load fixed to the drive, as a share of the latter.
 """
 
 
 def _fixed(held: str, heavy: float, length: ArrayLike) -> tuple[ArrayLike, ArrayLike]:
-    """Return nothing: the load is the drive."""
+    """Return zeros: the load is fixed to the drive."""
     del held, heavy, length
     return 0.0, 0.0
 
 
 class State(NamedTuple):
-    """Where a board is when an effect acts; arrays that broadcast.
+    """The state of a board or an axis; arrays that broadcast.
 
     Parameters
     ----------
@@ -50,60 +50,63 @@ class State(NamedTuple):
         The rest of the baseline's friction [N].
     pulley_friction_n : array_like
         The baseline's friction of one pulley of this size at 15 N and 85° [N]: a scale
-        that knows nothing of the condition.
+        that does not depend on the condition.
     load_current_a : array_like
         Motor current beyond that of the idle motor [A]; 0 on the gravity board.
     travel_m : array_like
         Travel of the cable since the trial was released [m]; 0 in a steady run.
     passes_m : sequence of array_like
-        Of a driven axis: travel of the passes before the present one, the last first [m].
+        For a driven axis: travel of the passes before the present one, the last first [m].
     acceleration_m_s2 : array_like
-        Of the cable [m/s²]; 0 in a steady run.
+        Acceleration of the cable [m/s²]; 0 in a steady run.
     radius_m : array_like
-        Of the pulleys, at the cable [m].
+        Radius of the pulleys, at the cable [m].
     order : array_like
         Place in the order of the recording, from 0 (first) to 1 (last).
     gravity_m_s2 : array_like
         Local acceleration of free fall [m/s²].
     drive_end : array_like
-        Which physical end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says.
+        The physical end that carried the drive mass: −0.5 left, 0.5 right, 0 if not recorded.
     trial_in_setup : array_like
-        How many trials of the same assembly went before; 0 of the first.
+        Number of earlier trials of the same assembly; 0 for the first.
     position_m, direction : array_like
-        Of a driven axis: where it is [m, or rad where it turns], and 1 or −1 for the way that
-        it runs; 0 where there is no such thing.
+        For a driven axis: its position [m, or rad if it turns], and the direction of motion, 1
+        or −1; else 0.
     drive_force_n : array_like
-        Of a driven axis: the drive force, positive along the position [N, or N·m].
+        For a driven axis: the drive force, positive along the position [N, or N·m].
     mass_kg : array_like
-        Of a driven axis: all the mass that moves, by the baseline [kg, or kg·m²].
+        For a driven axis: all the mass that moves, by the baseline [kg, or kg·m²].
     force_rate_n_s, force_curvature_n_s2 : array_like
-        First and second derivative of the drive force along the motion [N/s], [N/s²]; the
-        first half of a delay ago.
+        First and second derivative of the drive force along the motion [N/s], [N/s²]. The
+        first is taken half a delay earlier.
     lagging_rate_n_s : array_like
-        The first derivative of what an actuator gives that lags as the drive does [N/s].
+        First derivative of the force of an actuator that follows the command with a lag [N/s].
     wave_from_m : array_like
-        Where a wave that was found along the path rises through zero [m or rad].
+        Position at which a periodic force that was found along the path rises through zero [m
+        or rad].
     tested : array_like
-        1 in a run of role ``test``, in which something may differ from calibration; else 0.
+        1 in a run of role ``test``, which may differ from calibration; else 0.
     load : Load
-        Of a driven axis: how a load behind its drive moves.
+        For a driven axis: simulates a load behind its drive.
     mass_over_friction : float
-        Of such a load: its share of the mass over that of the friction, as it was looked for.
+        For such a load: its share of the mass over its share of the friction, as found by a
+        search.
     carried_n, held_n : array_like
-        Of a driven axis: what its gear carries, positive along the position, with what the
-        moving mass takes and without: what gravity and springs pull alone [N, or N·m].
+        For a driven axis: the load that its gear carries, positive along the position.
+        `carried_n` includes the inertia of the moving mass; `held_n` is gravity and springs
+        alone [N, or N·m].
     dwell_s, since_rest_m : array_like
-        Of a driven axis: how long it rested before it moved as it does, and travel since [s], [m].
+        For a driven axis: duration of its last rest [s], and travel since then [m].
     warmth : array_like
-        From −0.5 (coldest of the recording) to 0.5 (warmest), the mean taken off.
+        From −0.5 (coldest of the recording) to 0.5 (warmest), less its mean.
     wrap_spread_deg : array_like
-        Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
-        wrote them down.
+        Standard deviation of the pulleys' individual wrap angles [deg]; nan if they are not
+        recorded.
     steady : bool
-        Whether the cable has run at this speed for long: what passes, as the first
-        stretch of travel does, is over, and what goes round averages out.
+        Whether the cable has run at this speed for a long time. Transients, such as those of
+        the first stretch of travel, are then over, and periodic forces average out.
     covariates : mapping of str to array_like
-        What else the recording has in a column of its own, by the column's name.
+        Further columns of the recording, by name.
     """
 
     n_pulleys: ArrayLike
@@ -153,7 +156,7 @@ class State(NamedTuple):
         load_current_a: ArrayLike = 0.0,
         **rest: Any,
     ) -> "State":
-        """Return the state, the parts of friction by eq. (15); `rest` are other fields."""
+        """Return the state with the parts of friction by eq. (15); `rest` are other fields."""
         slope = tension_slope(coefficients, n_pulleys, wrap_angle_deg)
         return cls(
             n_pulleys,
@@ -175,29 +178,29 @@ class State(NamedTuple):
 
     @property
     def settling_friction_n(self) -> Array:
-        """Friction that is built up from a start; none where the start is long past [N]."""
+        """Friction that builds up after a start; 0 in a steady run, where this is over [N]."""
         return np.asarray(self.friction_n * (not self.steady))
 
 
 class Reading(NamedTuple):
-    """Where the cable and a sensor are at an event; arrays that broadcast.
+    """The state of the cable and a sensor at an event; arrays that broadcast.
 
     Parameters
     ----------
     displacement_m : array_like
-        What is written down: travel since the sensor's first event [m].
+        Recorded travel since the sensor's first event [m].
     event : array_like
         Number of the event at its sensor, 0 being the first.
     is_load : array_like
         1 at the load end's sensor, 0 at the drive end's.
     time_s : array_like
-        Since the release [s].
+        Time since the release [s].
     speed_m_s, acceleration_m_s2 : array_like
-        Of the cable [m/s], [m/s²].
+        Speed and acceleration of the cable [m/s], [m/s²].
     mass_drive_kg, mass_load_kg : array_like
-        On the two ends [kg].
+        Masses on the two ends [kg].
     magnets_per_revolution : int
-        Of the sensor pulley.
+        Number of magnets of the sensor pulley.
     """
 
     displacement_m: ArrayLike

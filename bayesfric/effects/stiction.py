@@ -1,7 +1,8 @@
-"""Stiction: the longer an axis has rested, the more it takes to get it going.
+"""Stiction: the longer an axis has rested, the larger the force that starts it.
 
-Contacts creep while nothing moves; the rise dies out over the first stretch of travel. It is
-confounded with ``stribeck`` where every start is alike, and with ``presliding`` of other sign.
+Contacts creep while nothing moves. The extra friction decays over the first stretch of travel. The
+effect is confounded with ``stribeck`` if all starts are alike. Its sign is opposite to that of
+``presliding``, with which it is confounded too.
 """
 
 from collections.abc import Mapping
@@ -12,7 +13,7 @@ from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-RISES_IN_S = 1.0  # of dwell, to half of what it can be
+RISES_IN_S = 1.0  # dwell after which the extra friction is half of its maximum
 
 
 def _after_dwell(p: Mapping[str, Array], state: State) -> Array:
@@ -32,15 +33,15 @@ EFFECT = Effect(
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 2.0),
         reference="Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083: "
-        "static friction that rises with dwell time, to about twice the kinetic",
+        "static friction rises with dwell time, to about twice the kinetic friction",
     ),
     shape=EffectParameter(
         name="length",
         unit="m",
-        meaning="travel over which it dies out to 1/e",
+        meaning="travel over which the extra friction falls to 1/e",
         prior=LogNormal(median=0.02, sd_log=0.8),
         plausible=(1e-4, 0.1),
-        reference="argued: from the size of a contact to some turns of a gear's teeth",
+        reference="argued: from the size of a contact to a few teeth of a gear",
         typical=0.02,
     ),
     laws={"after-dwell": _after_dwell},

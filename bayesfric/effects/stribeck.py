@@ -1,4 +1,4 @@
-"""Stribeck friction: more friction at low speed, dying out as speed grows."""
+"""Stribeck friction: friction is higher at low speed, and the rise decays with speed."""
 
 from collections.abc import Mapping
 
@@ -10,7 +10,7 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 ARMSTRONG = (
     "argued from the survey of Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 "
-    "(1994) 1083: at most twice the kinetic friction at rest, and at low speeds only"
+    "(1994) 1083: "
 )
 
 
@@ -33,12 +33,13 @@ EFFECT = Effect(
         meaning="extra friction at standstill as a share of friction",
         prior=HalfNormal(scale=0.3),
         plausible=(0.0, 1.0),
-        reference=ARMSTRONG,
+        reference=f"{ARMSTRONG}at most twice the kinetic friction at rest",
         on_joints=(
             0.0,
             3.0,
-            "of geared servos most of friction at rest may go with speed: Duclusaud et al., "
-            "Extended friction models for the physics simulation of servo actuators, 2024, M2",
+            "in geared servos most of the friction at rest may vanish with speed: Duclusaud "
+            "et al., Extended friction models for the physics simulation of servo actuators, "
+            "2024, M2",
         ),
     ),
     shape=EffectParameter(
@@ -47,13 +48,13 @@ EFFECT = Effect(
         meaning="Stribeck speed, at which the rise has fallen to 1/e",
         prior=LogNormal(median=0.15, sd_log=0.7),
         plausible=(0.001, 0.3),
-        reference=ARMSTRONG,
+        reference=f"{ARMSTRONG}the rise is limited to low speeds",
         on_joints=(
             0.001,
             1.3,
-            "0.35 to 4.2 rad/s of servos that reach some rad/s (parameters published with "
+            "0.35 to 4.2 rad/s in servos that reach a few rad/s (parameters published with "
             "Duclusaud et al., Extended friction models for the physics simulation of servo "
-            "actuators, 2024); of sliding contacts less",
+            "actuators, 2024); less in sliding contacts",
         ),
         typical=0.15,
     ),

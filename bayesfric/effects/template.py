@@ -1,4 +1,4 @@
-"""The file that ``bayesfric effects new`` writes: an effect to be changed by its author."""
+"""The file that ``bayesfric effects new`` writes: an effect that its author then edits."""
 
 TEXT = '''"""An effect of your own: say in a line what the law of friction leaves out."""
 
@@ -43,6 +43,6 @@ def template(name: str) -> str:
     Parameters
     ----------
     name : str
-        Of the effect: lower case letters, digits and hyphens.
+        Name of the effect: lower case letters, digits and hyphens.
     """
     return TEXT.format(name=name)

@@ -10,7 +10,7 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 from bayesfric.effects.state import REFERENCE_TENSION_N
 
 MIDDLE_TENSION_N = 16.5  # of Table II's range
-SLACK = 1e-3  # of that: a tension below it is none
+SLACK = 1e-3  # share of that: a lower tension counts as a slack cable
 
 
 def _quadratic(p: Mapping[str, Array], state: State) -> Array:
@@ -19,7 +19,7 @@ def _quadratic(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _apart_from_wrap(p: Mapping[str, Array], state: State) -> Array:
-    # As at 85°, whatever the angle: n c1 T, from the friction of one pulley at 15 N and 85°.
+    # n c1 T as at 85°, at any angle; c1 from the friction of one pulley at 15 N and 85°.
     whole = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
     slope = (whole - np.asarray(state.constant_friction_n)) / REFERENCE_TENSION_N
     beyond = np.asarray(state.tension_n) / MIDDLE_TENSION_N - 1
@@ -27,7 +27,7 @@ def _apart_from_wrap(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _power(p: Mapping[str, Array], state: State) -> Array:
-    # A law far from a board's trials may leave its cable slack: no power of that is a number.
+    # Far from a board's trials the law may make the cable slack, which has no power.
     ratio = np.maximum(np.asarray(state.tension_n) / MIDDLE_TENSION_N, SLACK)
     grown = np.expm1(p["curvature"] * np.log(ratio))
     return np.asarray(state.tension_friction_n) * grown

@@ -1,4 +1,4 @@
-"""Effects that act, each with one of its laws, as parameters of a likelihood."""
+"""Active effects, each with one of its laws, as parameters of a likelihood."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.inference.priors import Parameter, from_normal, prior_width, to_normal
 
-SHAPE_RANGE = 3.0  # prior standard deviations of a shape parameter that are tabulated
+SHAPE_RANGE = 3.0  # range of the table of a shape parameter, in prior standard deviations
 SHAPE_NODES = 33
-START_SHARE = 0.1  # of the prior's sd, an amplitude to climb from
-REDUCED_TO = 1e-3  # of the leading response; what is cut is that share of an amplitude
+START_SHARE = 0.1  # share of the prior's sd: the amplitude at which an optimisation starts
+REDUCED_TO = 1e-3  # of the leading singular value: smaller ones are dropped
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class ActiveEffect:
     Parameters
     ----------
     effect : Effect
-        What acts.
+        The effect.
     law : str
         Name of the variant.
     """
@@ -65,7 +65,7 @@ def small_values(effect: Effect) -> dict[str, Any]:
 
 
 def rough_values(active: Sequence[ActiveEffect]) -> dict[str, float]:
-    """Return small amplitudes and median shapes, a place to climb from."""
+    """Return small amplitudes and median shapes, at which an optimisation starts."""
     return {
         f"{acting.effect.name}.{name}": float(value)
         for acting in active
@@ -74,7 +74,7 @@ def rough_values(active: Sequence[ActiveEffect]) -> dict[str, float]:
 
 
 def total(active: Sequence[ActiveEffect], theta: Mapping[str, Array], state: State) -> Array:
-    """Return the sum of what effects of one kind add, of the shape of the state."""
+    """Return the sum of effects that act on the same quantity, in the shape of the state."""
     return np.asarray(
         sum(acting.effect.laws[acting.law](acting.values(theta), state) for acting in active)
     )
@@ -82,7 +82,7 @@ def total(active: Sequence[ActiveEffect], theta: Mapping[str, Array], state: Sta
 
 @dataclass(frozen=True)
 class LinearTerm:
-    """An effect along a path as K fixed responses, each times a number.
+    """An effect along a path as a sum of K fixed responses, each times a number.
 
     The number is the amplitude times a function of the shape parameter. The functions
     and the responses are the leading singular vectors of the effect's response over a
@@ -93,7 +93,7 @@ class LinearTerm:
     active : ActiveEffect
         The effect.
     responses : ndarray, shape (K, …)
-        At unit amplitude.
+        Responses at unit amplitude.
     spline : scipy.interpolate.BSpline or None
         From the normal quantile of the shape to K numbers; None without a shape.
     """
@@ -127,12 +127,12 @@ def linear_terms(
     response : callable
         (effect, values of its parameters) to its response, an array of any one shape.
     seen : callable
-        A response to what of it can be seen: decides which responses differ.
+        (response) to its observable part, by which responses are compared.
 
     Returns
     -------
     list of LinearTerm
-        One an effect.
+        One for each effect.
     """
     terms = []
     for acting in active:

@@ -1,7 +1,7 @@
-"""Friction that changes as the axis warms up: by a temperature that was logged, or by work done.
+"""Friction that changes as the axis warms up: with a logged temperature, or with work done.
 
-Grease thins as it warms. Where temperature only rises it is confounded with ``wear-drift``; of
-friction points with no temperature beside them the two are one.
+Grease thins as it warms. If the temperature only rises, this effect is confounded with
+``wear-drift``. For friction points without a temperature the two are identical.
 """
 
 from collections.abc import Mapping

@@ -8,7 +8,7 @@ from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-TYPICAL_CURRENT_A = 4.0  # of the load
+TYPICAL_CURRENT_A = 4.0  # load current
 
 
 def _scaled(p: Mapping[str, Array], state: State) -> Array:
@@ -16,7 +16,7 @@ def _scaled(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _saturating(p: Mapping[str, Array], state: State) -> Array:
-    # Iron saturates as the current grows, so that the error does.
+    # Iron saturates as the current grows, so the error grows with the current.
     current = np.asarray(state.load_current_a)
     error = p["error"] * np.abs(current) / TYPICAL_CURRENT_A
     return np.asarray(current * (1 / (1 + error) - 1))
@@ -29,8 +29,8 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="error",
         unit="1",
-        meaning="relative error of the torque constant, at a load of 4 A where it grows with "
-        "the current",
+        meaning="relative error of the torque constant; in `saturating`, which grows with the "
+        "current, the error at a load of 4 A",
         prior=Normal(mean=0.0, sd=0.1),
         plausible=(-0.1, 0.1),
         reference="data sheets of small motors give torque constants with tolerances of 5 to 10 %",

@@ -1,4 +1,4 @@
-"""A drive that gives less than what is commanded beyond a limit."""
+"""A drive that gives less than the command beyond a limit."""
 
 from collections.abc import Mapping
 
@@ -22,7 +22,7 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="part of the command beyond the limit that is lost; 1 where the drive clips",
+        meaning="share of the command beyond the limit that is lost; 1 if the drive clips",
         prior=HalfNormal(scale=1.0),
         plausible=(0.0, 1.2),
         reference="by definition: none or all of it is lost",
@@ -33,8 +33,8 @@ EFFECT = Effect(
         meaning="force above which the drive loses a part of the command",
         prior=LogNormal(median=2.5, sd_log=0.6),
         plausible=(1.0, 40.0),
-        reference="argued: drives are chosen for some times the friction; where commands are "
-        "logged, it is where acceleration no longer answers to them",
+        reference="argued: a drive is chosen for several times the friction. Where commands are "
+        "logged, the limit is where acceleration no longer grows with the command",
         typical=2.5,
     ),
     laws={"beyond": _beyond},

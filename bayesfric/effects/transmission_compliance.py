@@ -1,9 +1,9 @@
-"""A transmission that gives: friction winds it up, and part of the mass follows late.
+"""An elastic transmission: friction winds it up, and part of the mass follows with a delay.
 
-After a reversal the load stands still, while the drive winds the transmission from the friction
-on one side to that on the other. Over this travel, l = 2 C / s for a friction C and a stiffness s,
-the force that is missing falls in proportion to the travel, from 2 C to nothing; then the load is
-taken along.
+After a reversal the load stands still, while the drive winds the transmission up from the load's
+friction in one direction to that in the other. This takes a travel of l = 2 C / s, for a friction C
+behind a stiffness s. Over this travel the missing force falls linearly from 2 C to 0. Then the load
+moves.
 """
 
 from collections.abc import Mapping
@@ -22,17 +22,17 @@ from bayesfric.effects.base import (
 )
 from bayesfric.physics.loads import taken_along
 
-SPREAD = 3.0  # a spring takes a load along over a third of the travel
+SPREAD = 3.0  # the load is accelerated over a third of the length
 
 
 def _late(heavy: float, length: Array, state: State) -> Array:
-    """Return the load's mass over the stiffness, times the force's second derivative."""
+    """Return (load's mass / stiffness) × second derivative of the force."""
     square = heavy * np.asarray(state.mass_kg) * length / (2 * state.friction_n)
     return np.asarray(square * np.asarray(state.force_curvature_n_s2))
 
 
 def _wound_up(heavy: float, p: Mapping[str, Array], state: State) -> Array:
-    """Return the force of a load with as large a share of the mass, times a number."""
+    """Return the force of a load whose share of the mass is `heavy` times its friction share."""
     length = p["length"]
     _, caught = taken_along(state.travel_m, state.speed_m_s, length, SPREAD)
     left = np.maximum(1 - np.asarray(state.travel_m) / length, 0.0)
@@ -42,34 +42,35 @@ def _wound_up(heavy: float, p: Mapping[str, Array], state: State) -> Array:
 
 
 def _seen_at_load(p: Mapping[str, Array], state: State) -> Array:
-    # What is wound up is not seen; the motor, half of the mass, is ahead of the position.
+    # A sensor at the load does not see the wind-up. The motor, half of the mass, is ahead of it.
     return np.asarray(p["share"] * 0.5 * _late(0.5, p["length"], state))
 
 
 EFFECT = Effect(
     name="transmission-compliance",
     acts_on="drive",
-    sentence="the transmission gives, so that friction winds it up and part of the mass follows "
-    "late",
+    sentence="the transmission is elastic: friction winds it up, and part of the mass follows with "
+    "a delay",
     amplitude=EffectParameter(
         name="share",
         unit="1",
         meaning="share of the friction that is behind the spring. By variant, the share of the "
-        "mass behind it is half of this share, this share, or a share of its own",
+        "mass behind it is half of this share, this share, or a share of its own. In "
+        "`rings-mass-alone` only mass is behind it",
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 1.0),
-        reference="by definition: between nothing and all of it is behind the spring",
+        reference="by definition: the share behind the spring is between 0 and 1",
     ),
     shape=EffectParameter(
         name="length",
         unit="m",
         meaning="travel after a reversal over which friction winds up the transmission: twice "
-        "the friction over the stiffness. If the mass has a share of its own, friction with that "
-        "share is meant",
+        "the friction behind the spring over the stiffness. In `rings-own-shares` and "
+        "`rings-mass-alone` that friction is all friction times the share of the mass behind it",
         prior=LogNormal(median=6e-4, sd_log=1.0),
         plausible=(1e-5, 0.02),
-        reference="argued: harmonic drives, belts and long screws give a ten-thousandth to a "
-        "hundredth of the travel under their friction",
+        reference="argued: friction winds up harmonic drives, belts and long screws by a "
+        "ten-thousandth to a hundredth of the travel",
         typical=0.004,
     ),
     laws={

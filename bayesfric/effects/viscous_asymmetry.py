@@ -1,7 +1,7 @@
 """Viscous friction that differs between the two directions of an axis.
 
-It is confounded with ``direction-asymmetry`` where the axis runs at one speed, and with a drive
-whose back-EMF is not the same both ways.
+It is confounded with ``direction-asymmetry`` if the axis runs at one speed, and with a drive whose
+back-EMF differs between the directions.
 """
 
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ EFFECT = Effect(
         "of Coulomb friction",
         prior=Normal(mean=0.0, sd=0.15),
         plausible=(-0.7, 0.7),
-        reference="argued: as much as viscous friction itself, which costs up to some times "
+        reference="argued: as much as viscous friction itself, which costs up to several times "
         "Coulomb friction at the top speed of a geared joint",
     ),
     laws={"per-speed": _per_speed},

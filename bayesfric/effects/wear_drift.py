@@ -1,7 +1,7 @@
 """Wear, run-in, warm-up: friction that changes from trial to trial.
 
-Surfaces settle, each trial by less than the one before, or wear feeds on itself: the change
-dies out or grows exponentially. In between it is in proportion to the trials that were run.
+The change decays exponentially if surfaces settle, and grows exponentially if wear feeds on itself.
+Between the two it is linear in the order of trials.
 """
 
 from collections.abc import Mapping
@@ -12,11 +12,11 @@ from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-STRAIGHT = 1e-4  # of the rate, below which the change is a straight line to 1e-5 of itself
+STRAIGHT = 1e-4  # a rate below this gives a straight line, to a relative error of 1e-5
 
 
 def _exponential(p: Mapping[str, Array], state: State) -> Array:
-    """Return what is done of the change, its mean over the recording taken off."""
+    """Return the change so far, less its mean over the recording."""
     order, rate = np.asarray(state.order), np.asarray(p["rate"], dtype=np.float64)
     straight = np.abs(rate) < STRAIGHT
     rate = np.where(straight, 1.0, rate)
@@ -28,7 +28,7 @@ def _exponential(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="wear-drift",
     acts_on="friction",
-    sentence="friction changes in the course of the recording",
+    sentence="friction changes over the course of the recording",
     amplitude=EffectParameter(
         name="change",
         unit="1",
@@ -45,8 +45,8 @@ EFFECT = Effect(
         "change accelerates, negative if it decays, 0 if it is linear in the order of trials",
         prior=Normal(mean=0.0, sd=5.0),
         plausible=(-15.0, 15.0),
-        reference="argued: surfaces run in over a twelfth of the recording or more, or wear "
-        "steadily, or ever faster as what was rubbed off rubs",
+        reference="argued: surfaces run in over a fifteenth of the recording or more, wear "
+        "steadily, or wear ever faster because wear debris is abrasive",
         typical=0.0,
     ),
     laws={"exponential": _exponential},

@@ -22,11 +22,11 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="curvature",
         unit="1",
-        meaning="relative change of friction per tension 50° from 85°, beyond the straight line",
+        meaning="relative deviation of friction/tension from the straight line, at 50° from 85°",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.15, 0.15),
-        reference="argued: bearing load 2T sin(θ/2) bends by a tenth of itself over ±50°, and "
-        "belt friction exp(μθ) by less",
+        reference="argued: the bearing load 2T sin(θ/2) deviates from a line by a tenth of itself "
+        "over ±50°, and belt friction exp(μθ) by less",
     ),
     laws={"quadratic": _quadratic},
     edge={"wrap_angle_deg": 150.0},

@@ -19,17 +19,17 @@ def _linear(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="wrap-intercept",
     acts_on="friction",
-    sentence="the friction that remains at no tension changes with the wrap angle",
+    sentence="friction at zero tension changes with the wrap angle",
     amplitude=EffectParameter(
         name="slope",
         unit="1",
-        meaning="change of friction 50° from 85° at any tension, as a share of the friction of a "
-        "pulley at 15 N and 85°",
+        meaning="change of friction at 50° from 85°, the same at every tension, as a share of "
+        "the friction of a pulley at 15 N and 85°",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.15, 0.15),
-        reference="argued: bending a cable on and off a pulley costs a force that hardly grows "
-        "with tension, and less than a loaded pulley does (on rope bending, Feyrer, "
-        "Wire Ropes, 2015)",
+        reference="argued: bending a cable on and off a pulley takes a force that hardly grows "
+        "with tension, and is smaller than the friction of a loaded pulley (on rope "
+        "bending, Feyrer, Wire Ropes, 2015)",
     ),
     laws={"linear": _linear},
     edge={"wrap_angle_deg": 150.0},

@@ -1,4 +1,4 @@
-"""The calibrated, diagnosed law for other simulators; what a format cannot say is said."""
+"""Exports the calibrated and diagnosed law to other simulators, with notes on what is lost."""
 
 from bayesfric.export.stored_law import StoredLaw, read_law
 from bayesfric.export.writing import FORMATS, export_text

@@ -1,4 +1,4 @@
-"""A joint with its friction and inertia as the formats of rigid bodies write it."""
+"""A joint with its friction and inertia in the formats of rigid-body simulators."""
 
 from collections.abc import Callable
 
@@ -69,16 +69,16 @@ LACKING = (
     "Not in this format: dependence on tension, pulleys and wrap "
     "angle, any curve in speed, and scatter."
 )
-NEGLIGIBLE = 1e-6  # of the armature, that the body behind it may not be without
+NEGLIGIBLE = 1e-6  # inertia over the armature of the body behind it, which may not have none
 SLIDING_INERTIA = "0.001"
 TURNING_MASS = "1"
 
 
 def mjcf_text(law: StoredLaw) -> str:
-    """Return MuJoCo's MJCF: the inertia of a hinge is its armature, the mass of a slide its body's.
+    """Return MuJoCo's MJCF: inertia is the armature of a hinge, and mass is that of a slide's body.
 
-    The armature is the whole inertia about the axis: where the bodies of a model have theirs,
-    it is what is left once theirs is taken off.
+    The armature is the whole inertia about the axis. If the bodies of a model have inertia, it must
+    be subtracted from the armature.
     """
     if not _turns(law):
         return _filled(MJCF, law, kind="slide", armature="")
@@ -101,12 +101,12 @@ def mjcf_text(law: StoredLaw) -> str:
 
 
 def urdf_text(law: StoredLaw) -> str:
-    """Return URDF: the inertia of a joint that turns is its link's about the axis."""
+    """Return URDF: the inertia of a joint that turns is that of its link about the axis."""
     return _filled(URDF, law, kind="continuous" if _turns(law) else "prismatic")
 
 
 def sdf_text(law: StoredLaw) -> str:
-    """Return SDF, likewise."""
+    """Return SDF, with the inertia as in URDF."""
     return _filled(SDF, law, kind="revolute" if _turns(law) else "prismatic")
 
 
@@ -138,7 +138,7 @@ def _filled(
 
 
 def _of_link(law: StoredLaw) -> tuple[str, str, str]:
-    """Return mass [kg] and inertia [kg m²] of the link, and what of them is a placeholder."""
+    """Return mass [kg] and inertia [kg m²] of the link, and which of them is a placeholder."""
     if "mass" not in law.numbers:
         return "1", "1", "The mass is a placeholder of 1, and so is the inertia."
     if _turns(law):
@@ -160,7 +160,7 @@ def _turns(law: StoredLaw) -> bool:
 
 
 def _attribute(name: str) -> str:
-    """Return a name in which nothing is markup, nor ends a comment."""
+    """Return a name without markup or the end of a comment."""
     return "".join(char if char.isalnum() or char in "_." else "_" for char in name)
 
 
@@ -169,4 +169,4 @@ TEXTS: dict[str, tuple[str, Callable[[StoredLaw], str]]] = {
     "urdf": ("law.urdf", urdf_text),
     "sdf": ("law.sdf", sdf_text),
 }
-"""File name and text of each of these formats, by its name."""
+"""File name and text of each format, by its name."""

@@ -1,26 +1,26 @@
-"""Numbers with as many digits as their errors leave of them."""
+"""Numbers with as many digits as their errors allow."""
 
 import math
 
-SURE = 6  # significant digits of a number whose error nobody knows
-LONGEST = 12  # decimals that are written out; smaller numbers have a power of ten
+SURE = 6  # significant digits of a number with unknown error
+LONGEST = 12  # most decimals that are written out; smaller numbers have a power of ten
 
 
 def rounded(value: float, error: float | None) -> float:
-    """Return a number without the digits that its error makes meaningless.
+    """Return a number rounded to the digits that its error allows.
 
     Parameters
     ----------
     value : float
         The number.
     error : float or None
-        Its standard deviation, of which two digits count; None, or 0, where nobody knows it.
+        Its standard deviation, of which two digits count; None or 0 if unknown.
     """
     return float(f"{value:.{SURE}g}") if not error else round(value, _decimals(error))
 
 
 def by_error(value: float, error: float | None) -> str:
-    """Return a number as a text with these digits; arguments are those of :func:`rounded`."""
+    """Return a number, as text, with these digits; arguments as for :func:`rounded`."""
     if not error:
         return f"{value:.{SURE}g}"
     decimals = _decimals(error)

@@ -1,4 +1,4 @@
-"""Numbers to enter in a simulator, in words: digits by the error, fields, and what is lost."""
+"""Numbers to enter in a simulator, in words: rounded by the error, with fields and losses."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -22,7 +22,7 @@ CALLED = {
     "urdf": "URDF",
 }
 SHOWN = ("mujoco", "isaaclab", "urdf")
-"""Simulators with a column of their own; diagnosis.json has all."""
+"""Simulators with a column of their own; diagnosis.json has all simulators."""
 COLUMNS = (
     "parameter",
     "unit",
@@ -36,13 +36,13 @@ MEANT = {
     "coulomb": "coulomb (dry friction)",
     "offset": "offset (a constant force, as of a sensor's zero)",
 }
-"""Numbers whose names alone do not say what they are."""
-SAME = 1e-6  # of a force: two numbers that are one
+"""Explanations of numbers with names that do not explain themselves."""
+SAME = 1e-6  # relative difference of forces below which they are equal
 NOT_BELOW_ZERO = {"inertia", "armature", "mass", "coulomb", "viscous"}
 
 
 def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
-    """Return a row a number, a cell for each of :data:`COLUMNS`; none for what has no field.
+    """Return a row for each number that has a field, with a cell for each of :data:`COLUMNS`.
 
     Parameters
     ----------
@@ -64,13 +64,13 @@ def entered_rows(enter: Sequence[Enter]) -> list[tuple[str, ...]]:
 
 
 def _has_no_field(number: Enter) -> bool:
-    """Tell whether no simulator has a field for a number, once it is in newtons."""
+    """Return whether no simulator has a field for a number, if it were in newtons."""
     fields = number.fields.values()
     return bool(fields) and all(field is None for field in fields) and not is_relative(number.unit)
 
 
 def off_now(diagnosis: DiagnosisFile) -> str:
-    """Return how far a simulator is off with its own numbers and with those to enter.
+    """Return the error of a simulator with its own numbers and with those to enter.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def off_now(diagnosis: DiagnosisFile) -> str:
     Returns
     -------
     str
-        A sentence; empty where nobody knows the simulator's own numbers.
+        A sentence; empty if the simulator's own numbers are unknown.
     """
     gap = diagnosis.gap
     if gap.as_shipped is None:
@@ -101,7 +101,7 @@ def off_now(diagnosis: DiagnosisFile) -> str:
 
 
 def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
-    """Yield what must be known before the numbers are entered, a sentence each.
+    """Yield what a user must know before entering the numbers, a sentence each.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def entered_remarks(enter: Sequence[Enter]) -> Iterator[str]:
 
 
 def remarks_of_numbers(enter: Sequence[Enter]) -> Iterator[str]:
-    """Yield what must be done with the numbers of a joint, whatever the simulator."""
+    """Yield what must be done with the numbers of a joint in any simulator."""
     if ratios := [number for number in enter if is_relative(number.unit)]:
         yield _multiply(ratios)
     below = [
@@ -134,13 +134,13 @@ def rows_without_field(joints: Mapping[str, Sequence[Enter]]) -> list[tuple[str,
     Parameters
     ----------
     joints : mapping of str to sequence of Enter
-        Numbers by the joint's name, which is empty for one that needs none.
+        Numbers by the joint's name, which is empty for a single joint.
 
     Returns
     -------
     list of tuple of str
-        The joint, the number, its value with half of its 90 % interval, and the rms force that a
-        simulation lacks without it.
+        The joint, the number, its value ± half the width of its 90 % interval, and the rms force
+        that a simulation lacks without it.
     """
     return [
         (
@@ -156,7 +156,7 @@ def rows_without_field(joints: Mapping[str, Sequence[Enter]]) -> list[tuple[str,
 
 
 def callbacks(enter: Iterable[Enter]) -> Iterator[str]:
-    """Yield where `export` writes a callback for a number without a field, a sentence each."""
+    """Yield a sentence for each number without a field for which `export` writes a callback."""
     snippets = {number.snippet for number in enter if _has_no_field(number)}
     for snippet in sorted(filter(None, snippets)):
         yield f"`bayesfric export --to mjcf` writes a callback for it, {snippet}.py."
@@ -165,15 +165,15 @@ def callbacks(enter: Iterable[Enter]) -> Iterator[str]:
 def remarks_of_fields(
     joints: Mapping[str, Sequence[Enter]], lacked_by: Literal["any", "all", "some"] = "any"
 ) -> Iterator[str]:
-    """Yield what simulators lack a field for, a sentence for all joints that lack the same.
+    """Yield the numbers without a field in simulators, a sentence for joints with the same ones.
 
     Parameters
     ----------
     joints : mapping of str to sequence of Enter
-        Numbers by the joint's name, which is empty for one that needs none.
+        Numbers by the joint's name, which is empty for a single joint.
     lacked_by : {"any", "all", "some"}
-        Numbers that some or all simulators lack; only those that all lack, whose values are told
-        with them; only those that some have.
+        "any": numbers that at least one simulator lacks. "all": numbers that all simulators lack,
+        with their values. "some": numbers that some simulators lack and others have.
     """
     alike: dict[tuple[str, str], list[tuple[str, Enter]]] = {}
     for joint, enter in joints.items():
@@ -203,9 +203,9 @@ def remarks_of_fields(
 
 
 def _lost(lacking: Enter, enter: Sequence[Enter]) -> str:
-    """Return the force that is lost beside the Coulomb friction that the table proposes.
+    """Return the force that is lost, compared with the proposed Coulomb friction.
 
-    A number that is itself this force has the digits that stand at its value.
+    If the number itself is this force, it has the digits of its value.
     """
     force, value = lacking.lost_without or 0.0, lacking.value
     is_itself = _has_no_field(lacking) and math.isclose(force, abs(value.mean), rel_tol=SAME)
@@ -217,7 +217,7 @@ def _lost(lacking: Enter, enter: Sequence[Enter]) -> str:
 
 
 def with_error(number: Enter) -> str:
-    """Return a number with half of its 90 % interval and its unit, in the digits of its error.
+    """Return a number ± half the width of its 90 % interval, rounded by its error, with its unit.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def _listed(words: Iterable[str]) -> str:
 
 
 def _multiply(ratios: Sequence[Enter]) -> str:
-    """Return what to do with numbers that are over a servo's stiffness."""
+    """Return what to do with numbers that are divided by a servo's stiffness."""
     turns = any("N·m" in number.unit for number in ratios)
     angle, stiffness = ("rad", "N·m/rad") if turns else ("m", "N/m")
     friction = next((number for number in ratios if number.parameter == "coulomb"), None)
@@ -249,14 +249,14 @@ def _multiply(ratios: Sequence[Enter]) -> str:
 
 
 def entered_lines(diagnosis: DiagnosisFile, *, fields: bool = True) -> Iterator[str]:
-    """Yield the table and its remarks as lines of a terminal; nothing where nothing is entered.
+    """Yield the table and its remarks as lines for a terminal; nothing without numbers to enter.
 
     Parameters
     ----------
     diagnosis : DiagnosisFile
-        Of one joint, or of pulleys.
+        Diagnosis of one joint, or of pulleys.
     fields : bool
-        Whether the fields of simulators are among them, and what these lack.
+        Whether to include the fields of simulators, and the numbers that have none.
     """
     if not diagnosis.enter:
         return
@@ -291,5 +291,5 @@ def _field(number: Enter, simulator: str) -> str:
 
 
 def _force_unit(enter: Sequence[Enter]) -> str:
-    """Return N·m where any number is of something that turns."""
+    """Return N·m if any number belongs to a joint that turns."""
     return "N·m" if any("rad" in number.unit or "N·m" in number.unit for number in enter) else "N"

@@ -1,4 +1,4 @@
-"""The numbers of joints, into a copy of the user's own model."""
+"""Writes the numbers of joints into a copy of the user's own model."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,30 +16,30 @@ from bayesfric.robots.setting import JointValues, ModelText, model_text
 from bayesfric.schemas.causes import INERTIAS
 from bayesfric.schemas.diagnosis import Enter
 
-LARGEST_FILE = 16_777_216  # bytes of a model
+LARGEST_FILE = 16_777_216  # largest model [bytes]
 OF_ALL = {"coulomb", "coulomb-missing.force", "viscous", "torque-saturation.limit"}
 WRITTEN = {
     "mjcf": {*OF_ALL, *INERTIAS, "air-drag.coefficient", "cubic-drag.coefficient", "delay.time"},
     "urdf": OF_ALL,
     "sdf": OF_ALL,
 }
-"""Numbers that are set, by format; others with a field are told."""
-STEP_S = 0.002  # of MJCF that states none
+"""Numbers that are set, by format; others with a field are mentioned in remarks."""
+STEP_S = 0.002  # default time step of MJCF
 
 
 class FilledModel(NamedTuple):
-    """A model with the numbers, and what a user must know of it.
+    """A model with the numbers, and remarks for the user.
 
     Parameters
     ----------
     content : bytes
-        Of the file.
+        Content of the file.
     remarks : tuple of str
         What was set, what was not and why, a line each.
     links : dict of str to float
-        By joint in the log: what of its inertia the links of the model have already.
+        By joint in the log: the part of its inertia that the links of the model already have.
     places : tuple of str
-        Names in the model, in the order of the joints.
+        Names of the joints in the model, in the order of the joints.
     """
 
     content: bytes
@@ -51,7 +51,7 @@ class FilledModel(NamedTuple):
 def filled_model(
     path: Path, to: str, joints: Sequence[ExportedJoint], named: Mapping[str, str]
 ) -> FilledModel:
-    """Return a model with the fields of its joints set.
+    """Return a model with the numbers in the fields of its joints.
 
     Parameters
     ----------
@@ -60,14 +60,14 @@ def filled_model(
     to : str
         Its format: ``mjcf``, ``urdf`` or ``sdf``.
     joints : sequence of ExportedJoint
-        What to set.
+        The joints with their numbers.
     named : mapping of str to str
-        Joint in the log to its name in the model, as the user says.
+        Name in the model by joint in the log, as given by the user.
 
     Raises
     ------
     InputError
-        The model is of another format, lacks a joint, or a joint of it slides where the log's
+        The model has another format, lacks a joint, or has a sliding joint where that of the log
         turns.
     """
     model = model_text(file_bytes(path, path.name, LARGEST_FILE), path.name)
@@ -100,7 +100,7 @@ def filled_model(
 def _places(
     model: ModelText, joints: Sequence[ExportedJoint], named: Mapping[str, str]
 ) -> dict[str, str]:
-    """Return where each joint is in the model: as said, as recorded, else by its name."""
+    """Return the name of each joint in the model: as given, as recorded, or its own name."""
     unknown = sorted(set(named) - {joint.name for joint in joints})
     if unknown:
         expected = one_of([joint.name for joint in joints], unknown[0])
@@ -129,9 +129,9 @@ def _places(
 def _identified(
     joint: ExportedJoint, owns: Mapping[str, float], place: str, remarks: list[str]
 ) -> ExportedJoint:
-    """Return a joint without numbers that its data do not tell and that the file may have right.
+    """Return a joint without numbers that the data do not determine and the file may have right.
 
-    Such a number is smaller than its error, and its interval holds what the file has.
+    Such a number is smaller than its error, and its interval contains the value of the file.
     """
     identified = {}
     for name, number in joint.numbers.items():
@@ -148,7 +148,7 @@ def _identified(
 
 
 def _links(path: Path, place: str, joint: ExportedJoint, remarks: list[str]) -> float | None:
-    """Return what the links have of the inertia that was found: nothing where it is beside them."""
+    """Return the part of the estimated inertia that the links have; 0 if it excludes the links."""
     if joint.in_model is not None:
         return 0.0
     try:
@@ -219,14 +219,14 @@ def _values(
 
 
 def _samples(delay: Enter, model: ModelText) -> str:
-    """Return how many commands MuJoCo keeps, so that one as old as the delay is among them."""
+    """Return the number of commands that MuJoCo must keep for the delay."""
     option = model.root.child("option")
     step = STEP_S if option is None else float(option.attributes.get("timestep", STEP_S))
     return str(math.ceil(delay.value.mean / step) + 1)
 
 
 def _left(joint: ExportedJoint, model: ModelText, place: str) -> list[str]:
-    """Return what the file has no field for, and whether a delay has no actuator."""
+    """Return the numbers for which the file has no field, and a delay without an actuator."""
     remarks = []
     simulator = {"mjcf": "mujoco", "urdf": "urdf", "sdf": "sdf"}[model.kind]
     for name, number in joint.numbers.items():

@@ -1,4 +1,4 @@
-"""Friction as simulators of rigid bodies have it: a constant against the motion, and damping."""
+"""Friction in the form of rigid-body simulators: a constant against the motion, and damping."""
 
 from dataclasses import dataclass
 
@@ -8,12 +8,12 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.export.stored_law import StoredLaw
 
-ROUNDING = 1e-9  # of friction
+ROUNDING = 1e-9  # relative to friction
 
 
 @dataclass(frozen=True)
 class JointFriction:
-    """The best constant and damping, and what they cost.
+    """The best constant and damping, and their error.
 
     Parameters
     ----------
@@ -24,9 +24,9 @@ class JointFriction:
     frictionloss_sd, damping_sd : float
         Their standard deviations.
     error_rms, error_max : float
-        How far they are from the law with the causes, where friction was measured.
+        Their deviation from the law with the causes, at the measured conditions.
     friction_rms : float
-        Of that law.
+        Rms friction of that law.
     """
 
     frictionloss: float
@@ -39,7 +39,7 @@ class JointFriction:
 
     @property
     def said(self) -> str:
-        """What the two numbers cost, a sentence."""
+        """The error of the two numbers, in a sentence."""
         if self.error_rms <= ROUNDING * self.friction_rms:
             return "Constant and damping are those of the law itself."
         return (
@@ -50,12 +50,12 @@ class JointFriction:
 
 
 def joint_friction(law: StoredLaw) -> JointFriction:
-    """Return the constant and the damping that fit the law best, neither below 0.
+    """Return the non-negative constant and damping that fit the law best.
 
-    Least squares over the conditions at which friction was measured; what depends on tension,
-    pulleys or anything but a proportion to speed is not in them, and counts as error. Their
-    standard deviations are those of the law's own numbers, where it has these; else of the least
-    squares, of which the trials are made anew together.
+    They are a least-squares fit over the conditions at which friction was measured. All dependence
+    on tension, pulleys or other powers of speed counts as error. Their standard deviations are
+    those of the law's own numbers, if it has these. Otherwise they are those of the least squares,
+    with trials as clusters.
     """
     speed = np.abs(law.place("velocity"))
     columns = np.stack([np.ones_like(speed), speed], axis=1)
@@ -74,12 +74,12 @@ def joint_friction(law: StoredLaw) -> JointFriction:
 
 
 def _posterior_sd(law: StoredLaw, name: str) -> float:
-    """Return the standard deviation of a number of the law; 0 where it has no such number."""
+    """Return the standard deviation of a number of the law; 0 if it has no such number."""
     return law.numbers[name].value.sd if name in law.numbers else 0.0
 
 
 def _errors(columns: Array, law: StoredLaw) -> tuple[float, float]:
-    """Return the errors of both numbers by what trials leave of the law (sandwich estimator).
+    """Return the errors of both numbers from the residuals of trials (sandwich estimator).
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""The joints of a diagnosis: numbers to enter of each, and draws of them, row by row together."""
+"""The joints of a diagnosis: numbers to enter of each, and their joint draws."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,24 +30,25 @@ NOT_BELOW_ZERO = {*INERTIAS, *OF_SPEED}
 
 @dataclass(frozen=True)
 class ExportedJoint:
-    """A joint, as a simulator is to have it.
+    """A joint with the numbers for a simulator.
 
     Parameters
     ----------
     name : str
-        In the log; empty where nobody named it.
+        Name in the log; empty if it has none.
     in_model : str or None
-        In the model of the recording; None without one.
+        Name in the model of the recording; None without a model.
     turns : bool
         Whether it turns.
     numbers : mapping of str to Enter
-        By parameter.
+        Numbers by parameter.
     draws : mapping of str to ndarray, shape (S,)
-        By parameter, row by row together; without parameters that were not drawn.
+        Draws by parameter; those of one index belong together. Parameters without draws are
+        absent.
     causes : tuple of str
         Effects that the diagnosis names.
     warning : str or None
-        Why its numbers are not to be relied on; None where they are.
+        Why its numbers are unreliable; None if they are reliable.
     """
 
     name: str
@@ -60,17 +61,17 @@ class ExportedJoint:
 
     @property
     def called(self) -> str:
-        """Its name, or `joint` where it has none."""
+        """Its name, or `joint` if it has none."""
         return self.name or "joint"
 
     @property
     def inertia(self) -> str | None:
-        """The name of the number that is accelerated; None without one."""
+        """The name of its inertia or mass among the numbers; None without one."""
         return next((name for name in INERTIAS if name in self.numbers), None)
 
     @property
     def said(self) -> str:
-        """Which numbers these are, why they may be wrong, and what friction and damping lack."""
+        """Origin of the numbers, reasons why they may be wrong, and what they leave out."""
         lacking = ", ".join(name for name in self.numbers if name not in (*OF_LAW, *OF_SPEED))
         return " ".join(
             [
@@ -81,7 +82,7 @@ class ExportedJoint:
         )
 
     def friction(self, speed: Array) -> Array:
-        """Return friction against the motion at speeds [N or N·m]: a constant and powers."""
+        """Return friction against the motion at given speeds [N or N·m]: a constant and powers."""
         total = np.zeros(np.shape(speed))
         for name, power in POWER_OF_SPEED.items():
             if name in self.numbers:
@@ -89,7 +90,7 @@ class ExportedJoint:
         return total
 
     def possible_draws(self) -> tuple[dict[str, Array], int]:
-        """Return the draws that a simulator takes, and how many it does not: those below zero."""
+        """Return the draws without negative numbers, and the number of the other draws."""
         signed = [values for name, values in self.draws.items() if name in NOT_BELOW_ZERO]
         count = len(next(iter(self.draws.values()), ()))
         possible = np.all([values >= 0 for values in signed], axis=0) & np.ones(count, bool)
@@ -98,17 +99,17 @@ class ExportedJoint:
 
 
 def refuse_ratios(folder: Path) -> None:
-    """Refuse numbers that are over a servo's stiffness: no simulator takes them.
+    """Refuse numbers that are divided by a servo's stiffness: no simulator accepts them.
 
     Parameters
     ----------
     folder : Path
-        With the results of ``diagnose``.
+        Folder with the results of ``diagnose``.
 
     Raises
     ------
     InputError
-        A number of a joint is one.
+        A joint has such a number.
     """
     file = folder / "diagnosis.json"
     if not file.is_file():
@@ -131,12 +132,12 @@ def read_joints(folder: Path) -> tuple[ExportedJoint, ...]:
     Parameters
     ----------
     folder : Path
-        With the results of ``diagnose``.
+        Folder with the results of ``diagnose``.
 
     Raises
     ------
     InputError
-        There is no diagnosis, or it is of no joint.
+        There is no diagnosis, or it has no joint.
     """
     file = folder / "diagnosis.json"
     if not file.is_file():
@@ -152,14 +153,14 @@ def joints_of(diagnosis: DiagnosisFile, curves: xr.DataTree) -> tuple[ExportedJo
     Parameters
     ----------
     diagnosis : DiagnosisFile
-        Of a joint, or of several.
+        Diagnosis of one joint, or of several.
     curves : DataTree
-        What ``diagnosis.nc`` has.
+        Content of ``diagnosis.nc``.
 
     Raises
     ------
     InputError
-        It is of no joint, or no joint has a number to enter.
+        It has no joint, or no joint has a number to enter.
     """
     blocks = diagnosis.joints or (diagnosis,)
     joints = []
@@ -189,17 +190,17 @@ def _joint(block: DiagnosisFile, law: xr.Dataset) -> ExportedJoint:
 
 
 def _drawn_law(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
-    """Return draws of the law's own numbers, by the coefficients that stand for them."""
+    """Return draws of the law's own numbers, by their coefficients."""
     places = {**dict.fromkeys(INERTIAS, "c1"), "coulomb": "c2", "viscous": "c3"}
     drawn = {name: law[places[name]].to_numpy()[:, 0] for name in OF_LAW if name in block.law}
     return {name: _as_told(block.law[name].after, values) for name, values in drawn.items()}
 
 
 def _as_told(value: Interval, values: Array) -> Array:
-    """Return draws whose median and 90 % interval are those that are told, in the same order.
+    """Return draws transformed to the reported median and 90 % interval, in the same order.
 
-    What held-out data, an instrument or scatter from run to run make of a number is in what is
-    told of it, and not in the draws of its fit.
+    The reported interval includes corrections by held-out data, by an instrument, or for scatter
+    between runs, which the draws of the fit do not.
     """
     low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
     below = (value.q50 - value.q05) / (middle - low) if middle > low else 0.0
@@ -225,6 +226,6 @@ def _drawn_effects(block: DiagnosisFile, law: xr.Dataset) -> dict[str, Array]:
         drawn[f"{cause.effect}.{name}"] = amplitude
         damping = next((number for number in block.enter if number.parameter == "viscous"), None)
         if cause.effect == "viscous" and damping is not None and acts.any():
-            # The amplitude is a share of a Coulomb friction that all draws have in common.
+            # The amplitude is a share of a Coulomb friction that is the same for all draws.
             drawn["viscous"] = amplitude * (damping.value.mean / float(amplitude[acts].mean()))
     return drawn

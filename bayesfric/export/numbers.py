@@ -1,4 +1,4 @@
-"""The numbers of a stored law of pulleys, with or without what acts beside it, and their draws."""
+"""The numbers of a stored law of pulleys, with or without effects, and their draws."""
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -26,7 +26,7 @@ class Number(NamedTuple):
 
 
 def law_said(fit: FitFile, diagnosis: DiagnosisFile) -> str:
-    """Return in a sentence which law the numbers are of."""
+    """Return a sentence that says to which law the numbers belong."""
     if not diagnosis.causes:
         return "Numbers of the law as it was fitted: diagnosis.json names no cause."
     names = ", ".join(cause.effect for cause in diagnosis.causes)
@@ -37,17 +37,17 @@ def law_said(fit: FitFile, diagnosis: DiagnosisFile) -> str:
 
 
 def numbers_of(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
-    """Return the numbers of the law by name, of the refit where the diagnosis names a cause.
+    """Return the numbers of the law by name, from the refit if the diagnosis names a cause.
 
-    A number that a diagnosis holds, or that the refit does not tell, is that of the fit; one that
-    the data cannot tell is left out.
+    A number that the diagnosis holds fixed, or that the refit does not determine, is that of the
+    fit. A number that the data cannot determine is left out.
 
     Parameters
     ----------
     fit : FitFile
-        Of the law alone.
+        Fit of the law alone.
     diagnosis : DiagnosisFile
-        Of the same recording and law.
+        Diagnosis of the same recording and law.
     """
     every = _fitted(fit) | _told_by_refit(fit, diagnosis)
     return {name: number for name, number in every.items() if name not in diagnosis.untold}
@@ -61,10 +61,10 @@ def _fitted(fit: FitFile) -> dict[str, Number]:
 
 
 def _told_by_refit(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
-    """Return the numbers that the refit tells; none without causes.
+    """Return the numbers that the refit determines; none without causes.
 
-    Where two numbers do the same in a recording, as c1 and c2 under one load, the fit has one of
-    them, and the refit, which has both, tells neither.
+    If two numbers are not identifiable separately, as c1 and c2 under a single load, the fit has
+    one of them. The refit has both and determines neither.
     """
     alone = _fitted(fit)
     law = diagnosis.law
@@ -77,22 +77,22 @@ def _told_by_refit(fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, Number]:
 
 
 def _size(name: str) -> str:
-    """Return of which pulley size a number is; nothing where there is none."""
+    """Return the pulley size of a number; empty if it has none."""
     return name.partition("[")[2]
 
 
 def drawn_numbers(folder: Path, fit: FitFile, diagnosis: DiagnosisFile) -> dict[str, list[float]]:
-    """Return draws of the numbers, in step: some of the posterior's.
+    """Return joint draws of the numbers: a subset of the posterior's.
 
     Parameters
     ----------
     folder : Path
-        With ``draws.nc`` and ``diagnosis.nc``.
+        Folder with ``draws.nc`` and ``diagnosis.nc``.
     fit : FitFile
-        Of that folder.
+        Fit of that folder.
     diagnosis : DiagnosisFile
-        Likewise. Where it tells numbers with causes the draws are those of the refit, over all
-        hypotheses; an amplitude is 0 in draws of those without its effect.
+        Diagnosis of that folder. If it has numbers with causes, the draws are those of the
+        refit, over all hypotheses; an amplitude is 0 in draws of hypotheses without the effect.
     """
     if by_refit := _told_by_refit(fit, diagnosis):
         flat = _of_refit(

@@ -1,4 +1,4 @@
-"""Numbers of joints as texts of their own: JSON, Python, an actuator configuration, a table."""
+"""Numbers of joints as files of their own: JSON, Python, an actuator configuration, a table."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -62,7 +62,7 @@ def json_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
 
 
 def python_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
-    """Return a file that needs NumPy alone."""
+    """Return a Python file that needs only NumPy."""
     lines, left = [], []
     for joint in joints:
         left += _warnings([joint])
@@ -78,7 +78,7 @@ def python_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
 
 
 def isaaclab_of_joints(joints: Sequence[ExportedJoint], recording: str) -> str:
-    """Return a configuration of actuators, a group a joint."""
+    """Return a configuration of actuators, a group for each joint."""
     del recording
     groups = []
     whole = [joint.called for joint in joints if joint.in_model is None]
@@ -116,20 +116,19 @@ TEXTS_OF_JOINTS: Mapping[str, tuple[str, Callable[[Sequence[ExportedJoint], str]
 def draws_table(
     joints: Sequence[ExportedJoint], count: int, links: Mapping[str, float]
 ) -> tuple[str, int]:
-    """Return a CSV of parameter sets, a row a joint and draw, and how many were below zero.
+    """Return a CSV of parameter sets, and the number of draws with a negative number.
 
-    Numbers of one row were drawn together, so that a simulator whose joints are set by rows
-    keeps their correlations. Draws that no simulator takes, with a number below zero, are left
-    out.
+    Each row is one draw of one joint. The numbers of a row were drawn together, so rows keep their
+    correlations. Draws with a negative number, which no simulator accepts, are left out.
 
     Parameters
     ----------
     joints : sequence of ExportedJoint
-        With their draws.
+        The joints with their draws.
     count : int
-        Rows of each joint.
+        Number of rows for each joint.
     links : mapping of str to float
-        By joint: what of its inertia the links of a model have; it is taken off.
+        By joint: the part of its inertia that the links of a model have; it is subtracted.
 
     Raises
     ------
@@ -164,7 +163,7 @@ def draws_table(
 
 
 def _escaped(text: str) -> str:
-    """Return text that cannot end the docstring in which it stands, nor escape anything."""
+    """Return text that cannot end the docstring that contains it, and has no escapes."""
     return text.replace("\\", r"\\").replace('"', r"\"")
 
 
@@ -174,7 +173,7 @@ def _cell(text: str) -> str:
 
 
 def _text(joint: ExportedJoint, name: str) -> str | None:
-    """Return a number with the digits of its error, not below zero; None without it."""
+    """Return a number rounded by its error, and at least zero; None if it is absent."""
     if name not in joint.numbers:
         return None
     value = joint.numbers[name].value

@@ -1,4 +1,4 @@
-"""What the user's file has already of the numbers that go into it."""
+"""The values that the user's file already has for the numbers to be written."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,22 +11,22 @@ from bayesfric.robots.setting import ModelText
 from bayesfric.schemas.causes import INERTIAS
 
 POWERS = ("viscous", "air-drag.coefficient", "cubic-drag.coefficient")
-"""Numbers that are terms of a damping polynomial of MJCF, in order."""
+"""Numbers that are terms of the damping polynomial of MJCF, in order."""
 
 
 def own_numbers(path: Path, model: ModelText, place: str, links: float | None) -> dict[str, float]:
-    """Return the numbers that a file has at a joint, by parameter; without those nobody can tell.
+    """Return the numbers that a file has at a joint, by parameter; unknown ones are absent.
 
     Parameters
     ----------
     path : Path
-        Of the file.
+        Path of the file.
     model : ModelText
         The file.
     place : str
         The joint's name in it.
     links : float or None
-        What its links have of the inertia that was found; None where that is not known.
+        The part of the estimated inertia that its links have; None if unknown.
     """
     written = {name: _numbers(text) for name, text in model.written(place).items()}
     own = dict(zip(POWERS, written.get("damping", ()), strict=False))
@@ -35,12 +35,12 @@ def own_numbers(path: Path, model: ModelText, place: str, links: float | None) -
     if model.kind == "mjcf":
         try:
             settings = settings_of(path, place)
-        except InputError:  # a part of a model, say: what the joint itself says is all there is
+        except InputError:  # for example a part of a model: only the joint itself is known
             pass
         else:
             own = dict(zip(POWERS, (settings.damping, *settings.drag), strict=True))
             own["coulomb"], armature = settings.frictionloss, (settings.armature,)
-    else:  # what neither format says is none
+    else:  # in both formats an absent value is 0
         absent = {"damping": "viscous", "friction": "coulomb"}
         own |= {name: 0.0 for field, name in absent.items() if field not in written}
     if links is not None:
@@ -51,7 +51,7 @@ def own_numbers(path: Path, model: ModelText, place: str, links: float | None) -
 def _numbers(text: str) -> tuple[float, ...]:
     try:
         numbers = tuple(float(word) for word in text.split())
-    except ValueError:  # a macro of a program that writes the model
+    except ValueError:  # for example a macro that is not expanded
         return ()
     return numbers if np.isfinite(numbers).all() else ()
 
@@ -59,21 +59,21 @@ def _numbers(text: str) -> tuple[float, ...]:
 def damping_terms(
     texts: Mapping[str, str], own: Mapping[str, float], place: str, remarks: list[str]
 ) -> str | None:
-    """Return the damping of a joint of MJCF; None leaves what is there.
+    """Return the damping of a joint of MJCF; None keeps that of the file.
 
-    The factor of speed that was not found is that of the file. Its drag goes where a damping was
-    found without one: all friction at speed is in that.
+    A factor of speed that was not estimated is that of the file. If a damping was estimated without
+    drag terms, those of the file are removed, since the damping contains all friction at speed.
 
     Parameters
     ----------
     texts : mapping of str to str
-        Of the numbers that were found, by parameter.
+        Estimated numbers as texts, by parameter.
     own : mapping of str to float
-        As of :func:`own_numbers`.
+        As from :func:`own_numbers`.
     place : str
         The joint, for remarks.
     remarks : list of str
-        Gets what is lost or kept, a line each.
+        Receives what is lost or kept, a line each.
     """
     if not any(name in texts for name in POWERS):
         return None

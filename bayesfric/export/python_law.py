@@ -1,4 +1,4 @@
-"""A Python file with the law and the causes, which needs NumPy alone."""
+"""A Python file with the law and the causes, which needs only NumPy."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from bayesfric.export.stored_law import StoredLaw
 from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.laws import BASELINES
 
-BINS = 48  # of the factor; fewer values are taken one by one
+BINS = 48  # bins of the factor; if there are fewer values, each has its own
 AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 TEXT = '''"""Friction of {name}, calibrated and diagnosed by bayesfric.
 
@@ -35,14 +35,14 @@ def friction(speed=0.0, tension=0.0, n=1, wrap=85.0, size={size!r}):
 
 
 class Correction:
-    """What causes do to the law, as a factor along one axis."""
+    """The effect of causes on the law, as a factor along one axis."""
 
     def __init__(self, axis: str, at: Array, factor: Array, error: float) -> None:
         self.axis, self.at, self.factor, self.error = axis, at, factor, error
 
 
 def correction(law: StoredLaw, by_law: Array) -> Correction:
-    """Return the factor over the axis along which it leaves least.
+    """Return the factor along the axis for which its residual is smallest.
 
     Parameters
     ----------
@@ -71,13 +71,13 @@ def python_text(law: StoredLaw) -> str:
     Parameters
     ----------
     law : StoredLaw
-        Of one pulley size or none: of several, each has coefficients, and all share a factor.
+        The law. With several pulley sizes, each has coefficients, and all share a factor.
     """
     (size, own), *others = law.coefficients.items()
     n, wrap, tension = (law.place(name) for name in ("n_pulleys", "wrap_angle", "tension"))
     by_law = BASELINES[law.baseline].at_tension(own, n, wrap, tension)
     if others:
-        by_law = law.friction  # the file has no factor then: it would mix what sizes do
+        by_law = law.friction  # no factor then: it would mix the sizes
     made = correction(law, by_law)
     rms = float(np.sqrt((law.friction**2).mean()))
     spans = (f"{axis} {low:g} to {high:g}" for axis, (low, high) in law.tested.items())
@@ -111,5 +111,5 @@ def python_text(law: StoredLaw) -> str:
 
 
 def _in_docstring(text: str) -> str:
-    """Return text that cannot end the string in which it stands, nor escape anything in it."""
+    """Return text that cannot end the string that contains it, and has no escapes."""
     return legible(text).replace("\\", r"\\").replace('"', r"\"")

@@ -1,4 +1,4 @@
-"""Callbacks that stand for what no simulator has a field for."""
+"""Callbacks for numbers for which no simulator has a field."""
 
 from collections.abc import Mapping
 
@@ -38,12 +38,12 @@ def install(model):
 
 
 def load_friction_text(joints: Mapping[str, ExportedJoint]) -> str | None:
-    """Return the file of the callback; None where no joint has friction that grows with load.
+    """Return the file of the callback; None if no joint has friction that grows with load.
 
     Parameters
     ----------
     joints : mapping of str to ExportedJoint
-        By name in the model.
+        Joints by name in the model.
     """
     shares = {
         place: joint.numbers[SHARE].value

@@ -1,4 +1,4 @@
-"""The law of a folder of results: coefficients, causes, and friction where it was measured."""
+"""The law of a folder of results: coefficients, causes, and friction as measured."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -30,35 +30,35 @@ ABSENT = {
 
 @dataclass(frozen=True)
 class StoredLaw:
-    """What is known of the friction of a recording.
+    """The results on the friction of a recording.
 
     Parameters
     ----------
     name : str
-        Of the recording.
+        Name of the recording.
     baseline : str
         The friction law.
     unit : str
-        Of friction.
+        Unit of friction.
     numbers : mapping of str to Number
-        Of the law by name, refitted with the causes where there are any.
+        Numbers of the law by name, refitted with the causes if there are any.
     said : str
-        Which law they are of, a sentence.
+        A sentence that says to which law they belong.
     coefficients : mapping of str to Coefficients
-        Their means by pulley size; the size is empty where there is no pulley.
+        Their means by pulley size; the size is empty without pulleys.
     draws : mapping of str to list of float
-        Of each coefficient and of the scatter, in step; some of the posterior's.
+        Joint draws of each coefficient and of the scatter; a subset of the posterior's.
     causes : tuple of Cause
         Effects that the diagnosis named.
     places : mapping of str to ndarray, shape (R,)
-        ``velocity``, ``tension``, ``n_pulleys`` and ``wrap_angle`` where friction was measured;
-        without those that the rig has not.
+        ``velocity``, ``tension``, ``n_pulleys`` and ``wrap_angle`` at which friction was
+        measured, as far as the rig has them.
     friction : ndarray, shape (R,)
-        By the law with the causes.
+        Friction by the law with the causes.
     measured : ndarray, shape (R,)
-        Friction that was measured there.
+        Measured friction.
     trial : ndarray, shape (R,)
-        In which trial.
+        Trial of each row.
     """
 
     name: str
@@ -76,11 +76,11 @@ class StoredLaw:
 
     @property
     def noise(self) -> float:
-        """Rms of what friction's scatter and the sensors leave around the law."""
+        """Rms residual around the law, from the scatter of friction and the sensors."""
         return float(np.sqrt(((self.measured - self.friction) ** 2).mean()))
 
     def error_of(self, name: str) -> float | None:
-        """Return the standard deviation of a number; None where the law has none of the name.
+        """Return the standard deviation of a number; None if the law has no such number.
 
         The constant of a law without pulleys is its Coulomb friction.
         """
@@ -93,7 +93,7 @@ class StoredLaw:
         return {name: (float(at.min()), float(at.max())) for name, at in self.places.items()}
 
     def place(self, name: str) -> Array:
-        """Return where friction was measured; of what the rig has not, what makes no difference."""
+        """Return the values at which friction was measured; neutral values if the rig has none."""
         place = self.places.get(name)
         return np.full(self.friction.size, ABSENT[name]) if place is None else np.nan_to_num(place)
 
@@ -104,14 +104,14 @@ def read_law(folder: Path) -> StoredLaw:
     Parameters
     ----------
     folder : Path
-        With the results of ``diagnose`` and, of pulleys, those of ``fit``, of one recording and
-        one law.
+        Folder with the results of ``diagnose`` and, for pulleys, of ``fit``, for the same
+        recording and law.
 
     Raises
     ------
     InputError
-        A result is missing, or the two are of different recordings or laws, or a joint has no
-        number to enter.
+        A result is missing, the two have different recordings or laws, or a joint has no number
+        to enter.
     """
     if not (folder / "diagnosis.json").is_file():
         raise InputError([_missing(folder, "diagnosis.json", "diagnose")])
@@ -143,7 +143,7 @@ def _missing(folder: Path, file: str, verb: str) -> Fault:
 
 
 def _measured(diagnosis: DiagnosisFile, curves: xr.DataTree, folder: Path) -> StoredLaw:
-    """Return where friction was measured, and what it was, without numbers of the law."""
+    """Return measured friction and its conditions, without numbers of the law."""
     rows = curves["residuals"].to_dataset()
     if "diagnosed_n" not in rows:
         expected = f"friction by the causes: run `bayesfric diagnose RECORDING -o {folder}` again"
@@ -168,15 +168,15 @@ def _measured(diagnosis: DiagnosisFile, curves: xr.DataTree, folder: Path) -> St
 
 
 def _alone(name: str) -> str:
-    """Return what a law that is written without its robot calls a number of a joint."""
+    """Return the name of a joint's number in a law that is written without its robot."""
     return "mass" if name in INERTIAS else name
 
 
 def _of_joint(law: StoredLaw, joint: ExportedJoint) -> StoredLaw:
-    """Return the law of a driven joint: the numbers that its diagnosis gives to enter.
+    """Return the law of a driven joint, with the numbers to enter of its diagnosis.
 
-    Friction is their constant and powers of speed; the residual of each row is kept. The rows'
-    own `diagnosed_n` is no friction here: the refit moves inertia and gravity in it as well.
+    Friction is their constant plus powers of speed; the residual of each row is kept. The rows'
+    own `diagnosed_n` is not used, since it also contains changes of inertia and gravity.
     """
     numbers = {name: Number(given.value, given.unit) for name, given in joint.numbers.items()}
     friction = joint.friction(law.place("velocity"))
@@ -195,9 +195,9 @@ def _of_joint(law: StoredLaw, joint: ExportedJoint) -> StoredLaw:
 def _coefficients(
     fit: FitFile, numbers: Mapping[str, Number], friction: Array
 ) -> dict[str, Coefficients]:
-    """Return the law of each size; a law that has none of these numbers is a constant here.
+    """Return the law of each size; a law without these numbers is a constant here.
 
-    The factor by which the law is corrected then says how friction changes with speed.
+    The correction factor of the law then describes how friction changes with speed.
     """
     means = {name: number.value.mean for name, number in numbers.items()}
     laws = {size: law_of(means, size) for size in fit.pulleys or (NO_PULLEY,)}

@@ -1,4 +1,4 @@
-"""Logs as people have them, to a recording of driven joints."""
+"""Imports users' logs as recordings of driven joints."""
 
 from bayesfric.logs.importing import Imported, import_log
 from bayesfric.logs.proposing import Proposal, propose_mapping

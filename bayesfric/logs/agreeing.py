@@ -1,14 +1,14 @@
-"""Whether a position and a velocity that were logged beside each other say the same."""
+"""Check that a logged position and a logged velocity agree."""
 
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.ordering import Series
 
-LIKE = 0.9  # correlation from which two velocities are of the same motion
-OFF = 1.25  # factor by which they may differ: filters take something away
+LIKE = 0.9  # correlation above which two velocities describe the same motion
+OFF = 1.25  # factor by which they may differ, because of filters
 FEWEST = 20
-STEPS = 8  # intervals of a difference, so that steps of an encoder are small beside it
+STEPS = 8  # intervals of a difference, so that encoder steps are comparatively small
 
 
 def check_velocity(name: str, joint: str | None, signals: dict[str, Series]) -> None:
@@ -17,16 +17,16 @@ def check_velocity(name: str, joint: str | None, signals: dict[str, Series]) -> 
     Parameters
     ----------
     name : str
-        Of the log.
+        Name of the log.
     joint : str or None
-        Whose signals they are.
+        Joint of the signals.
     signals : dict of str to Series
-        Nothing is checked where there is no ``velocity``.
+        Signals; without ``velocity`` nothing is checked.
 
     Raises
     ------
     InputError
-        They move together, at another scale or with another sign.
+        They are correlated, but with another scale or sign.
     """
     position, velocity = signals["position"], signals.get("velocity")
     if velocity is None or velocity.time_s.size < FEWEST or position.time_s.size < FEWEST:

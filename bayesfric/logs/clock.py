@@ -1,7 +1,7 @@
 """A clock column of a log to seconds since its first row: counters, stamps of a day, ISO 8601.
 
-Stamps are subtracted as exact decimals and only the difference becomes a float: nanoseconds since
-1970 are nineteen digits, of which a float keeps sixteen.
+Stamps are subtracted as exact decimals, and only the difference becomes a float. Nanoseconds since
+1970 have nineteen digits, of which a float keeps sixteen.
 """
 
 import re
@@ -17,7 +17,7 @@ from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.units import SECONDS
 
-DECIMALS = 9  # of a time in seconds that are kept
+DECIMALS = 9  # decimals of a time in seconds that are kept
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 OF_DAY = r"(\d{1,2}):(\d\d):(\d\d(?:[.,]\d{1,12})?)"
 CLOCK = re.compile(OF_DAY, re.ASCII)
@@ -25,10 +25,10 @@ ISO = re.compile(
     rf"(\d{{4}})[-/](\d\d)[-/](\d\d)[T ]{OF_DAY}\s?(Z|UTC|[+-]\d\d(?::?\d\d)?)?",
     re.ASCII | re.IGNORECASE,
 )
-LONGEST = 48  # characters of a stamp
+LONGEST = 48  # longest stamp [characters]
 DAY_S = 86400
 LATEST_S = 4.2e9  # since 1970: the year 2103
-SHORTEST_S = 1e-6  # between samples of a drive
+SHORTEST_S = 1e-6  # shortest sample interval of a drive
 EXPECTED = "a number, a time of day as 14:46:55.892351 or a date and time of ISO 8601"
 
 
@@ -39,9 +39,9 @@ class Stamps:
     Parameters
     ----------
     seconds : tuple of Decimal or None
-        A row each; None where the cell is blank.
+        Stamp of each row; None if the cell is blank.
     periods_s : tuple of float
-        After which a clock of this form may begin again at nothing.
+        Periods after which a clock of this form may restart at zero.
     """
 
     seconds: tuple[Decimal | None, ...]
@@ -49,7 +49,7 @@ class Stamps:
 
     @property
     def first(self) -> Decimal | None:
-        """The first that is there."""
+        """The first stamp that is not blank."""
         return next((stamp for stamp in self.seconds if stamp is not None), None)
 
 
@@ -61,19 +61,19 @@ def stamps_of(
     Parameters
     ----------
     cells : sequence of str or None
-        As written; None or blank where there is none.
+        Cells as written; None or blank if there is no stamp.
     unit : str
-        Of numbers: a key of :data:`bayesfric.logs.units.SECONDS`. Stamps of a day and of
-        ISO 8601 say it themselves.
+        Unit of numbers: a key of :data:`bayesfric.logs.units.SECONDS`. Times of day and ISO 8601
+        need no unit.
     file, column : str
-        What an error calls them.
+        Their names in an error.
     first_row : int
-        What it calls the first row.
+        Number of the first row in an error.
 
     Raises
     ------
     InputError
-        A cell is none of the three forms, or they are mixed, or the unit cannot be meant.
+        A cell has none of the three forms, forms are mixed, or the unit is implausible.
     """
     texts = ["" if cell is None else cell.strip() for cell in cells]
     sample = next((text for text in texts if text), "")
@@ -97,22 +97,22 @@ def stamps_of(
         raise InputError([Fault(file, EXPECTED, place, column, texts[wrong[0]], like)])
     if read is _number:
         if not is_whole:
-            periods = ()  # a counter has whole numbers
+            periods = ()  # counters have whole numbers only
         _check_unit(stamps, unit, file, column)
     return Stamps(tuple(stamps), periods)
 
 
 def seconds_since(stamps: Stamps, origin: Decimal) -> Array:
-    """Return seconds since a stamp, rounded to nanoseconds; NaN where a cell is blank, (N,)."""
+    """Return seconds since a stamp, rounded to nanoseconds; NaN for a blank cell, shape (N,)."""
     since = [float("nan") if stamp is None else float(stamp - origin) for stamp in stamps.seconds]
     return np.asarray(np.round(np.array(since, dtype=np.float64), DECIMALS))
 
 
 def _counter_periods(unit: str) -> tuple[float, ...]:
-    """Return after how many seconds counters of 16, 24 and 32 bits begin again.
+    """Return the periods, in seconds, after which counters of 16, 24 and 32 bits restart.
 
     A counter of microseconds or nanoseconds may have been divided to whole numbers before it was
-    written. What has decimals is no counter.
+    written. Numbers with decimals are no counter.
     """
     ticks = sorted(tick for tick in SECONDS.values() if tick <= SECONDS[unit])
     return tuple(sorted({2.0**bits * tick for bits in (16, 24, 32) for tick in ticks}))
@@ -154,7 +154,7 @@ def _iso(text: str) -> Decimal | None:
 
 
 def _check_unit(stamps: Sequence[Decimal | None], unit: str, file: str, column: str) -> None:
-    """Refuse a unit in which a clock is beyond the year 2100, or ticks like no logger."""
+    """Refuse a unit in which a clock is beyond the year 2100, or faster than any logger."""
     there = [stamp for stamp in stamps if stamp is not None]
     if len(there) < 2:
         return

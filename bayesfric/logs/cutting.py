@@ -1,4 +1,4 @@
-"""Signals of joints, cut to the runs of a recording at the times of the positions."""
+"""Cuts signals of joints to the runs of a recording, at the times of the positions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ from bayesfric.logs.mapping import Run
 from bayesfric.logs.ordering import GAP, Series, gaps_of
 
 COLUMNS = {"force": "force_n", "known_force": "known_force_n", "temperature": "temperature_c"}
-"""What is put at the times of the positions by a straight line, and its column."""
+"""Signals that are interpolated linearly at the times of the positions, and their columns."""
 LEADS = ("force", "command")
 NOT_BRIDGED = ("force", "known_force")
-"""What stands at a time of its own, and not until the next as a command does."""
+"""Signals that are not interpolated across gaps; a command holds until the next one."""
 NEEDED = (*LEADS, "known_force")
-"""Beside positions, without which there is no sample: what is not logged is not made up."""
+"""Signals, besides positions, without which a sample is left out instead of filled in."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """A run in the time of a log.
+    """The time window of a run in a log.
 
     Parameters
     ----------
     run : Run
         Its name, role and covariates.
     begin_s, end_s : float
-        Since the origin of the times.
+        Begin and end since the origin of the times.
     """
 
     run: Run
@@ -40,12 +40,12 @@ class Window:
 
 
 def span_of(name: str, signals: dict[str, Series]) -> tuple[float, float]:
-    """Return when all the signals are logged [s].
+    """Return the interval in which all the signals are logged [s].
 
     Raises
     ------
     InputError
-        They never are at the same time.
+        There is no such interval.
     """
     needed = [signals["position"], *(signals[key] for key in NEEDED if key in signals)]
     begin = max(series.time_s[:1].max(initial=-np.inf) for series in needed)
@@ -59,18 +59,18 @@ def span_of(name: str, signals: dict[str, Series]) -> tuple[float, float]:
 def cut(
     name: str, signals: dict[str, Series], windows: Sequence[Window], origin_s: float
 ) -> tuple[list[pd.DataFrame], list[str]]:
-    """Return the samples of each run, and what was done.
+    """Return the samples of each run, and notes on what was done.
 
     Parameters
     ----------
     name : str
-        Of the log, for errors.
+        Name of the log, for errors.
     signals : dict of str to Series
-        Of one joint.
+        Signals of one joint.
     windows : sequence of Window
         The runs.
     origin_s : float
-        From which times of the recording count.
+        Origin of the times of the recording.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def cut(
 
 
 def _held(time: Array, command: Series, origin_s: float) -> dict[str, Array]:
-    """Return the command that held at each time, and since when."""
+    """Return the command that is held at each time, and its start."""
     last = np.searchsorted(command.time_s, time, side="right") - 1
     since = command.time_s[last]
     columns = {"command_m": command.value[last].round(DECIMALS)}
@@ -140,7 +140,7 @@ def _notes(signals: dict[str, Series], unsaid: dict[str, Flags]) -> list[str]:
 
 
 def _held_ends(position: Series, temperature: Series) -> list[str]:
-    """Return that a temperature is that of its first or last sample where none was logged."""
+    """Return a note that the first or last temperature is used where none was logged."""
     first, last = temperature.time_s[[0, -1]]
     before_s, after_s = first - position.time_s[0], position.time_s[-1] - last
     longest = max(before_s, after_s)
@@ -154,7 +154,7 @@ def _held_ends(position: Series, temperature: Series) -> list[str]:
 
 
 def _unsaid(time_s: Array, force: Series) -> Flags:
-    """Return where a force was not logged for some intervals, (N,): it is not bridged."""
+    """Return where a force was not logged for several intervals, (N,): no interpolation there."""
     begin, end = gaps_of(force)
     if not begin.size:
         return np.zeros(time_s.size, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""How late a measured force is behind its command, with an error."""
+"""The delay of a measured force behind its command, with an error."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ import scipy
 from bayesfric.arrays import Array
 from bayesfric.logs.ordering import Series
 
-LATEST_S = 0.1  # looked at, either way
+LATEST_S = 0.1  # largest delay that is examined, of either sign
 COARSE = 401
 
 
@@ -21,15 +21,15 @@ class Delay:
 
 
 def delay_between(command: Series, measured: Series) -> Delay | None:
-    """Return by how much a measured force comes after its command; None where nothing moves.
+    """Return the delay of a measured force behind its command; None if the force is constant.
 
-    Least squares of measured = offset + gain × command(t − d); the error is that of d by the
-    rest, whose neighbours hang together.
+    Least squares of measured = offset + gain × command(t − d). The error of d allows for correlated
+    residuals.
 
     Parameters
     ----------
     command, measured : Series
-        On one clock.
+        Both on the same clock.
     """
     inside = (measured.time_s > command.time_s[0] + LATEST_S) & (
         measured.time_s < command.time_s[-1] - LATEST_S
@@ -56,7 +56,7 @@ def delay_between(command: Series, measured: Series) -> Delay | None:
     left, (_, gain) = rest(float(least.x))
     slope = -gain * path(time - least.x, 1)
     slope = slope - slope.mean()
-    # The variance of a sum of products whose neighbours hang together (Newey and West).
+    # Variance of a sum of correlated products (Newey and West).
     product, lags = slope * left, int(np.ceil(4 * (time.size / 100) ** (2 / 9)))
     total = float(product @ product)
     for lag in range(1, lags + 1):

@@ -1,4 +1,4 @@
-"""Logs to a recording: clocks aligned, runs cut, and what is late said and left in."""
+"""Imports logs as a recording: clocks are aligned, runs are cut, and delays are reported."""
 
 import re
 from collections.abc import Sequence
@@ -28,17 +28,17 @@ MOST_RUNS = 10_000
 
 @dataclass(frozen=True)
 class Imported:
-    """A recording and what a reader should know of how it came about.
+    """A recording, with notes on its import.
 
     Parameters
     ----------
     recording : Recording
-        Of one joint, or of all.
+        The recording of one joint, or of all.
     delay : Delay or None
-        Of the measured force behind the command, of the first joint and run; None where only one
-        of them is there.
+        Delay of the measured force behind the command, in the first run of the first joint; None
+        unless both were logged.
     notes : tuple of str
-        Sentences.
+        Notes, a sentence each.
     """
 
     recording: Recording
@@ -48,7 +48,7 @@ class Imported:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A log, or the rows of it that are a run, and the name of the run."""
+    """A log, or the rows of one run in it, with the name of the run."""
 
     log: Log
     name: str
@@ -57,7 +57,7 @@ class _Piece:
 
 @dataclass(frozen=True)
 class _Cut:
-    """Rows of runs, samples and notes of a piece."""
+    """Runs, samples and notes of a piece."""
 
     runs: list[dict[str, Any]]
     samples: list[pd.DataFrame]
@@ -78,18 +78,18 @@ def import_log(
     Parameters
     ----------
     logs : Path or sequence of Path
-        A file or a ROS 2 bag's folder; several are runs of their own.
+        A file or a ROS 2 bag's folder; each of several logs is a run.
     joint : str or None
-        Which one, or ``all``; None where the mapping's columns are of one.
+        Name of the joint, or ``all``; None if the mapping's columns belong to one joint.
     mapping : Path or Mapping
-        Which columns are what.
+        The meaning of the columns.
     name : str
-        Of the recording.
+        Name of the recording.
 
     Raises
     ------
     InputError
-        The log or the mapping cannot be used: where and why.
+        The log or the mapping cannot be used; with places and reasons.
     """
     paths = [logs] if isinstance(logs, Path) else list(logs)
     what = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
@@ -142,7 +142,7 @@ def _constants(what: Mapping, joints: tuple[str | None, ...], folder: Path) -> R
 
 
 def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
-    """Return what the force of all joints is: a recording says it once."""
+    """Return the kind of force, which must be the same for all joints of a recording."""
     forces = {joint: what.of_joint(joint).get("force") for joint in joints}
     of_joint = {joint: force.force_is for joint, force in forces.items() if force is not None}
     kinds = [kind for kind in dict.fromkeys(of_joint.values()) if kind is not None]
@@ -154,7 +154,7 @@ def _force_is(what: Mapping, joints: tuple[str | None, ...]) -> ForceIs | None:
 
 
 def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
-    """Return the logs, each cut where a column says that another run begins."""
+    """Return the logs, each divided at the runs that a column names."""
     stems = [path.name if path.is_dir() else path.stem for path in paths]
     pieces = []
     for path, stem in zip(paths, stems, strict=True):
@@ -176,13 +176,13 @@ def _pieces(paths: list[Path], what: Mapping) -> list[_Piece]:
 
 
 def _by_joint(pieces: list[_Piece], what: Mapping) -> tuple[list[_Piece], Mapping]:
-    """Return pieces in which each joint has columns of its own, and the mapping of these."""
+    """Return pieces in which each joint has columns of its own, and their mapping."""
     apart = [replace(piece, log=by_joint(piece.log, what)) for piece in pieces]
     return apart, mapping_by_joint(what, pieces[0].log)
 
 
 def _id(text: str) -> str:
-    """Return a name of a run: letters, digits and dots, so that it is one of a file too."""
+    """Return a name for a run that is also a valid file name: letters, digits and dots."""
     return re.sub(r"[^\w.]+", "-", text).strip("-.") or "run"
 
 
@@ -203,7 +203,7 @@ def _parts(log: Log, column: str | int) -> list[tuple[str, Log]]:
 
 
 def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
-    """Return the runs of each piece: those of the mapping that are of it, or the whole."""
+    """Return the runs of each piece: those of the mapping that belong to it, or the whole piece."""
     if not what.runs:
         return [[Run(name=piece.name)] for piece in pieces]
     faults, of_piece = [], [list[Run]() for _ in pieces]
@@ -268,7 +268,7 @@ def _row(run: Run) -> dict[str, Any]:
 
 
 def _together(notes: dict[str | None, list[str]]) -> list[str]:
-    """Return notes that are of all joints once, and those of some with the joint's name."""
+    """Return notes on all joints once, and notes on single joints with the joint's name."""
     everywhere = set.intersection(*(set(of_joint) for of_joint in notes.values()))
     together = [note for of_joint in notes.values() for note in of_joint if note in everywhere]
     alone = [

@@ -1,4 +1,4 @@
-"""Logs with a row for each joint at each time: a column says of which joint a row is."""
+"""Logs in long form: a row for each joint at each time, with a column that names the joint."""
 
 from typing import Any
 
@@ -10,9 +10,9 @@ from bayesfric.logs.mapping import JOINT, Mapping, Signal
 from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 
 MOST_JOINTS = 200
-ALIKE = 0.9  # of times that have the same number of rows
+ALIKE = 0.9  # share of the times that have the same number of rows
 FARTHER = 2.0  # times, from a row to the next of the same time than to that of the next time
-FEWEST = 20  # rows
+FEWEST = 20  # least number of rows
 
 
 def by_joint(log: Log, mapping: Mapping) -> Log:
@@ -21,14 +21,14 @@ def by_joint(log: Log, mapping: Mapping) -> Log:
     Parameters
     ----------
     log : Log
-        With a row for each joint at each time.
+        A log with a row for each joint at each time.
     mapping : Mapping
-        Whose ``joint_column`` says which joint; without one the log is as it was.
+        Its ``joint_column`` names the joint; without it the log is returned unchanged.
 
     Raises
     ------
     InputError
-        There is no such column, or it has no names of joints, or a signal has no number in a row.
+        There is no such column, it does not name joints, or a signal has no number in a row.
     """
     if mapping.joint_column is None:
         return log
@@ -55,7 +55,7 @@ def by_joint(log: Log, mapping: Mapping) -> Log:
 
 
 def _check_numbers(log: Log, mapping: Mapping) -> None:
-    """Refuse what is no number while rows still have the places that they have in the file."""
+    """Refuse cells that are no numbers, while rows still have their numbers in the file."""
     names = [log.name_of(signal.column) for signal in mapping.signals.values()]
     faults: list[Fault] = []
     for name in dict.fromkeys(names):
@@ -66,14 +66,14 @@ def _check_numbers(log: Log, mapping: Mapping) -> None:
 
 
 def mapping_by_joint(mapping: Mapping, log: Log) -> Mapping:
-    """Return a mapping for what :func:`by_joint` makes of a log; without the key it is as it was.
+    """Return the mapping for the result of :func:`by_joint`; unchanged without ``joint_column``.
 
     Parameters
     ----------
     mapping : Mapping
-        Of the rows.
+        Mapping of the log in long form.
     log : Log
-        As it was read: it has the names of columns that the mapping has by number.
+        The log as read, for the names of columns that the mapping gives by number.
     """
     if mapping.joint_column is None:
         return mapping
@@ -100,12 +100,12 @@ def _of(column: str, joint: str) -> str:
 
 
 def is_of_several_joints(time_s: Array, position: Array) -> bool:
-    """Return whether rows of one time are of several joints: each time has as many of them.
+    """Return whether rows at one time belong to several joints, the same number at each time.
 
     Parameters
     ----------
     time_s, position : ndarray, shape (N,)
-        In the order of the log; NaN where there is none.
+        In the order of the log; NaN for a missing value.
     """
     there = np.isfinite(time_s) & np.isfinite(position)
     time_s, position = time_s[there], position[there]

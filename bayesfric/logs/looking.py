@@ -1,4 +1,4 @@
-"""What the columns of a log look like: how its CSV is written, and what each column may be."""
+"""Guesses about a log: the format of its CSV, and the meaning of each column."""
 
 import re
 from collections.abc import Sequence
@@ -25,17 +25,17 @@ from bayesfric.logs.spelling import (
 from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 from bayesfric.logs.units import SECONDS
 
-ROWS = 5000  # that are looked at
+ROWS = 5000  # number of rows that are examined
 LINES = 200
-LONGEST = 60  # characters of a line that is shown
+LONGEST = 60  # most characters of a line that are shown
 SEPARATORS = (",", ";", "\t", "|", "space")
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 SINCE_1970 = (1e9, 4.2e9)  # seconds, from 2001 to 2103
-USUAL_S = (2e-4, 0.2)  # between samples of a joint: 5 Hz to 5 kHz
+USUAL_S = (2e-4, 0.2)  # usual sample intervals of a joint: 5 Hz to 5 kHz
 MOST_JOINTS, LEAST_ROWS = 60, 3  # of a log with a row for each joint, and rows of each
 JOINT_WORDS = r"joint|jnt|motor|servo|actuator|axis|id|name|names|index"
 WHOLE_SHARE = 1.01  # of a PWM, rounded
-WHOLE_TURNS_RAD = 40.0  # beyond which a position is hardly in rad
+WHOLE_TURNS_RAD = 40.0  # a larger position is unlikely to be in rad
 
 WORDS = {
     "time": r"time|timestamp|stamp|t|clock|sec|secs|seconds|micros|millis|us|ms|ns|epoch",
@@ -45,39 +45,39 @@ WORDS = {
     "force": r"torque|tau|effort|force|trq|iq|amps|amp|volt|voltage|pwm|duty|nm",
     "temperature": r"temperature|temp",
 }
-"""Words in names, by what a column that has them may be."""
+"""Words in names, by the kind of column that has them."""
 OF_MOTOR = r"current|load"
-"""Words for a force where none says otherwise: the current velocity is no current."""
+"""Words for a force if no other word contradicts: the current velocity is no current."""
 LETTERS = {"position": "x", "force": "f|m|i"}
-"""What counts where no word says anything."""
+"""Letters that count if there is no word."""
 OTHERS = r"acc|accel|acceleration|qdd|ddq|qddot|jerk|gyro|imu|id"
-"""Words of what no mapping has; id is the current that turns nothing."""
+"""Words of quantities that no mapping has; id is the current without torque."""
 RANK = {r"error|err|deviation|limit|lim|min|max": 2, WORDS["command"]: 1}
-"""Words by which a column of a kind stands behind others of that kind."""
+"""Words that give a column a lower rank among columns of its kind."""
 OF_UNITS = tuple(word for words in (*SPELLINGS.values(), *QUANTITIES.values()) for word in words)
 OF_ANY = r"joint|joints|motor|sensor|actual|act|measured|meas|feedback|fb|log|data|observation"
-"""Words that are of no joint."""
+"""Words that are no names of joints."""
 
 
 @dataclass(frozen=True)
 class Belief:
-    """What a column is believed to be, and why.
+    """The guess for a column, with its reason.
 
     Parameters
     ----------
     column : str
         Its name.
     kind : str or None
-        A key of :data:`WORDS`, or ``joint`` of a column that names the joint of each row; None
-        where nothing speaks for any.
+        A key of :data:`WORDS`, or ``joint`` for a column that names the joint of each row; None
+        without evidence.
     unit : str or None
-        None where nothing says it.
+        Unit; None if unknown.
     why : str
-        A clause.
+        The reason, a clause.
     shown : str
-        What its cells hold.
+        Content of its cells.
     rows : int
-        How many there are.
+        Number of rows.
     """
 
     column: str
@@ -89,7 +89,7 @@ class Belief:
 
 
 def csv_form(text: str) -> tuple[CsvForm, list[str]]:
-    """Return how a CSV seems to be written, and why."""
+    """Return the probable format of a CSV, with reasons."""
     lines = lines_of(text)[:LINES]
     separator = max(SEPARATORS, key=lambda sign: _evenness(lines, sign))
     cells = list(split(lines, separator))
@@ -132,7 +132,7 @@ def _usual_width(cells: list[list[str]]) -> int:
 
 
 def _is_data(cells: list[str]) -> bool:
-    """Return whether a line holds numbers, stamps and blanks alone, or nearly."""
+    """Return whether a line has only numbers, stamps and blanks, or nearly so."""
     numbers = sum(bool(NUMBER.fullmatch(cell.strip())) for cell in cells)
     stamps = sum(
         bool(CLOCK.fullmatch(cell.strip()) or ISO.fullmatch(cell.strip())) for cell in cells
@@ -148,7 +148,7 @@ def _has_commas(lines: list[list[str]]) -> bool:
 
 
 def believed(log: Log) -> list[Belief]:
-    """Return what each column of a log is believed to be."""
+    """Return the guess for each column of a log."""
     return [_belief(log, column, cells) for column, cells in log.columns.items()]
 
 
@@ -188,7 +188,7 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
 
 
 def _names_joints(column: str, cells: Cells) -> str | None:
-    """Return why a column says of which joint a row is; None where it does not."""
+    """Return the reason why a column names the joint of each row; None if it does not."""
     texts = [text.strip() for text in texts_of(cells) if text and text.strip()]
     names = set(texts)
     of_joint = [re.fullmatch(JOINT_WORDS, word) is not None for word in words_of(column)]
@@ -212,7 +212,7 @@ def _numbers(log: Log, column: str, cells: Cells) -> Array | None:
 
 
 def name_of_joint(column: str) -> str:
-    """Return what may be the joint in a name: in brackets, a number, or words of no other use."""
+    """Return the part of a name that may be the joint: in brackets, a number, or other words."""
     bracket = re.search(r"\[([^\]]+)\]", column)
     if bracket and words_of(bracket.group(1)) and not is_unit(bracket.group(1)):
         return bracket.group(1)
@@ -231,7 +231,7 @@ def name_of_joint(column: str) -> str:
 
 
 def rank_of(belief: Belief) -> int:
-    """Return how far behind others of its kind a column stands: a limit is no position."""
+    """Return the rank of a column in its kind, 0 being the best: a limit is no position."""
     words = words_of(belief.column)
     return sum(
         rank
@@ -245,7 +245,7 @@ def _has(words: list[str], pattern: str) -> bool:
 
 
 def _kind(column: str, is_clock: bool) -> str | None:
-    """Return what the words of a name say, those that can mean one thing alone before others."""
+    """Return the kind from the words of a name, unambiguous words first."""
     words = words_of(column)
     if is_clock:
         return "time"
@@ -272,7 +272,7 @@ def _kind(column: str, is_clock: bool) -> str | None:
 
 
 def _counts_rows(column: str, numbers: Array) -> bool:
-    """Return whether a column whose name is a letter goes on by one from row to row."""
+    """Return whether a column whose name is a letter counts the rows."""
     return (
         len("".join(words_of(column))) == 1
         and numbers.size > 1
@@ -281,12 +281,12 @@ def _counts_rows(column: str, numbers: Array) -> bool:
 
 
 def _clock_unit(numbers: Array, column: str, said: str) -> tuple[str, str] | None:
-    """Return the unit of a clock, and why; None where a column is none."""
+    """Return the unit of a clock, and the reason; None if the column is no clock."""
     is_named = any(re.fullmatch(WORDS["time"], word) for word in words_of(column))
     steps = np.diff(numbers)
     if not steps.size or not is_named or (steps >= 0).mean() < 0.9:
         return None
-    if (steps > 0).mean() < 1 / (2 * MOST_JOINTS):  # of which each may have a row at each time
+    if (steps > 0).mean() < 1 / (2 * MOST_JOINTS):  # each joint may have a row at each time
         return None
     interval = float(np.median(steps[steps > 0]))
     for unit, second in SECONDS.items():
@@ -306,7 +306,7 @@ def _clock_unit(numbers: Array, column: str, said: str) -> tuple[str, str] | Non
 
 
 def _unit(kind: str, column: str, said: str, numbers: Array) -> tuple[str | None, str]:
-    """Return a unit and why: what the file says, what the name says, or a position's size."""
+    """Return a unit and the reason: from the file, from the name, or from a position's size."""
     of_kind = "position" if kind == "command" else kind
     by_file = unit_of_text(of_kind, said) if of_kind in SPELLINGS else None
     spelled = by_file or unit_in_name(of_kind, column)

@@ -1,4 +1,4 @@
-"""``mapping.toml``: which column of a log is what, in which unit, with which sign and gear."""
+"""``mapping.toml``: the meaning, unit, sign and gear ratio of the columns of a log."""
 
 import math
 from typing import Annotated, Any, Literal, get_args
@@ -30,10 +30,10 @@ SIGNALS = {
     "known_force": FORCES,
     "temperature": {"degC": 1.0},
 }
-"""What a mapping can say of a joint, and the units of each."""
+"""Signals of a joint in a mapping, and the units of each."""
 JOINT = "{joint}"
 SAY = "SAY"
-"""What stands where a user has to say something; it is refused until it is replaced."""
+"""Placeholder for a value that the user must give; it is refused until it is replaced."""
 Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -51,7 +51,7 @@ class _Section(Documented):
 
 
 class CsvForm(_Section):
-    """How a CSV is written.
+    """The format of a CSV file.
 
     Fields
     ------
@@ -73,7 +73,7 @@ class Time(_Section):
 
     Fields
     ------
-    rate_hz: In place of a column: samples a second.
+    rate_hz: Samples per second, instead of a column.
     """
 
     column: Place | None = None
@@ -88,11 +88,11 @@ class Signal(_Section):
     ------
     column: Its name in the log, or its number from 1; {joint} stands for the joint's.
     time: A clock column of its own, in the same unit.
-    unit: Of the column.
-    gear_ratio: Turns of what the column is of, for one here.
-    factor: A torque constant, say: what 1 of it is.
-    counts_per_turn: Of an encoder, where unit is tick.
-    force_is: Of a force.
+    unit: Unit of the column.
+    gear_ratio: Turns of the recorded shaft for one turn of the joint.
+    factor: Value of one unit of the column, such as a torque constant.
+    counts_per_turn: Counts per turn of an encoder, if the unit is tick.
+    force_is: Kind of a force.
     """
 
     column: Place
@@ -110,9 +110,9 @@ class Run(_Section):
 
     Fields
     ------
-    file: Name of the log's file, where there are several.
-    value: Of the column of runs.
-    from_s: Since the log's first sample.
+    file: Name of the log's file, if there are several.
+    value: Value in the column of runs.
+    from_s: Begin, since the log's first sample.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True)
@@ -125,12 +125,12 @@ class Run(_Section):
 
 
 class RobotModel(_Section):
-    """The robot's own model, whose friction and armature are what the simulator has now.
+    """The robot's own model, with the simulator's present friction and armature.
 
     Fields
     ------
     model: A URDF or MJCF file in the folder of the mapping.
-    joints: Joint of the log to its name there, where it differs.
+    joints: Name in the model by joint of the log, if it differs.
     """
 
     model: str
@@ -138,19 +138,19 @@ class RobotModel(_Section):
 
 
 class Mapping(_Section):
-    """What the columns of a log are.
+    """The meaning of the columns of a log.
 
     Fields
     ------
-    measured_force: Beside a commanded force: how late it is, is estimated from it.
+    measured_force: Measured force beside a commanded one; its delay is estimated.
     command: The commanded position.
     velocity: Checks the unit and sign of the position.
-    known_force: By the user's rigid-body model.
-    joints: What is another for a joint: joints.elbow.force.sign.
-    run: A column: each value of it is a run.
-    encoder_resolution: Of the position of each joint that is imported.
-    moving_mass: Of a joint that is imported alone.
-    joint_column: A column that names the joint of each row, where all joints share the others.
+    known_force: Force by the user's rigid-body model.
+    joints: Keys that differ for a joint, such as joints.elbow.force.sign.
+    run: A column; each of its values is a run.
+    encoder_resolution: Resolution of the position of each imported joint.
+    moving_mass: Moving mass of a joint that is imported alone.
+    joint_column: A column that names the joint of each row, if all joints share the other columns.
     """
 
     csv: CsvForm | None = None
@@ -178,17 +178,17 @@ class Mapping(_Section):
 
     @property
     def signals(self) -> dict[str, Signal]:
-        """What it says of a joint, by name of the signal."""
+        """Its signals of a joint, by name."""
         signals = {name: getattr(self, name) for name in SIGNALS}
         return {name: signal for name, signal in signals.items() if signal is not None}
 
     @property
     def is_of_any_joint(self) -> bool:
-        """Whether its columns have a place for the name of a joint."""
+        """Whether its columns have a placeholder for the name of a joint."""
         return any(JOINT in str(signal.column) for signal in self.signals.values())
 
     def of_joint(self, joint: str | None) -> dict[str, Signal]:
-        """Return the signals of a joint, with what is another for it."""
+        """Return the signals of a joint, with the keys that differ for it."""
         own = self.joints.get(joint or "", {})
         signals = {
             name: Signal.model_validate({**written(signal), **own.get(name, {})})
@@ -207,12 +207,12 @@ class Mapping(_Section):
         }
 
     def clock_of(self, signal: Signal) -> str | int | None:
-        """Return the column of a signal's clock; None where a rate stands for it."""
+        """Return the column of a signal's clock; None if there is a rate instead."""
         return self.time.column if signal.time is None else signal.time
 
 
 def scale_of(name: str, signal: Signal) -> float:
-    """Return what a value of a signal's column is multiplied by."""
+    """Return the factor on the values of a signal's column."""
     scale = signal.sign * (1.0 if signal.factor is None else signal.factor)
     if name in ("position", "command", "velocity"):
         scale = scale * SIGNALS[name][signal.unit] / signal.gear_ratio
@@ -223,7 +223,7 @@ def scale_of(name: str, signal: Signal) -> float:
 
 
 def written(signal: Signal) -> dict[str, Any]:
-    """Return the keys of a signal that are written, without what is the default."""
+    """Return the keys of a signal that differ from the defaults."""
     return signal.model_dump(exclude_unset=True)
 
 

@@ -1,4 +1,4 @@
-"""The file of a mapping, read and checked: every fault of it with its key."""
+"""Reads and checks the file of a mapping; every fault has its key."""
 
 import math
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from bayesfric.logs.mapping import FORCE_IS, JOINT, SAY, SIGNALS, Mapping, Signa
 from bayesfric.logs.units import FORCES, LENGTHS, ROTARY, STRAIGHT, TORQUES, needs_factor
 
 PAGE = "docs/howto/log.md"
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what begins one in a cell
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of a formula in a cell
 
 
 def read_mapping(path: Path) -> Mapping:
@@ -22,13 +22,13 @@ def read_mapping(path: Path) -> Mapping:
     Raises
     ------
     InputError
-        With every fault of it.
+        With every fault of the file.
     """
     return checked_mapping(read_toml(path), path.name)
 
 
 def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
-    """Return a mapping from its keys; `name` is what an error calls them."""
+    """Return a mapping from its keys; `name` is the name of the file in errors."""
     keys = _with_columns(keys)
     try:
         mapping = Mapping.model_validate(keys)
@@ -52,9 +52,9 @@ def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
 
 
 def _with_columns(keys: dict[str, Any]) -> dict[str, Any]:
-    """Return keys in which a signal whose column each joint says for itself has that of the first.
+    """Return keys in which a signal has a column, that of the first joint, if only joints give one.
 
-    No joint takes it, since each has its own.
+    No joint uses it, since each has a column of its own.
     """
     joints = keys.get("joints")
     of_joints = list(joints.values()) if isinstance(joints, dict) else []
@@ -71,7 +71,7 @@ def _with_columns(keys: dict[str, Any]) -> dict[str, Any]:
 
 
 def _unsaid(keys: dict[str, Any], name: str, before: str = "") -> Iterator[Fault]:
-    """Yield a fault for each place of a proposal that was not edited."""
+    """Yield a fault for each placeholder of a proposal that was not edited."""
     for key, value in keys.items():
         if isinstance(value, dict):
             yield from _unsaid(value, name, f"{before}{key}.")
@@ -138,7 +138,7 @@ def _of_joints(mapping: Mapping, name: str) -> list[Fault]:
 
 
 def _of_joint_column(mapping: Mapping, name: str) -> list[Fault]:
-    """Return columns that are of one joint, where a column says of which joint a row is."""
+    """Return faults of columns of single joints, if a column names the joint of each row."""
     if mapping.joint_column is None:
         return []
     expected = "a column that all joints share, where joint_column stands"

@@ -1,8 +1,8 @@
-"""The clock of a log set right, and what was done to it said with counts.
+"""Corrects the clock of a log, with notes that count the corrections.
 
-Counters that begin again are unwrapped, rows that are a little out of order are sorted, rows with
-the time of another are left out. A clock that goes back and stays behind is no clock of one log:
-that is an error, for sorting would mix two pieces.
+Counters that restart are unwrapped. Rows that are slightly out of order are sorted. Rows with the
+time of another row are left out. If a clock goes back and stays behind, the log has two pieces:
+this is an error, since sorting would mix them.
 """
 
 from dataclasses import dataclass
@@ -12,15 +12,15 @@ import numpy as np
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.errors import Fault, InputError
 
-GAP = 3.0  # intervals without a sample that are said
+GAP = 3.0  # intervals without a sample that count as a gap
 BEHIND = 50  # rows, and intervals, by which a row may be out of order
-ACROSS = 0.001  # of a period, in which no sample came while a counter began again, at the most
-STEPS = 5.0  # intervals, likewise
+ACROSS = 0.001  # largest gap at a restart of a counter, over its period
+STEPS = 5.0  # largest gap at a restart of a counter, in intervals
 
 
 @dataclass(frozen=True)
 class Series:
-    """A quantity at times, both of shape (N,), times increasing."""
+    """A quantity and its increasing times, both of shape (N,)."""
 
     time_s: Array
     value: Array
@@ -28,12 +28,12 @@ class Series:
 
 @dataclass(frozen=True)
 class Ordered:
-    """A quantity in order, and what was done for it.
+    """A quantity in order of time, with notes on the corrections.
 
     Parameters
     ----------
     series : Series
-        Times increase.
+        The quantity, with increasing times.
     notes : tuple of str
         Clauses with counts.
     """
@@ -45,18 +45,18 @@ class Ordered:
 def unwrapped(
     time_s: Array, first: float, periods_s: tuple[float, ...], first_row: int = 2
 ) -> tuple[Array, tuple[str, ...]]:
-    """Return times of a counter that began again, as if it had not, and what was done.
+    """Return the unwrapped times of a counter, and notes on the corrections.
 
     Parameters
     ----------
     time_s : ndarray, shape (N,)
-        Since the first row, in the order of the log; NaN where there is none.
+        Since the first row, in the order of the log; NaN for a missing value.
     first : float
-        What the counter showed at the first row [s].
+        Value of the counter at the first row [s].
     periods_s : tuple of float
-        After which it may begin again.
+        Periods after which it may restart.
     first_row : int
-        What is said of the first row.
+        Number of the first row in notes.
     """
     there = np.flatnonzero(np.isfinite(time_s))
     steps = np.diff(time_s[there])
@@ -72,7 +72,7 @@ def unwrapped(
         )
         if not counts or not begins_again.any():
             continue
-        # Rows that are out of order about such a place go there and back.
+        # Rows that are out of order around a restart jump there and back.
         turns = np.cumsum(begins_again.astype(int) - (np.abs(steps - period) <= across))
         turns = np.maximum(turns, 0)
         unwrapped_s = time_s.copy()
@@ -87,16 +87,16 @@ def unwrapped(
 
 
 def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int = 2) -> Ordered:
-    """Return what is a number, by time, of equal times the first.
+    """Return the numbers in order of time; of equal times, the first.
 
     Parameters
     ----------
     time_s, value : ndarray, shape (N,)
-        In the order of the log; NaN where there is none.
+        In the order of the log; NaN for a missing value.
     file, column : str
-        What an error calls the log and its clock.
+        Names of the log and its clock in an error.
     first_row : int
-        What it calls the first row.
+        Number of the first row in an error.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def in_order(time_s: Array, value: Array, file: str, column: str, first_row: int
 
 
 def gaps_of(series: Series) -> tuple[Array, Array]:
-    """Return where stretches without a sample begin and end [s], two arrays of shape (G,)."""
+    """Return begin and end of the gaps [s], two arrays of shape (G,)."""
     steps = np.diff(series.time_s)
     wide = np.flatnonzero(steps > GAP * _interval(steps)) if steps.size else np.zeros(0, dtype=int)
     return series.time_s[wide], series.time_s[wide + 1]
@@ -166,7 +166,7 @@ def _check_behind(
 
 
 def _interval(steps: Array) -> float:
-    """Return the median of what a clock moves on by; infinite where it never does."""
+    """Return the median step of a clock; infinite if it never advances."""
     forward = steps[steps > 0]
     return float(np.median(forward)) if forward.size else np.inf
 

@@ -1,4 +1,4 @@
-"""A mapping proposed for a log, with what is believed of each column and why, to be edited."""
+"""Proposes a mapping for a log, with the guess for each column and its reason, to be edited."""
 
 import re
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from bayesfric.logs.table import texts_of
 from bayesfric.logs.units import needs_factor
 
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
-EFFORT = re.compile(r"/.*\.effort\[")  # of a message of ROS 2, in N·m or N
+EFFORT = re.compile(r"/.*\.effort\[")  # an effort of a ROS 2 message, in N·m or N
 SPEED = re.compile(r"/.*\.velocity\[")
 LEROBOT_RUN = "episode_index"
 BARE = re.compile(r"[A-Za-z0-9_-]+")  # a key of TOML without quotes
@@ -25,7 +25,7 @@ DECLARED = (
     "# encoder_resolution = 0.001  # one count of the position [rad or m]",
     "# moving_mass = 0.5  # of a joint imported alone, what it moves [kg·m² or kg]",
 )
-"""Keys of the top of a mapping that nothing in a log tells."""
+"""Top-level keys of a mapping that a log cannot give."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +37,10 @@ class Proposal:
     toml : str
         The file.
     open : tuple of str
-        What has to be said before it can be used.
+        Values that the user must give before it can be used.
     joints : tuple of str
-        Names of the joints that :data:`~bayesfric.logs.mapping.JOINT` stands for, where the log
-        has several.
+        Names of the joints that :data:`~bayesfric.logs.mapping.JOINT` stands for, if the log has
+        several.
     """
 
     toml: str
@@ -69,14 +69,14 @@ def _of_joints(joints: tuple[str, ...], *, in_rows: bool) -> list[str]:
 
 
 def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
-    """Return what a log's columns are believed to be, as a mapping with reasons.
+    """Return a guess of the meaning of a log's columns, as a mapping with reasons.
 
     Parameters
     ----------
     path : Path
         The log.
     joint : str or None
-        Whose columns are preferred.
+        Joint whose columns are preferred.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def _names_in(cells: list[str | None]) -> dict[str, None]:
 
 
 def _plain(text: str) -> str:
-    """Return a text of the log without what would end a comment or a string."""
+    """Return a text of the log without characters that end a comment or a string."""
     return "".join(sign if sign.isprintable() and sign not in '"\\' else "?" for sign in text)
 
 
@@ -151,9 +151,9 @@ def _of_csv(form: CsvForm, why: list[str]) -> list[str]:
 def _chosen(
     beliefs: list[Belief], joint: str | None
 ) -> tuple[dict[str, tuple[Belief, str]], tuple[str, ...]]:
-    """Return the column of each kind with its pattern, preferring those of one joint, and joints.
+    """Return the column of each kind with its pattern, preferably of one joint, and the joints.
 
-    Joints are named where there are several, and so a pattern.
+    If there are several joints, they are named and columns have a pattern.
     """
     of_kind: dict[str, list[Belief]] = {}
     for belief in sorted(beliefs, key=rank_of):
@@ -175,7 +175,7 @@ def _chosen(
             candidate for candidate in own if table and _topic(candidate) == _topic(table)
         ] or own
         if not own and key is not None and kind in ("command", "velocity"):
-            continue  # of which joint it is, nothing says
+            continue  # its joint is unknown
         belief = (own or candidates)[0]
         pattern = belief.column
         if kind != "time" and key is not None and own and len(keys) > 1:
@@ -189,7 +189,7 @@ def _topic(belief: Belief) -> str:
 
 
 def _joint_keys(of_kind: dict[str, list[Belief]]) -> list[str]:
-    """Return what tells joints apart in names of positions and of forces alike."""
+    """Return the parts of names that identify joints in both positions and forces."""
     lead = "force" if "force" in of_kind else "command"
     others = {name_of_joint(belief.column) for belief in of_kind.get(lead, [])}
     keys = [name_of_joint(belief.column) for belief in of_kind.get("position", [])]

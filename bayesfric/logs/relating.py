@@ -1,4 +1,4 @@
-"""What columns of a log say of each other: a column that is how fast another one changes."""
+"""Relations between columns of a log: a column that is the derivative of another."""
 
 from dataclasses import replace
 from itertools import permutations
@@ -11,22 +11,22 @@ from bayesfric.logs.looking import ROWS, Belief
 from bayesfric.logs.table import Cells, Log, numbers_of
 from bayesfric.logs.units import LENGTHS, ROTARY, SECONDS, SPEEDS
 
-LIKE = 0.9  # correlation of a velocity with how fast a position changes
-OFF = 0.15  # relative, by which the size of a velocity may differ from that of its unit
-STEPS = 4  # rows of a difference
-MOST_COLUMNS = 40  # of which pairs are looked at
+LIKE = 0.9  # least correlation of a velocity with the rate of change of a position
+OFF = 0.15  # largest relative deviation of a velocity's size from that of its unit
+STEPS = 4  # rows over which differences are taken
+MOST_COLUMNS = 40  # most columns whose pairs are compared
 FEWEST = 20
 
 
 def related(log: Log, beliefs: list[Belief]) -> list[Belief]:
-    """Return beliefs with what columns without a name say by each other, and units of velocities.
+    """Return beliefs, improved by relations between unnamed columns, and by units of velocities.
 
     Parameters
     ----------
     log : Log
-        Has the columns.
+        The log with the columns.
     beliefs : list of Belief
-        By their names.
+        Beliefs from the names of columns.
     """
     numbers = {belief.column: _numbers(log, belief.column) for belief in beliefs}
     if not any(belief.kind in ("position", "force") for belief in beliefs):
@@ -76,7 +76,7 @@ def _likeness(path: Array, speed: Array) -> tuple[float, float]:
 
 
 def _by_each_other(beliefs: list[Belief], numbers: dict[str, Array | None]) -> list[Belief]:
-    """Return beliefs in which one column is the position, and another how fast it changes."""
+    """Return beliefs in which one column is the position, and another its rate of change."""
     nameless = [
         belief for belief in beliefs if belief.kind is None and numbers[belief.column] is not None
     ]
@@ -106,7 +106,7 @@ def _by_each_other(beliefs: list[Belief], numbers: dict[str, Array | None]) -> l
 
 
 def _with_unit(belief: Belief, speed: Array | None, path: Array, step: float, unit: str) -> Belief:
-    """Return a belief with the unit in which a velocity is how fast the position changes."""
+    """Return a belief with the unit in which a velocity is the position's rate of change."""
     if speed is None or step <= 0:
         return belief
     like, ratio = _likeness(path, speed)

@@ -1,4 +1,4 @@
-"""The robot's model that a mapping names, taken along into the recording."""
+"""The robot's model that a mapping names, for the recording."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,16 +17,16 @@ from bayesfric.recording.tables import Robot
 
 
 def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> Robot:
-    """Return a model with what it includes, and what it calls the joints.
+    """Return a model with its included files, and its names of the joints.
 
     Parameters
     ----------
     model : RobotModel
-        As the mapping says it.
+        The model, as in the mapping.
     folder : Path
-        Of the mapping: nothing outside of it is opened.
+        Folder of the mapping; nothing outside of it is opened.
     joints : sequence of str or None
-        Those that are imported; one that the mapping does not name has its own name.
+        Imported joints; a joint that the mapping does not name keeps its name.
 
     Raises
     ------
@@ -42,12 +42,12 @@ def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> R
         return file_bytes(path, name, LARGEST_MODEL)
 
     places = {name: model.joints.get(name, name) for name in (joint or "joint" for joint in joints)}
-    if list(joints) == [None] and len(model.joints) == 1:  # whatever the mapping calls it
+    if list(joints) == [None] and len(model.joints) == 1:  # its name in the mapping does not matter
         places = dict(model.joints)
     robot = Robot(model.model, places, load(model.model))
     robot = replace(robot, files=files_of_model(robot, load))
     only = moving_joints(robot)
-    if list(joints) == [None] and not model.joints and len(only) == 1:  # no other can be meant
+    if list(joints) == [None] and not model.joints and len(only) == 1:  # the only joint
         robot = replace(robot, joints=dict.fromkeys(places, only[0]))
     faults = faults_of_model(robot)
     if faults:
@@ -56,7 +56,7 @@ def robot_of(model: RobotModel, folder: Path, joints: Sequence[str | None]) -> R
 
 
 def _of_mapping(fault: Fault) -> Fault:
-    """Return a fault of the joints where it is mended: in the mapping, by a name for a name."""
+    """Return a fault of the joints at the key of the mapping that would correct it."""
     place = "rig.robot.joints."
     if fault.column is None or not fault.column.startswith(place):
         return fault

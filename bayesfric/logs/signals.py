@@ -1,4 +1,4 @@
-"""What a log has of its joints by a mapping, on one clock, in the units of a recording."""
+"""The signals of a log's joints by a mapping, on one clock, in the units of a recording."""
 
 import re
 from collections.abc import Mapping as Of
@@ -19,19 +19,19 @@ from bayesfric.logs.table import Log, numbers_of, texts_of
 ALL = "all"
 LISTED = 12
 OPTIONAL = ("measured_force", "velocity", "known_force", "temperature")
-"""Signals that a mapping may leave out, so that a blank column is none."""
+"""Signals that a mapping may leave out; a blank column counts as absent."""
 
 
 @dataclass(frozen=True)
 class Signals:
-    """What a log has of a joint, on one clock.
+    """The signals of a joint, on one clock.
 
     Parameters
     ----------
     series : dict of str to Series
-        ``position``, ``force`` or ``command``, and what else the mapping has.
+        ``position``, ``force`` or ``command``, and further signals of the mapping.
     notes : tuple of str
-        Sentences: what was done to clocks and rows, with counts.
+        Corrections of clocks and rows, with counts, a sentence each.
     """
 
     series: dict[str, Series]
@@ -39,21 +39,21 @@ class Signals:
 
 
 def joints_of(log: Log, mapping: Mapping, joint: str | None) -> tuple[str | None, ...]:
-    """Return the joints that are asked for.
+    """Return the joints that are requested.
 
     Parameters
     ----------
     log : Log
-        Says which there are.
+        The log, which has the names.
     mapping : Mapping
-        Whose columns have a place for the name, or not.
+        The mapping, with or without a placeholder for the name.
     joint : str or None
         A name, or ``all``.
 
     Raises
     ------
     InputError
-        There is no such joint, or it is not said which.
+        There is no such joint, or none is named although there are several.
     """
     if not mapping.is_of_any_joint:
         if joint == ALL:
@@ -112,7 +112,7 @@ def _with_own_position(mapping: Mapping) -> list[str]:
 
 
 def _joints(log: Log, mapping: Mapping) -> list[str]:
-    """Return the names for which the columns of position and force are there."""
+    """Return the names for which columns of position and force exist."""
     names: list[str] | None = None
     for pattern in _patterns(mapping):
         before, after = (re.escape(part) for part in pattern.split(JOINT, 1))
@@ -123,7 +123,7 @@ def _joints(log: Log, mapping: Mapping) -> list[str]:
 
 
 def _patterns(mapping: Mapping) -> list[str]:
-    """Return the columns of position and force that have a place for the name of a joint."""
+    """Return the columns of position and force with a placeholder for the name of a joint."""
     return [
         str(signal.column)
         for key in ("position", "force", "command")
@@ -132,7 +132,7 @@ def _patterns(mapping: Mapping) -> list[str]:
 
 
 def wanted_columns(mapping: Mapping) -> set[str | int] | None:
-    """Return the columns that a mapping names; None where it has a place for joints."""
+    """Return the columns that a mapping names; None if it has a placeholder for joints."""
     if mapping.is_of_any_joint or mapping.joints:
         return None
     signals = mapping.signals.values()
@@ -145,12 +145,12 @@ def wanted_columns(mapping: Mapping) -> set[str | int] | None:
 def signals_of(
     log: Log, mapping: Mapping, joints: tuple[str | None, ...]
 ) -> dict[str | None, Signals]:
-    """Return the signals of each joint; time is since the first stamp of all.
+    """Return the signals of each joint; time counts from the first of all stamps.
 
     Raises
     ------
     InputError
-        A column is not there, a cell is no number or no time, or a clock starts anew.
+        A column is missing, a cell is no number or no time, or a clock restarts.
     """
     wanted = {joint: mapping.of_joint(joint) for joint in joints}
     faults: list[Fault] = []
@@ -212,7 +212,7 @@ def _stamps(
     wanted: Of[str | None, Of[str, Signal]],
     faults: list[Fault],
 ) -> dict[str, Stamps]:
-    """Return the stamps of every clock that a signal has, by its column."""
+    """Return the stamps of every clock of a signal, by column."""
     clocks = [
         mapping.clock_of(signal) for signals in wanted.values() for signal in signals.values()
     ]
@@ -249,7 +249,7 @@ def _values(log: Log, mapping: Mapping, name: str, signal: Signal, faults: list[
 def _of_one_rate(
     log: Log, mapping: Mapping, wanted: Of[str | None, Of[str, Signal]]
 ) -> list[Fault]:
-    """Return that columns that come at one rate are of tables of different lengths."""
+    """Return a fault if columns with one rate belong to tables of different lengths."""
     rows = {
         _name(log, signal.column): len(log.columns[_name(log, signal.column)])
         for signals in wanted.values()
@@ -271,7 +271,7 @@ def _of_one_rate(
 
 
 def _of_rate(mapping: Mapping, rows: int) -> Array:
-    """Return the times of rows that come at a rate, (N,), rounded as stamps are."""
+    """Return the times of rows at a constant rate, (N,), rounded as stamps are."""
     step = 1 / Fraction(repr(mapping.time.rate_hz))
     since = np.array([float(row * step) for row in range(rows)], dtype=np.float64)
     return np.asarray(since.round(DECIMALS))
@@ -293,7 +293,7 @@ def _times(
 
 
 def _signals(ordered: dict[str, Ordered], before: list[str]) -> Signals:
-    """Return the series, and each clause once, with the signals that it is of."""
+    """Return the series, and each note once, with its signals."""
     of_clause: dict[str, list[str]] = {}
     for name, signal in ordered.items():
         for clause in signal.notes:

@@ -1,4 +1,4 @@
-"""Units as names of columns and rows of units spell them, with the prefix that makes a thousand."""
+"""Spellings of units in names of columns and rows of units, with SI prefixes."""
 
 import re
 import unicodedata
@@ -30,17 +30,17 @@ SPELLINGS = {
         "millis": "ms", "us": "us", "usec": "us", "micros": "us", "ns": "ns", "nsec": "ns",
     },
 }  # fmt: skip
-"""Spellings of units, in small letters and with · and / between parts, by what a column is."""
+"""Spellings of units, in lower case with · and / between parts, by kind of column."""
 QUANTITIES = {
     "position": {"enc": "tick"},
     "force": {"current": "A", "iq": "A", "voltage": "V", "pwm": "share", "duty": "share"},
 }
-"""Words for quantities that go with a unit where no unit is written."""
+"""Words for quantities that imply a unit if none is written."""
 PREFIXES = ("da", *"kmguncdhp")
-"""Of SI units; where no spelling has one, what a unit is cannot be said."""
+"""SI prefixes; a unit with a prefix that no spelling has is unknown."""
 TELLING = {*TORQUES, *STRAIGHT, "A", "mA", *SPEEDS, *SLIDING, "rad", "mrad", "deg"}
-"""Units that say what a column is."""
-MOST_PARTS = 3  # of a unit
+"""Units that determine the kind of a column."""
+MOST_PARTS = 3  # most parts of a unit
 BEFORE_CAPITAL = re.compile(r"(?<=[a-zµ])(?=[A-Z])")
 AXES = re.compile(r"\bi ([qd])\b")
 MULTIPLES = re.compile(r"[kmuµ](?=[A-Z])")
@@ -48,14 +48,14 @@ MULTIPLES = re.compile(r"[kmuµ](?=[A-Z])")
 
 @dataclass(frozen=True)
 class Spelled:
-    """A unit that a text spells.
+    """A unit as spelled in a text.
 
     Parameters
     ----------
     unit : str or None
-        A key of :mod:`bayesfric.logs.units`; None where its prefix is none that is known.
+        A key of :mod:`bayesfric.logs.units`; None if its prefix is unknown.
     text : str
-        As it is written.
+        The unit as written.
     """
 
     unit: str | None
@@ -63,9 +63,9 @@ class Spelled:
 
 
 def words_of(name: str) -> list[str]:
-    """Return the words of a name, also of ``jointPos2`` and ``tau1``; a unit is never parted.
+    """Return the words of a name, also of ``jointPos2`` and ``tau1``; units are never split.
 
-    The currents of a motor's axes, ``i_q`` and ``i_d``, are a word each.
+    The currents of a motor's axes, ``i_q`` and ``i_d``, are one word each.
     """
     words: list[str] = []
     for run in re.findall(r"[^\W\d_]+|[°%]", unicodedata.normalize("NFKC", name)):
@@ -77,7 +77,7 @@ def words_of(name: str) -> list[str]:
 
 
 def unit_of_text(kind: str, text: str) -> Spelled | None:
-    """Return the unit that the whole of a text is; None where it is none of this kind."""
+    """Return the unit if the whole text is a unit of this kind; else None."""
     words = words_of(text)
     if not words or len(words) > MOST_PARTS:
         return None
@@ -86,22 +86,22 @@ def unit_of_text(kind: str, text: str) -> Spelled | None:
 
 
 def is_unit(text: str) -> bool:
-    """Return whether a text is a unit of whatever kind, or one with a prefix."""
+    """Return whether a text is a unit of any kind, possibly with a prefix."""
     return any(unit_of_text(kind, text) is not None for kind in SPELLINGS)
 
 
 def unit_in_name(kind: str, name: str) -> Spelled | None:
-    """Return the unit in the name of a column; None where it has none.
+    """Return the unit in the name of a column; None if it has none.
 
-    First what is in brackets, then what is at the end, then words before it, of which those of
-    one letter come last.
+    The unit is searched for in brackets, then at the end, then in earlier words; words of one
+    letter come last.
 
     Parameters
     ----------
     kind : str
-        A key of :data:`SPELLINGS`, else there is none.
+        A key of :data:`SPELLINGS`; other kinds have no unit.
     name : str
-        As the log has it.
+        Name in the log.
     """
     if kind not in SPELLINGS:
         return None
@@ -124,9 +124,9 @@ def unit_in_name(kind: str, name: str) -> Spelled | None:
 
 
 def kind_of_unit(name: str) -> str | None:
-    """Return of what kind the unit is that a name ends with, or has in brackets: the longest.
+    """Return the kind of the longest unit at the end of a name, or in brackets.
 
-    One of a letter is of no kind alone, nor is one of supplies and counters.
+    A unit of one letter alone has no kind, nor has one of supplies and counters.
     """
     lengths: dict[str, int] = {}
     for kind in ("velocity", "force", "position"):
@@ -141,7 +141,7 @@ def kind_of_unit(name: str) -> str | None:
 
 
 def _ends_with(kind: str, words: list[str], name: str) -> Spelled | None:
-    """Return the longest unit at the end of words, or that its prefix is unknown."""
+    """Return the longest unit at the end of words, also one with an unknown prefix."""
     for parts in range(min(MOST_PARTS, len(words)), 0, -1):
         spelled = _joined(kind, words[-parts:])
         if spelled is not None:
@@ -150,7 +150,7 @@ def _ends_with(kind: str, words: list[str], name: str) -> Spelled | None:
 
 
 def _is_cut(name: str, last: str) -> bool:
-    """Return whether a capital began the last word, behind a letter that may be its prefix."""
+    """Return whether a capital starts the last word, after a letter that may be its prefix."""
     return any(
         name[match.end() :].lower().startswith(last) and name[: match.start()][-1:].isalpha()
         for match in MULTIPLES.finditer(name)
@@ -158,7 +158,7 @@ def _is_cut(name: str, last: str) -> bool:
 
 
 def _joined(kind: str, words: list[str]) -> Spelled | None:
-    """Return the unit that words are together: parts of a product, or a length and a time."""
+    """Return the unit that words form together: parts of a product, or a length and a time."""
     bare = [word for word in words if word not in ("per", "p")]
     if len(bare) < len(words) and kind != "velocity":
         return None

@@ -1,4 +1,4 @@
-"""What every kind of log is read to: named columns of cells, each as long as its own table."""
+"""The form in which every kind of log is read: named columns, each as long as its own table."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,10 +12,10 @@ import numpy.typing as npt
 from bayesfric.arrays import Array, Whole
 from bayesfric.errors import Fault, InputError, near
 
-LARGEST_FILE = 512 * 1024**2  # bytes, of a file and of what is unpacked from it
+LARGEST_FILE = 512 * 1024**2  # bytes, of a file and of its unpacked content
 MOST_CELLS = 64_000_000  # as doubles, 512 MiB
 MOST_COLUMNS = 10_000
-LISTED = 12  # columns in an error
+LISTED = 12  # most columns that an error lists
 BLANK = {"", "nan", "na", "n/a", "#n/a", "null", "none", "<na>"}
 
 Cells: TypeAlias = Sequence[str | None] | npt.NDArray[Any]
@@ -23,21 +23,21 @@ Cells: TypeAlias = Sequence[str | None] | npt.NDArray[Any]
 
 @dataclass(frozen=True)
 class Log:
-    """A log as its file has it, before anybody says what a column is.
+    """A log as in its file, before columns have a meaning.
 
     Parameters
     ----------
     name : str
-        Of the file.
+        Name of the file.
     columns : mapping of str to Cells
-        In the order of the file; those of one table have one length. Texts as written, None where
-        a cell is blank, or an array of numbers, shape (N,).
+        In the order of the file; those of one table have the same length. Texts as written, with
+        None for a blank cell, or an array of numbers, shape (N,).
     first_row : int
-        What an error calls the first row.
+        Number of the first row in an error.
     notes : tuple of str
-        Sentences: what was done while it was read.
+        Notes on reading it, a sentence each.
     units : mapping of str to str
-        Of columns whose unit the file says.
+        Units of columns, if the file gives them.
     """
 
     name: str
@@ -47,14 +47,14 @@ class Log:
     units: Mapping[str, str] | None = None
 
     def name_of(self, column: str | int) -> str | None:
-        """Return the name of a column by its name or its number from 1; None where it has none."""
+        """Return the name of a column from its name or its number from 1; None if unknown."""
         if isinstance(column, str):
             return column if column in self.columns else None
         names = list(self.columns)
         return names[column - 1] if 1 <= column <= len(names) else None
 
     def no_column(self, column: str | int) -> Fault:
-        """Return that there is no such column, with those that there are."""
+        """Return the fault of a column that does not exist, with the existing columns."""
         names = list(self.columns)
         if isinstance(column, int):
             expected = f"a number of a column, from 1 to {len(names)}"
@@ -75,19 +75,19 @@ class Log:
 
 @contextmanager
 def damaged_is_told(path: Path, kind: str) -> Iterator[None]:
-    """Turn whatever a library makes of a damaged file into one fault that names the file.
+    """Turn any error of a library on a damaged file into one fault that names the file.
 
     Parameters
     ----------
     path : Path
         The file.
     kind : str
-        What it should be, as ``a parquet file``.
+        What the file should be, such as ``a parquet file``.
 
     Raises
     ------
     InputError
-        Something was raised inside.
+        Any exception was raised inside.
     """
     try:
         yield
@@ -99,7 +99,7 @@ def damaged_is_told(path: Path, kind: str) -> Iterator[None]:
 
 
 def check_cells(name: str, cells: int, columns: int = 1) -> None:
-    """Refuse a table that is larger than what is read.
+    """Refuse a table that is too large.
 
     Raises
     ------
@@ -115,12 +115,12 @@ def check_cells(name: str, cells: int, columns: int = 1) -> None:
 
 
 def columns_of_array(name: str, array: npt.NDArray[Any]) -> tuple[dict[str, Cells], str | None]:
-    """Return the columns of an array, and a note where its longer side was taken as time.
+    """Return the columns of an array, and a note if its longer side was taken as time.
 
     Parameters
     ----------
     name : str
-        Of the array. Columns of a matrix are ``name[0]``, ``name[1]``, ….
+        Name of the array. Columns of a matrix are ``name[0]``, ``name[1]``, ….
     array : ndarray, shape (N,), (1, N), (N, k) or (k, N)
         Numbers or texts. Anything else has no columns.
     """
@@ -170,7 +170,7 @@ def log_of_arrays(
 
 
 def texts_of(cells: Cells) -> list[str | None]:
-    """Return cells as texts that lose nothing, None where there is no number."""
+    """Return cells as texts without loss of digits, None for a missing number."""
     if not isinstance(cells, np.ndarray):
         return list(cells)
     if cells.dtype.kind == "f":
@@ -180,16 +180,16 @@ def texts_of(cells: Cells) -> list[str | None]:
 
 
 def numbers_of(log: Log, column: str, faults: list[Fault]) -> Array:
-    """Return a column's numbers, NaN where a cell is blank, shape (N,).
+    """Return a column's numbers, NaN for a blank cell, shape (N,).
 
     Parameters
     ----------
     log : Log
-        Has the column.
+        The log.
     column : str
         Its name.
     faults : list of Fault
-        Gets what is no number.
+        Receives a fault for each cell that is no number.
     """
     cells = log.columns[column]
     if isinstance(cells, np.ndarray) and cells.dtype.kind in "fiub":
@@ -206,10 +206,10 @@ def numbers_of(log: Log, column: str, faults: list[Fault]) -> Array:
 
 
 def _in_doubles(cells: npt.NDArray[Any]) -> Array:
-    """Return numbers as doubles; those of fewer bits are the short decimals that they stand for.
+    """Return numbers as doubles; numbers of fewer bits become the short decimals that they encode.
 
-    A stamp of 0.008 s in 32 bits is 0.008, as it is in a text, and not 0.00800000037997961: six
-    digits come through 32 bits as they were. What has more digits is let be.
+    A stamp of 0.008 s in 32 bits becomes 0.008, as in a text, and not 0.00800000037997961. Six
+    digits survive 32 bits; numbers with more digits are kept unchanged.
     """
     doubles = np.array(cells, dtype=np.float64)
     if cells.dtype.kind != "f" or cells.dtype.itemsize >= doubles.dtype.itemsize:
@@ -220,7 +220,7 @@ def _in_doubles(cells: npt.NDArray[Any]) -> Array:
 
 
 def _number(cell: str | None) -> float:
-    """Return the number of a cell, NaN where it is blank and infinity where it is none."""
+    """Return the number of a cell, NaN for a blank cell and infinity for other text."""
     text = "" if cell is None else str(cell).strip()
     if text.lower() in BLANK:
         return float("nan")

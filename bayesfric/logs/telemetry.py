@@ -1,4 +1,4 @@
-"""What a log of joints shows of its telemetry: rates, jitter, gaps, holds, steps, saturation."""
+"""The telemetry of a log of joints: rates, jitter, gaps, holds, steps, saturation."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,44 +10,44 @@ from bayesfric.arrays import Array
 from bayesfric.recording.tables import Axis
 
 GAP = 3.0  # intervals without a sample that are a gap
-HELD = 0.5  # of the stretches of equal values that have one length: fewer, and it is chance
-JITTER = 0.05  # of an interval, rms, from which on it is worth a word
-AT_LIMIT = 0.01  # of the samples that stand at the largest value, from which on it is a limit
-FEW_AT_LIMIT = 5  # samples at the largest value, that are chance
-FEW_STEPS = 30  # encoder steps in the whole stroke, below which it is coarse
+HELD = 0.5  # least share of the stretches of equal values that have one length
+JITTER = 0.05  # rms over the interval, above which jitter is reported
+AT_LIMIT = 0.01  # share of the samples at the largest value, above which it is a limit
+FEW_AT_LIMIT = 5  # up to this many samples at the largest value are chance
+FEW_STEPS = 30  # encoder steps in the whole stroke, below which the encoder is coarse
 
 
 @dataclass(frozen=True)
 class Telemetry:
-    """Of one joint, all its runs.
+    """The telemetry of one joint, over all its runs.
 
     Parameters
     ----------
     joint : str or None
-        Its name; None where nobody named it.
+        Its name; None if it has none.
     runs, samples : int
-        How many.
+        Number of runs and of samples.
     longest_s : float
-        Of the runs [s].
+        Duration of the longest run [s].
     rate_hz : float
-        Samples a second, in the median.
+        Median rate [samples per second].
     jitter : float
-        Rms of the intervals around their median, gaps left out, over the median.
+        Rms deviation of the intervals from their median, without gaps, over the median.
     gaps : int
         Stretches of more than three intervals without a sample.
     stroke, step : float
-        Range of positions, and their least step [m or rad].
+        Range of positions, and their smallest step [m or rad].
     position_hold, force_hold : int
-        Samples for which a value is held, as slower telemetry does; 1 where it is not.
+        Number of samples for which slower telemetry holds a value; 1 if it is not held.
     force_largest : float
-        Absolute [N or N·m].
+        Largest absolute force [N or N·m].
     at_limit : float
-        Share of samples at which the force stands at its largest value.
+        Share of the samples at which the force has its largest value.
     late_s : float or None
-        By how much the force's own clock is behind the positions' in the median [s]; None where
-        it has none.
+        Median delay of the force's own clock behind that of the positions [s]; None if it has
+        none.
     tells_force : bool
-        Whether a force was logged; else commands were.
+        Whether a force was logged; otherwise commands were.
     """
 
     joint: str | None
@@ -67,7 +67,7 @@ class Telemetry:
     tells_force: bool = True
 
     def lines(self, *, turns: bool) -> Iterator[tuple[str, str]]:
-        """Yield what to know, label and text.
+        """Yield a label and a text for each property.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class Telemetry:
 
 
 def telemetry_of(axis: Axis) -> tuple[Telemetry, ...]:
-    """Return what a log shows of its telemetry, a joint at a time.
+    """Return the telemetry of each joint of a log.
 
     Parameters
     ----------
@@ -157,16 +157,16 @@ def _of_joint(samples: pd.DataFrame, joint: str | None) -> Telemetry:
 
 
 def _at_limit(force: Array, largest: float) -> float:
-    """Return the share of samples at the largest value; 0 where only a few happen to be."""
+    """Return the share of samples at the largest value; 0 if these are only a few."""
     count = int((force == largest).sum()) if largest > 0 else 0
     return count / force.size if count > FEW_AT_LIMIT else 0.0
 
 
 def _hold(runs: list[Array]) -> int:
-    """Return for how many samples values are held; 1 where no length is the usual one.
+    """Return for how many samples values are held; 1 if no length is usual.
 
-    Values of a coarse sensor repeat too, for as long as it takes to move a step: for lengths of
-    all kinds.
+    Values of a coarse sensor repeat too, until the joint has moved by a step, so their lengths
+    vary.
     """
     lengths = []
     for values in runs:

@@ -1,4 +1,4 @@
-"""Units of a log's columns, and what one of each is in those of a recording."""
+"""Units of a log's columns, and their factors to the units of a recording."""
 
 import math
 
@@ -38,10 +38,10 @@ TORQUES = {
 }
 STRAIGHT = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "kgf": 9.80665}
 ELECTRIC = {"A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3, "share": 1.0, "%": 1e-2, "raw": 1.0}
-"""What stands for a force and needs a factor: N·m (or N) for 1 A, 1 V, all of the PWM, 1 count."""
+"""Units instead of a force that need a factor: N·m (or N) for 1 A, 1 V, full PWM, 1 count."""
 FORCES = {**TORQUES, **STRAIGHT, **ELECTRIC}
 
 
 def needs_factor(unit: str) -> bool:
-    """Return whether a unit says nothing of a force before a factor is given."""
+    """Return whether a unit is no force without a factor."""
     return unit in ELECTRIC

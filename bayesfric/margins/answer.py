@@ -19,7 +19,7 @@ from bayesfric.schemas.margins import GammaProbability, Metric
 
 STEP = 0.05
 LEAST_MAY_HUNT = 5
-"""Draws that may hunt, below which their number says little of a probability."""
+"""Least number of draws that may hunt; with fewer, their number does not give a probability."""
 CALLED = {"steady_error_servo": "steady error of the servo"}
 
 
@@ -36,7 +36,7 @@ class SafeGain:
     why : str or None
         Why there is none.
     condition : Condition or None
-        In which the draws hunt that decide; None where none does.
+        The condition in which the deciding draws hunt; None if no draw hunts.
     """
 
     gamma: float | None
@@ -66,14 +66,14 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
     allowed : float
         The share.
     effective_draws : float
-        Independent draws behind them.
+        Number of independent draws that they are worth.
     """
     ordered = np.sort(hunting.threshold)
     tolerance, cut = MARGIN_RULES.threshold_tolerance, MARGIN_RULES.threshold_share
     count = ordered.size
 
     def at(share: float) -> float:
-        """Return a γ below which `share` of the draws hunt, less what thresholds are off by."""
+        """Return a γ below which `share` of the draws hunt, less the error of the thresholds."""
         place = int(np.floor(share * count + 1e-9))
         most = float(ordered[place]) if place < count else np.inf
         return min(most - tolerance, most * (1 - cut), GAMMA_MAX)
@@ -131,7 +131,7 @@ def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: fl
 
 
 def _of_few_draws(hunting: Hunting, allowed: float) -> str:
-    """Return how far draws bound the probability where too few of them may hunt."""
+    """Return the bound of the draws on the probability, if too few of them may hunt."""
     draws = hunting.threshold.size
     may_hunt = allowed * draws
     if may_hunt >= LEAST_MAY_HUNT:
@@ -144,7 +144,7 @@ def _of_few_draws(hunting: Hunting, allowed: float) -> str:
 
 
 def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
-    """Return how probable hunting is at the γ of the file, and where most."""
+    """Return the probability of hunting at the γ of the file, and the worst condition."""
     gamma = f"{np.median(shaft.gamma):.3g}"
     if not hunting.now.any():
         return f"At γ = {gamma}, as in the file, it hunts in {share_of(hunting.now)}."
@@ -160,18 +160,18 @@ def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
 def against_the_spec(
     metrics: Sequence[Metric], missed: Sequence[str], now: Flags, spec: Spec
 ) -> str:
-    """Return whether the loop meets what its file asks for, in a sentence.
+    """Return whether the loop meets the specs of its file, in a sentence.
 
     Parameters
     ----------
     metrics : sequence of Metric
-        Of the loop.
+        Metrics of the loop.
     missed : sequence of str
-        As of :func:`~bayesfric.margins.metric_definitions.missed_specs`.
+        As returned by :func:`~bayesfric.margins.metric_definitions.missed_specs`.
     now : ndarray of bool
         Which draws hunt at the γ of the file.
     spec : Spec
-        Of the file.
+        Specs of the file.
     """
     chances = {
         " ".join(filter(None, (metric.name, metric.direction))): chance_of_missing(metric)
@@ -202,7 +202,7 @@ def _equals(chance: str) -> str:
 
 
 def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
-    """Yield the assumed number that explains most of the variance of friction, if it is much."""
+    """Yield the assumed number that contributes most to the variance of friction, if much."""
     of_friction = shares.get("gamma_necessary") or shares.get("steady_error_servo") or {}
     own = {key: share for key, share in of_friction.items() if "." in key}
     if own:
@@ -215,7 +215,7 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
 
 
 def share_of(happened: Flags) -> str:
-    """Return in which share of draws, in words; for none and for all, its bound at 95 %."""
+    """Return a share of draws in words; for none and for all, its 95 % bound."""
     count, hits = happened.size, int(happened.sum())
     bound = 100 * bound_of(count)
     if hits == 0:

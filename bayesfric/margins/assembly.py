@@ -1,8 +1,8 @@
-"""What is drawn for a new assembly: coefficients of the friction law and numbers of the loop.
+"""Draws for a new assembly: coefficients of the friction law and numbers of the loop.
 
-The posterior of c1, c2, c3 says how well the law of the measured boards is known. A
-machine that is built tomorrow scatters around that law as assemblies of the board did
-(omega, and c2 alone by omega_intercept), and differs from it as one rig differs from another.
+The posterior of c1, c2, c3 describes the law of the measured boards. A new machine scatters around
+that law as assemblies of the board did (omega, and omega_intercept for c2 alone). It also differs
+from it as one rig differs from another.
 """
 
 import zlib
@@ -27,23 +27,23 @@ NEW_ASSEMBLY = "new assembly and rig"
 
 @dataclass(frozen=True)
 class Assembly:
-    """Everything that the margins depend on, a value a draw.
+    """Everything on which the margins depend, one value for each draw.
 
     Parameters
     ----------
     coefficients : mapping of str to Coefficients
-        Of the law, by pulley size, shape (draws,).
+        Coefficients of the law by pulley size, shape (draws,).
     factor : tuple of ndarray
-        What multiplies the friction of each run of the loop, shape (draws,).
+        Factor on the friction of each run of the loop, shape (draws,).
     numbers : mapping of str to ndarray
-        Dotted key of the loop file to values, shape (draws,).
+        Values by dotted key of the loop file, shape (draws,).
     uncertain : tuple of str
         Which of these keys are distributions.
     acting : tuple of DrawnEffect
-        Effects on friction beside the law, in step with the coefficients.
+        Effects on friction beside the law; their draws match those of the coefficients.
     own_intercept : tuple of ndarray
-        By how much c2 of each run differs besides, as a share, shape (draws,); empty is not at
-        all.
+        Additional relative deviation of c2 of each run, shape (draws,); empty if there is
+        none.
     """
 
     coefficients: Mapping[str, Coefficients]
@@ -55,7 +55,7 @@ class Assembly:
 
     @property
     def intercept_factor(self) -> tuple[Array, ...]:
-        """What multiplies c2 of each run: the factor, and what its c2 alone differs by."""
+        """Factor on c2 of each run: the common factor and the deviation of c2 alone."""
         if not self.own_intercept:
             return self.factor
         return tuple(
@@ -72,7 +72,7 @@ class Assembly:
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """What can vary alone: the law, the assembly, and each uncertain number."""
+        """Independent groups of inputs: the law, the assembly, and each uncertain number."""
         return (COEFFICIENTS, NEW_ASSEMBLY, *self.uncertain)
 
     def with_group(self, group: str, other: "Assembly") -> "Assembly":
@@ -131,13 +131,14 @@ def draw_assembly(
     Parameters
     ----------
     loop : Loop
-        Its uncertain numbers are drawn independently.
+        The loop; its uncertain numbers are drawn independently.
     posterior : Posterior
-        In the order of the file for stream 0, shuffled for others.
+        Draws, in the order of the file for stream 0, shuffled for other streams.
     discrepancy : RigDiscrepancy
-        Common to all runs of one machine; each run has an assembly factor of its own.
+        Difference between rigs, common to all runs of one machine. Each run also has an assembly
+        factor of its own.
     seed : int
-        Of the analysis.
+        Seed of the analysis.
     stream : int
         Number of the sample; different streams are independent.
 
@@ -150,7 +151,7 @@ def draw_assembly(
     n = posterior.count
 
     def generator(key: str) -> np.random.Generator:
-        # a stream of its own for each number, so that one more leaves the others alone
+        # each number has its own stream: an additional number does not change the others
         name = f"{loop.name}/{key}"
         return np.random.default_rng([seed, 7, stream, zlib.crc32(name.encode())])
 
@@ -162,7 +163,7 @@ def draw_assembly(
     rig = discrepancy.sd * generator("rig").standard_normal(n)
 
     def scattered(kind: str, scatter: Mapping[str, Array]) -> list[Array]:
-        # of each run, the deviation of its assembly from the law
+        # deviation of each run's assembly from the law
         return [
             scatter[run.pulley_size][order]
             * generator(f"{kind}.{key.removeprefix('runs.')}").standard_normal(n)
@@ -202,7 +203,7 @@ def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
 
 
 def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
-    """Return one draw: posterior means, no scatter nor effects, medians of uncertain numbers."""
+    """Return one draw: posterior means, no scatter, no effects, medians of uncertain numbers."""
     return Assembly(
         {
             size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in law))

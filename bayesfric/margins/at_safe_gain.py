@@ -17,27 +17,27 @@ from bayesfric.schemas.margins import AtSafeGain
 def at_safe_gain(
     shaft: LoopAtShaft, hunting: Hunting, safe: float | None, spec: Spec, draws: float
 ) -> AtSafeGain | None:
-    """Judge a loop at the largest γ that is safe from hunting, rounded down as it is told.
+    """Judge a loop at the largest γ that is safe from hunting, rounded down as it is reported.
 
-    Every spec but that of hunting is a closed form, so that nothing is simulated again.
+    Every spec except that of hunting has a closed form, so nothing is simulated again.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
     hunting : Hunting
-        From which γ on each draw hunts.
+        Thresholds of the draws.
     safe : float or None
-        That γ; None where no gain is safe.
+        The largest safe γ; None if no gain is safe.
     spec : Spec
-        Of the file.
+        Specs of the file.
     draws : float
-        Independent draws behind the values, for the Monte Carlo error.
+        Number of independent draws that the values are worth, for the Monte Carlo error.
 
     Returns
     -------
     AtSafeGain or None
-        None where the loop has no compensation, no gain is safe, or that of the file is.
+        None if the loop has no compensation, no gain is safe, or the gain of the file is safe.
     """
     feeds = shaft.loop.compensation.signal != "none"
     if not feeds or safe is None or safe >= float(np.median(shaft.gamma)):

@@ -1,8 +1,8 @@
 """Friction, efficiency and lost motion of the pulleys of a loop.
 
-Friction is that of the cable force at the motor's capstan, in newton, whichever way it
-moves. "Driving" is motion in which the motor pulls the load, "overhauling" that in which
-the load pulls the motor.
+Friction is the part of the cable force at the motor's capstan that opposes the motion [N].
+In "driving" motion the motor pulls the load; in "overhauling" motion the load pulls the
+motor.
 """
 
 from dataclasses import dataclass
@@ -34,15 +34,15 @@ class RunFriction:
     nominal : ndarray
         Eq. (15) at the known tension, both sides of an antagonist pair added [N].
     recursive : ndarray
-        Pulley by pulley, likewise; of an open run the mean of both directions, which is
-        half of the band between pulling and giving way [N].
+        The same, pulley by pulley. For an open run it is the mean of both directions, which is
+        half of the force difference between pulling and giving way [N].
     loop : ndarray
-        That of the two which the run's `model` names [N].
+        The one of the two that the run's `model` names [N].
     efficiency : ndarray
-        η = Π(1 − a_i), the share of a change of tension that passes the run [-].
+        η = Π(1 − a_i), the share of a change of tension that the run transmits [-].
     lost_length : ndarray
-        Cable that friction stores or frees behind a motor that holds still:
-        Σ f_i x_i/EA with x_i the cable between motor and pulley i, divided by 1/EA [N·m].
+        Cable length that friction stores behind a motor at rest, times EA: Σ f_i x_i, with the
+        friction f_i of pulley i and the cable length x_i from the motor to it [N·m].
     """
 
     nominal: Array
@@ -66,12 +66,12 @@ def losses(
     angles_deg : array_like, shape (n,)
         Wrap angles, from the motor to the load [deg].
     clipped : bool
-        False returns what the law says, which may be below 0 far from its angles.
+        False returns the law unchanged, which may be negative far from the measured angles.
 
     Returns
     -------
     ndarray, shape (draws, n)
-        Share of tension that each pulley takes [-].
+        Share of tension that is lost at each pulley [-].
     """
     c1, c3 = (np.asarray(part, float)[:, None] for part in (coefficients.c1, coefficients.c3))
     wrap = np.asarray(angles_deg, float)[None, :] - REFERENCE_WRAP_ANGLE_DEG
@@ -94,7 +94,7 @@ def run_friction(
     run : CableRun
         Pulleys, topology, and where the tension is known.
     coefficients : Coefficients
-        Of its pulley size, shape (draws,).
+        Coefficients of its pulley size, shape (draws,).
     factor : ndarray, shape (draws,)
         Friction of this assembly over that of the law [-].
     tension : ndarray, shape (draws,)
@@ -102,12 +102,12 @@ def run_friction(
     length : ndarray, shape (draws,)
         Cable between motor and joint [m].
     intercept_factor : ndarray, shape (draws,), or None
-        Of c2, where it is another than that of c1 and c3 [-].
+        Factor of c2, if it differs from that of c1 and c3 [-].
 
     Returns
     -------
     RunFriction
-        Of an antagonist pair, one side pulls while the other gives way; both rub.
+        For an antagonist pair, friction of both sides: one pulls while the other gives way.
     """
     factor = np.maximum(factor, 0.0)
     of_c2 = factor if intercept_factor is None else intercept_factor
@@ -117,7 +117,7 @@ def run_friction(
     sides = 2.0 if run.topology == "antagonist-pair" else 1.0
     by_pulley = a * tension[:, None] + c2[:, None]
     pulling = in_a_row(a, c2)
-    # The load pulls at its own end, so its cable meets the pulleys in the other order.
+    # The load pulls at its own end, so the order of the pulleys is reversed.
     giving = in_a_row(a[:, ::-1], c2)
     recursive = sides / 2 * (_friction(pulling, run, tension, "driving")
                              + _friction(giving, run, tension, "overhauling"))  # fmt: skip
@@ -126,7 +126,7 @@ def run_friction(
     place = length[:, None] * (np.arange(run.count) + 0.5)[None, :] / run.count
     if run.distance_m is not None:
         place = np.broadcast_to(np.asarray(run.distance_m)[None, :], by_pulley.shape)
-    # Each pulley has its share of eq. (15) in the friction; of a pair, each side counts once.
+    # Friction is divided among pulleys as by eq. (15); for a pair, each side counts once.
     share = np.divide(by_pulley, by_pulley.sum(axis=1, keepdims=True), out=np.zeros_like(by_pulley),
                       where=by_pulley.sum(axis=1, keepdims=True) != 0)  # fmt: skip
     lost = chosen / sides * (share * place).sum(axis=1)

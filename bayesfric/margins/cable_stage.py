@@ -1,8 +1,8 @@
-"""The cables between a motor and its joint, one or two in a row, seen from the motor's shaft.
+"""The cables between a motor and its joint, one or two in series, referred to the motor's shaft.
 
-A cable that leaves a drum of ρ metres a radian of the motor turns its force T into ρT there, and
-a stiffness k into ρ²k. Forces behind a cable stretch it: friction of a second cable, of the shaft
-before it and of the joint all act behind the first.
+If a cable travels ρ metres per radian of the motor, its force T is a torque ρT at the motor, and
+its stiffness k is ρ²k. Forces behind a cable stretch it. Friction of a second cable, of the shaft
+between the cables and of the joint all act behind the first cable.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,15 +25,15 @@ class Stage:
     per_rad : ndarray
         ρ, cable travel per angle of the motor [m/rad].
     stiffness, damping : ndarray
-        [N·m/rad, N·m·s/rad].
+        Stiffness and damping [N·m/rad, N·m·s/rad].
     friction : ndarray
-        Of its pulleys [N·m].
+        Friction of its pulleys [N·m].
     lost : ndarray
-        What these store in it, one side [rad].
+        Lost motion: stretch that this friction stores in it, one side [rad].
     tension : tuple of ndarray
-        Known tension of each run, or of the cable where it has none [N].
+        Known tension of each run, or of the cable if it has no runs [N].
     keys : tuple of str
-        Of its runs, in the file.
+        Keys of its runs in the file.
     runs : tuple of RunFriction
         Forces at the cable [N].
     """
@@ -66,9 +66,9 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
     loop : Loop
         The file.
     given : Assembly
-        Its numbers and the friction law, a value a draw.
+        Its numbers and the friction law, a value for each draw.
     reduced : ndarray, shape (draws,)
-        J_m J_l/(J_m + J_l) of motor and joint, which ring on the cables [kg·m²].
+        Reduced inertia J_m J_l/(J_m + J_l) of motor and joint [kg·m²].
     """
     pairs = zip(given.factor, given.intercept_factor, strict=True)
     factors = dict(zip((key for key, _ in loop.every_run), pairs, strict=True))
@@ -102,7 +102,7 @@ def _stage(
     stiffness: Array,
     damping: Array,
 ) -> Stage:
-    """Return the cable with a key in the file, and the runs that stand beside it."""
+    """Return the cable with a key in the file, and its runs."""
     before = f"{cable.removesuffix('cable')}runs."
     own = {key: run for key, run in loop.every_run if key.startswith(before)}
     runs = tuple(
@@ -132,21 +132,21 @@ def _stage(
 
 
 def in_series(stiffness: Sequence[Array]) -> Array:
-    """Return the stiffness of springs in a row [N·m/rad]."""
+    """Return the stiffness of springs in series [N·m/rad]."""
     if len(stiffness) == 1:
         return stiffness[0]
     return np.asarray(1 / sum(1 / k for k in stiffness))
 
 
 def lost_motion(stages: Sequence[Stage], shaft_friction: Array, joint_friction: Array) -> Array:
-    """Return what friction stores in all cables while the motor holds still, one side [rad].
+    """Return the lost motion that friction stores in all cables behind a motor at rest [rad].
 
     Parameters
     ----------
     stages : sequence of Stage
         From the motor on.
     shaft_friction, joint_friction : ndarray, shape (draws,)
-        Of the shaft between two cables, and of the joint's own [N·m].
+        Friction of the shaft between two cables, and of the joint itself [N·m].
     """
     first, *second = stages
     beyond = joint_friction + sum((stage.friction + shaft_friction for stage in second), 0.0)
@@ -159,11 +159,11 @@ def lost_motion(stages: Sequence[Stage], shaft_friction: Array, joint_friction: 
 def train_modes(
     inertias: tuple[Array, Array, Array], stiffness: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Return both frequencies at which three inertias in a row ring, the lower first [rad/s].
+    """Return both natural frequencies of three inertias in series, the lower first [rad/s].
 
-    Of J₁, J₂, J₃ with k₁ and k₂ between them, they are the roots ω² of
+    For J₁, J₂, J₃ with k₁ and k₂ between them, ω² are the roots of
     x² − (k₁/J₁ + (k₁ + k₂)/J₂ + k₂/J₃) x + k₁k₂ (J₁ + J₂ + J₃)/(J₁J₂J₃). An infinite J₁ is a
-    motor that holds still.
+    motor at rest.
 
     Parameters
     ----------

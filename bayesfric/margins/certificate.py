@@ -1,12 +1,12 @@
 """A certificate that Coulomb friction and its smoothed compensator cannot make a loop hunt.
 
-Friction opposes the motor's and the joint's speed and never falls with it: as a function of
-speed it is monotone, in the sector from 0 to infinity, whatever its size. The compensator
+Friction opposes the speed of the motor and of the joint, and does not fall with speed. So it is
+a monotone function of speed in the sector from 0 to infinity, whatever its size. The compensator
 adds γF̂ sat(w/δ) at the measured speed w, which is monotone in the sector from 0 to k = γF̂/δ.
-About any constant speed of the reference both stay in their sectors. The linear part is that
-of :mod:`bayesfric.margins.open_loop`: with C the controller, Z_m and Z_l what the inertias and
-viscosities of motor and load are to speed, K = c + κ/jω the cable, and w = H v, H being the
-delay and the first difference,
+Around any constant speed of the reference both stay in their sectors. The linear part is that of
+:mod:`bayesfric.margins.open_loop`. Let C be the controller, Z_m and Z_l the mechanical impedances
+(inertia and viscous friction) of motor and load, K = c + κ/jω that of the cable, and w = H v with
+the delay and first difference H. Then
 
     (friction at the motor, at the joint) = (c, 0) − Z (v_m, v_l),
     Z = [[Z_m + C/jω + K, −K], [−K, Z_l + K]].
@@ -17,8 +17,8 @@ speed, from any start if at every ω
 
     k |m + (1 + jωp) H|² < 4 a,   a = A₁₁ − |A₁₂|²/A₂₂,   A₂₂ > 0,
 
-A being the Hermitian part of diag(m, n)* Z. The circle criterion has q = p = 0; the others are
-Popov's. The largest k over some q is the limit, of which nine tenths are certified.
+where A is the Hermitian part of diag(m, n)* Z. The circle criterion has q = p = 0; the other cases
+are Popov's. The limit is the largest k over a grid of q; nine tenths of it are certified.
 
 References
 ----------
@@ -42,20 +42,20 @@ from bayesfric.margins.verification import jeffreys
 from bayesfric.schemas.margins import Certificate
 
 MOST_DRAWS = 200
-"""Draws that are looked at."""
+"""Largest number of draws that are examined."""
 POINTS = 1200
 SHARES = np.geomspace(1e-8, 0.9, 40)
-"""q over b_eff/kp, above which no loop passes at low frequency."""
+"""Grid of q, as a share of b_eff/kp; with a larger q the criterion fails at low frequency."""
 COVERS = (
     "for rest and every constant speed of the reference, friction of any size at motor and joint, "
-    "a constant load, and the continuous stand-in of the sampled loop; not covered are encoder "
-    "steps, clipping, backlash, and integral action with stiction. The criterion is sufficient "
-    "only: a loop that is not certified need not hunt"
+    "a constant load, and the continuous approximation of the sampled loop; not covered are "
+    "encoder steps, clipping, backlash, and integral action. The criterion is sufficient only: a "
+    "loop that is not certified need not hunt"
 )
 
 
 def not_applicable(shaft: LoopAtShaft) -> str | None:
-    """Return why the criterion does not apply to a loop; None where it does."""
+    """Return why the criterion does not apply to a loop; None if it does."""
     compensation = shaft.loop.compensation
     follows = compensation.signal == "measured"
     if (shaft.ki != 0).any():
@@ -65,8 +65,8 @@ def not_applicable(shaft: LoopAtShaft) -> str | None:
         )
     if (shaft.breakaway > (1 + ROUNDING) * shaft.friction).any():
         return (
-            "breakaway is more than moving friction in some draw, so that friction falls as "
-            "speed grows and is in no sector about a reference that moves"
+            "breakaway friction exceeds moving friction in some draw, so that friction falls as "
+            "speed grows and is in no sector around a moving reference"
         )
     if shaft.wrist is not None:
         return "its joint shares motors with others, and the criterion is for one motor alone"
@@ -96,12 +96,13 @@ def largest_slope(shaft: LoopAtShaft) -> Array:
     Parameters
     ----------
     shaft : LoopAtShaft
-        A loop of which :func:`not_applicable` says nothing.
+        A loop for which :func:`not_applicable` returns None.
 
     Returns
     -------
     ndarray, shape (draws,)
-        [N·m·s/rad], the least of the directions; 0 where not even friction alone is certified.
+        [N·m·s/rad], the smallest of the directions; 0 if the loop with friction alone is not
+        certified.
     """
     slope = np.full(shaft.friction.shape, np.inf)
     for direction in shaft.directions:
@@ -155,7 +156,7 @@ def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, s
     shaft : LoopAtShaft
         The loop, all draws.
     hunting : Hunting
-        Thresholds, to stand beside the certified gains.
+        Thresholds, for comparison with the certified gains.
     """
     why = not_applicable(shaft)
     if why is not None:

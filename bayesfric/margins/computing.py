@@ -38,9 +38,9 @@ class Margins:
     Parameters
     ----------
     summary : MarginsFile
-        What ``margins.json`` says.
+        Content of ``margins.json``.
     ensembles : tuple of Ensemble
-        Its loops with their draws; none where the margins were read from a file.
+        Its loops with their draws; empty if the margins were read from a file.
     """
 
     summary: MarginsFile
@@ -52,7 +52,7 @@ class Margins:
         Parameters
         ----------
         folder : Path or str
-            Created if it is not there; other files in it are left alone.
+            Created if it does not exist; other files in it are kept.
 
         Raises
         ------
@@ -69,26 +69,26 @@ class Margins:
         Parameters
         ----------
         loop : str, optional
-            Its name; needed where there are several.
+            Its name; required if there are several.
         draws : int
-            How many, spread evenly over those there are.
+            Number of draws, evenly spaced among all draws.
         direction : {"driving", "overhauling"}, optional
-            Of a loop with an open run, in which the two differ; driving unless said.
+            Direction, for a loop with an open run, in which the two differ; default: driving.
 
         Returns
         -------
         list of control.StateSpace
-            Nominal (means of the law, medians of the file's numbers), then the draws. From
-            angle error to measured angle, for negative feedback, SI units; hold, delay and first
-            difference are Padé approximants, off by less than 1e-7 up to 3/delay. Coulomb
-            friction is no part of a linear loop; of the effects of a diagnosis, draws of a
-            refitted law have the damping, and the nominal has none.
+            The nominal loop (means of the law, medians of the file's numbers), then the draws.
+            From angle error to measured angle, for negative feedback, SI units. Hold, delay and
+            first difference are Padé approximants with an error below 1e-7 up to 3/delay. A
+            linear loop has no Coulomb friction. Draws of a refitted law have the damping of the
+            diagnosed effects; the nominal loop has none.
 
         Raises
         ------
         InputError
             python-control is not installed, there is no such loop or direction, or the
-            margins were read from a file, which holds no draws of loops.
+            margins were read from a file, which has no draws of loops.
         """
         if not self.ensembles:
             expected = "margins that compute_margins has returned; margins.json holds no draws"
@@ -118,27 +118,27 @@ def compute_margins(
     Parameters
     ----------
     loops : Path, str or Loop, or a sequence of them
-        Loop files, names of bundled loops, or loops read already; each name once.
+        Loop files, names of bundled loops, or loops that are already read; each name once.
     draws : Path or str
-        ``draws.nc`` of a fit. ``claims.json`` beside it says how far rigs differ.
+        ``draws.nc`` of a fit. ``claims.json`` beside it gives the difference between rigs.
     analysis : Analysis, optional
         Its seed is used.
     diagnosis : Path or str, optional
-        A ``diagnosis.json``, with its ``diagnosis.nc`` beside it; where none is given, the one
-        beside the draws. Where it names a cause, margins are of the law that it refitted, with
-        its effects on friction; else these stand beside those without, if it was given.
+        A ``diagnosis.json`` beside its ``diagnosis.nc``; by default the one beside the draws. If
+        it names a cause, the margins use the refitted law with its effects on friction. If not,
+        and if it is given here, the margins with effects are added to those without.
     law : {"fitted", "refitted"}, optional
-        Which of the two; `fitted` is the law alone, whatever is named.
+        The law to use; `fitted` is the law alone, even if causes are named.
     verify : int
-        Draws of each loop that are held against motor and joint on an elastic cable.
+        Number of draws of each loop that are compared with simulations of an elastic cable.
     tune : bool
-        Whether to look for gains that meet all specs at once.
+        Whether to search for gains that meet all specs at once.
     ensembles : bool
         Whether to simulate references that move, with each compensator.
     simulated : int
-        Draws in which hunting is simulated where no closed form holds, and motion.
+        Number of draws in which motion is simulated, and hunting if it has no closed form.
     progress : callable
-        Told how many of how many loops are done.
+        Called with the number of loops done and the number of loops.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def _summary(
     analysis: Analysis,
     fit: FitFile | None,
 ) -> MarginsFile:
-    """Return what ``margins.json`` says, without its id."""
+    """Return the content of ``margins.json``, without its id."""
     posterior = chosen.posterior
     common = provenance(recording=posterior.recording, analysis=analysis, created=posterior.created)
     return MarginsFile(
@@ -203,7 +203,7 @@ def _summary(
 
 
 def _fit_of(draws: Path) -> FitFile | None:
-    """Return the fit of which the draws are, if it lies beside them."""
+    """Return the fit of the draws, if its file is beside them."""
     path = draws.with_name("fit.json")
     return read_json(FitFile, path) if path.is_file() else None
 
@@ -227,7 +227,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
 
 
 def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
-    """Raise for a loop whose median is unstable, unless the file says that friction holds it."""
+    """Raise if the median loop is unstable, unless the file says that it relies on friction."""
     sizes = {run.pulley_size for _, run in loop.every_run} - set(posterior.coefficients)
     if sizes:  # draw_assembly raises with the place in the file
         draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)

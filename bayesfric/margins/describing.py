@@ -1,22 +1,22 @@
-"""Closed forms of how friction and its compensation sustain or stop a loop's oscillation.
+"""Closed forms for oscillations of a loop with friction and its compensation.
 
-For swings near the natural frequency ω_n = √(kp/J), the loop's damping is
-b_eff = kd + b − kp τ − ki J/kp with τ the delay, half a sample of hold, and the time constant of
-the position's low-pass where there is one; a compensator of the error, which inside its band ε
-is a spring beside kp, is counted with kp as γ F̂/ε. Over one swing of
-amplitude A, damping takes π b_eff ω_n A² and friction of net size F − γ F̂ takes
-4 (F − γ F̂) A. Where they cancel, a swing may last:
+Near the natural frequency ω_n = √(kp/J), the loop's damping is b_eff = kd + b − kp τ − ki J/kp. The
+lag τ is the delay, half a sample of hold and, if there is one, the time constant of the position's
+low-pass. A compensator of the error is a spring γ F̂/ε inside its band ε, which is added to kp. In
+one cycle of amplitude A, damping dissipates π b_eff ω_n A², and friction of net size F − γ F̂
+dissipates 4 (F − γ F̂) A. If they cancel, an oscillation may last:
 
-* b_eff < 0: friction holds the loop still up to A = 4 F/(π ω_n |b_eff|).
-* γ F̂ > F: the swing has A = 4 (γ F̂ − F)/(π ω_n b_eff) while ζ = b_eff/(2 √(kp J)) is small.
-  Half a swing under a constant torque γ F̂ − F goes on for any ζ, and repeats at
-  A = (γ F̂ − F)/kp · coth(π ζ/(2 √(1 − ζ²))). A compensator that is off at rest keeps it up if
-  A reaches beyond the stuck band F/kp, hence γ* = (F/F̂)(1 + tanh(π ζ/(2 √(1 − ζ²)))).
+* b_eff < 0: friction holds the loop still up to the amplitude A = 4 F/(π ω_n |b_eff|).
+* γ F̂ > F: A = 4 (γ F̂ − F)/(π ω_n b_eff) if ζ = b_eff/(2 √(kp J)) is small. For any ζ, half a
+  cycle under the constant torque γ F̂ − F repeats at
+  A = (γ F̂ − F)/kp · coth(π ζ/(2 √(1 − ζ²))). With a compensator that is off at rest, the
+  oscillation continues if A exceeds the stuck band F/kp. Hence
+  γ* = (F/F̂)(1 + tanh(π ζ/(2 √(1 − ζ²)))).
 
 References
 ----------
 B. Armstrong, B. Amin, "PID control in the presence of static friction", Automatica 32(5)
-(1996): describing functions are not to be relied on with integral action and stiction.
+(1996): describing functions are unreliable with integral action and stiction.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ def natural_frequency(shaft: LoopAtShaft) -> Array:
 
 
 def loop_spring(shaft: LoopAtShaft) -> Array:
-    """Return kp, with γ F̂/ε where a compensator of the error stands beside it [N·m/rad]."""
+    """Return kp, plus γ F̂/ε with a compensator of the error [N·m/rad]."""
     if shaft.loop.compensation.signal != "error":
         return shaft.kp
     return shaft.kp + shaft.gamma * shaft.estimate / shaft.boundary
@@ -41,7 +41,7 @@ def loop_spring(shaft: LoopAtShaft) -> Array:
 def effective_damping(shaft: LoopAtShaft) -> Array:
     """Return b_eff = kd + b − kp τ − ki J/kp [N·m·s/rad], shape (draws,).
 
-    kp is :func:`loop_spring`. Friction that falls with speed takes its first slope from it.
+    kp is :func:`loop_spring`. The initial slope of friction that falls with speed is subtracted.
     """
     spring = loop_spring(shaft)
     lost = spring * shaft.slow_lag + shaft.ki * shaft.inertia / spring
@@ -49,10 +49,10 @@ def effective_damping(shaft: LoopAtShaft) -> Array:
 
 
 def amplitude_margin(shaft: LoopAtShaft) -> Array:
-    """Return the swing up to which friction holds the loop still [rad], shape (draws,).
+    """Return the amplitude up to which friction holds the loop still [rad], shape (draws,).
 
-    Infinite where b_eff ≥ 0. What a compensator of the measured velocity feeds forward is
-    taken from friction first.
+    Infinite if b_eff ≥ 0. The feed-forward of a compensator of the measured velocity is first
+    subtracted from friction.
     """
     net = shaft.friction + shaft.falling
     if shaft.loop.compensation.signal == "measured":
@@ -72,7 +72,7 @@ def necessary_gain(shaft: LoopAtShaft) -> Array:
 def formula_threshold(shaft: LoopAtShaft) -> Array:
     """Return γ* = (F/F̂)(1 + tanh(π ζ/(2 √(1 − ζ²)))), shape (draws,).
 
-    Where it holds is said by :func:`formula_conditions`; from ζ = 1 on it is 2 F/F̂.
+    :func:`formula_conditions` says where it holds; for ζ ≥ 1 it is 2 F/F̂.
     """
     return np.asarray(necessary_gain(shaft) * (1 + _stuck_band_over_swing(shaft)))
 
@@ -83,14 +83,14 @@ def _damping_ratio(shaft: LoopAtShaft) -> Array:
 
 
 def _stuck_band_over_swing(shaft: LoopAtShaft) -> Array:
-    """Return tanh(π ζ/(2 √(1 − ζ²))): the net torque over kp, as a share of the swing it keeps."""
+    """Return tanh(π ζ/(2 √(1 − ζ²))): net torque over kp, over the amplitude that it sustains."""
     zeta = _damping_ratio(shaft)
     undamped_share = np.sqrt(np.maximum(1 - zeta**2, np.finfo(np.float64).tiny))
     return np.asarray(np.tanh(np.pi * zeta / (2 * undamped_share)))
 
 
 def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
-    """Tell in which draws γ* holds.
+    """Return in which draws γ* holds.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
 
 
 def swing_amplitude(shaft: LoopAtShaft) -> Array:
-    """Return A = (γ F̂ − F)/kp · coth(π ζ/(2 √(1 − ζ²))) [rad]; NaN where no swing is kept up."""
+    """Return A = (γ F̂ − F)/kp · coth(π ζ/(2 √(1 − ζ²))) [rad]; NaN if no oscillation lasts."""
     over = shaft.gamma * shaft.estimate - shaft.friction
     swings = (over > 0) & (effective_damping(shaft) > 0)
     share = np.where(swings, _stuck_band_over_swing(shaft), 1.0)
@@ -144,11 +144,11 @@ def swing_amplitude(shaft: LoopAtShaft) -> Array:
 
 
 def steady_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:
-    """Return the largest error at which the loop may stay, at the motor [rad].
+    """Return the largest error at which the loop may rest, at the motor [rad].
 
-    Breakaway over kp, and with it what gravity compensation leaves of the load. A
-    compensator of the error stands beside kp inside its band; one of
-    a velocity does not count, since it may be off or on the wrong side at rest.
+    It is breakaway friction plus the load that gravity compensation leaves, over kp. A
+    compensator of the error adds to kp inside its band. A compensator of a velocity does not
+    count, since at rest it may be off or have the wrong sign.
     """
     held = shaft.breakaway + (np.abs(shaft.net_load) if loaded else 0.0)
     alone = held / shaft.kp
@@ -160,10 +160,10 @@ def steady_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:
 
 
 def reversing_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:
-    """Return the largest error at which the loop may stay before it moves the other way [rad].
+    """Return the largest error at which the loop may rest before it reverses [rad].
 
-    :func:`steady_error`, and γ F̂/kp where a compensator of a velocity holds its last sign at
-    rest: that pushes the old way, against the new motion.
+    It is :func:`steady_error`, plus γ F̂/kp if a compensator of a velocity holds its last sign
+    at rest, since that torque opposes the new motion.
     """
     compensation = shaft.loop.compensation
     stays = steady_error(shaft, loaded=loaded)

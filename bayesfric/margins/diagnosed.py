@@ -35,7 +35,7 @@ from bayesfric.schemas import DiagnosisFile
 from bayesfric.stored_names import variable_of
 
 LEAST_SPEED = 0.1
-"""Cable speed up to which an effect is looked at where the file has no peak speed [m/s]."""
+"""Cable speed up to which an effect is evaluated if the file has no peak speed [m/s]."""
 SPEEDS = 60
 
 
@@ -46,11 +46,11 @@ class Diagnosed:
     Parameters
     ----------
     posterior : Posterior
-        The refitted law, in as many draws as the fit's.
+        The refitted law, with as many draws as the fit has.
     acting : tuple of DrawnEffect
-        Effects on friction, in step with it.
+        Effects on friction; their draws match those of the law.
     left_out : tuple of str
-        Effects that stay behind, with the reason.
+        Effects that are left out, with the reason.
     """
 
     posterior: Posterior
@@ -69,16 +69,16 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
     Parameters
     ----------
     path : Path
-        ``diagnosis.json``; ``diagnosis.nc`` lies beside it.
+        ``diagnosis.json``, with ``diagnosis.nc`` beside it.
     fitted : Posterior
-        Of the fit: how many draws, and where friction was measured.
+        The fit: it sets the number of draws, and the conditions that were measured.
     seed : int
         Of the analysis.
 
     Raises
     ------
     InputError
-        A file is missing, they are of two runs, or have no refitted law.
+        A file is missing, the files are of two runs, or have no refitted law.
     """
     record = read_json(DiagnosisFile, path)
     tree = read_beside(record, path.with_suffix(".nc"))
@@ -125,7 +125,7 @@ def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
 
 
 COLUMNS = Coefficients._fields
-SCATTER = ("omega", "omega_motor")  # of assemblies, on the board that has them
+SCATTER = ("omega", "omega_motor")  # scatter of assemblies, by board
 
 
 def _values(column: xr.DataArray) -> Array:
@@ -140,9 +140,9 @@ def reflected(loop: Loop, given: Assembly, estimate: float | None = None) -> Loo
     loop : Loop
         The file.
     given : Assembly
-        Its numbers, the friction law, and what acts beside it.
+        Its numbers, the friction law, and the effects beside it.
     estimate : float or None
-        As of :func:`bayesfric.margins.reflecting.at_shaft`.
+        As for :func:`bayesfric.margins.reflecting.at_shaft`.
     """
     shaft = at_shaft(loop, given, estimate=estimate)
     if not given.acting:
@@ -156,16 +156,16 @@ def with_effects(
 ) -> LoopAtShaft:
     """Return a loop with effects added to its friction.
 
-    A compensator that takes its estimate from the law takes it from the law with the effects.
+    If a compensator takes its estimate from the law, it is the law with the effects.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop with the refitted law.
     given : Assembly
-        What it was made from.
+        The numbers from which it was made.
     acting : tuple of DrawnEffect
-        In as many draws.
+        The effects, with as many draws.
     """
     rho, rest = shaft.cable_per_rad, np.zeros(given.draws)
     top = np.maximum(shaft.peak_velocity * rho, LEAST_SPEED)
@@ -208,7 +208,7 @@ def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, A
     Parameters
     ----------
     force : callable
-        Of cable speeds, shape (draws,), to forces [N].
+        Cable speeds, shape (draws,), to forces [N].
     top : ndarray, shape (draws,)
         Top speed of the cable [m/s].
     """
@@ -221,7 +221,7 @@ def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, A
 
 
 def _force(effect: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
-    """Return what an effect adds to friction, as a force of the motor's cable at its speed [N]."""
+    """Return the friction that an effect adds at a speed of the motor's cable [N]."""
     total = np.zeros(given.draws)
     per_rad = {key: stage.per_rad for stage in shaft.stages for key in stage.keys}
     factors = zip(given.factor, given.intercept_factor, strict=True)

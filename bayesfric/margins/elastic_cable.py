@@ -18,9 +18,9 @@ from bayesfric.arrays import Array, Flags, PerDraw
 from bayesfric.margins.sampled_loop import Cable, SampledLoop
 
 LARGEST_PHASE = 0.5
-"""Of the cable's ringing in a step [rad]: its frequency is within (phase)²/24."""
+"""Largest phase of the cable's ringing in a step [rad]; its frequency error is (phase)²/24."""
 LEAST_STEPS = 2
-"""In an interval of constant torque."""
+"""Least number of steps in an interval of constant torque."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,13 @@ class Step:
     Parameters
     ----------
     length : ndarray, shape (draws,)
-        [s].
+        Length [s].
     over_inertia : ndarray, shape (ends, draws)
         Speed gained per torque [rad/(s·N·m)].
     left : ndarray, shape (ends, draws)
         Share of a speed that viscous friction leaves [-].
     rubbed : ndarray, shape (ends, draws)
-        Speed that friction takes off [rad/s].
+        Speed that friction removes [rad/s].
     """
 
     length: Array
@@ -46,16 +46,16 @@ class Step:
 
 
 class Ends(PerDraw):
-    """The motor's and the joint's end, and a shaft between two cables, of shape (ends, draws).
+    """The state of motor, joint and a shaft between two cables, shape (ends, draws).
 
     Parameters
     ----------
     loop : SampledLoop
-        Its friction, load and encoder.
+        The loop with its friction, load and encoder.
     cable : Cable
-        Between the ends.
+        The cable between the ends.
     position, speed : ndarray, shape (draws,)
-        Of the measured end at the beginning, the load hanging in its cable [rad, rad/s].
+        Of the measured end at the start, with the cable stretched by the load [rad, rad/s].
     """
 
     def __init__(self, loop: SampledLoop, cable: Cable, position: Array, speed: Array) -> None:
@@ -79,12 +79,12 @@ class Ends(PerDraw):
 
     @property
     def position(self) -> Array:
-        """Of the measured end, shape (draws,) [rad]."""
+        """Position of the measured end, shape (draws,) [rad]."""
         return np.asarray(self.ends[self.measured])
 
     @property
     def speed(self) -> Array:
-        """Of the measured end, shape (draws,) [rad/s]."""
+        """Speed of the measured end, shape (draws,) [rad/s]."""
         return np.asarray(self.speeds[self.measured])
 
     @property
@@ -99,16 +99,16 @@ class Ends(PerDraw):
 
     @property
     def stands(self) -> Flags:
-        """Where all ends stand still, shape (draws,)."""
+        """Whether all ends stand still, shape (draws,)."""
         return reduce(np.logical_and, self.speeds == 0.0)  # faster than along an axis
 
     def withstands(self) -> tuple[Array, Array]:
-        """Return the torque that pulls at a resting motor, and its breakaway torque [N·m]."""
+        """Return the torque that acts on a resting motor, and its breakaway torque [N·m]."""
         near = self._stretched(self.ends[0] - self.ends[1])
         return self.stiffness[0] * near - self.fed, self.breakaway[0]
 
     def _stretched(self, twist: Array) -> Array:
-        """Return the part of a twist that stretches the cable: all beyond the play."""
+        """Return the part of a twist that stretches the cable: the part beyond the play."""
         return twist - np.clip(twist, -self.half_play, self.half_play) if self.plays else twist
 
     def cut(self, length: Array, parts: int) -> tuple[int, Step]:
@@ -129,11 +129,11 @@ class Ends(PerDraw):
         Parameters
         ----------
         command : ndarray, shape (draws,)
-            Torque of the motor, besides what is fed forward against the load [N·m].
+            Torque of the motor, without the feed-forward against the load [N·m].
         step : Step
-            Of :meth:`cut`.
+            The step from :meth:`cut`.
         running : ndarray of bool, shape (draws,), or None
-            Which draws go on; None is all of them.
+            Draws that continue; None: all of them.
         """
         speed = self.speeds
         stretched = self.ends[:-1] - self.ends[1:]
@@ -156,7 +156,7 @@ class Ends(PerDraw):
         after -= rubbed
         np.maximum(after, 0.0, out=after)
         np.copysign(after, free, out=after)
-        # an end whose speed changes sign stands first
+        # an end whose speed changes sign first stops
         stops = after * speed < 0.0
         if self.sticks or self.falls:
             stops |= (speed == 0.0) & (np.abs(push) <= self.breakaway)

@@ -1,4 +1,4 @@
-"""A loop's nominal and its draws, as other tools for control take them."""
+"""The nominal loop and its draws, for other control tools."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ class Ensemble:
     Parameters
     ----------
     nominal : LoopAtShaft
-        One draw: means of the law, medians of the file's numbers.
+        The nominal loop: means of the law, medians of the file's numbers.
     drawn : LoopAtShaft
         All draws.
     """
@@ -34,11 +34,11 @@ class Ensemble:
 
     @property
     def name(self) -> str:
-        """Of the loop."""
+        """Name of the loop."""
         return self.drawn.loop.name
 
     def some(self, draws: int) -> NDArray[np.intp]:
-        """Return the numbers of so many draws, or all there are, spread evenly."""
+        """Return the indices of `draws` draws, evenly spaced, or of all if there are fewer."""
         count = self.drawn.friction.size
         return evenly(count, draws)
 
@@ -50,9 +50,9 @@ class Ensemble:
         Parameters
         ----------
         draws : int
-            How many.
+            Number of draws.
         direction : {"driving", "overhauling"} or None
-            Of an open run; None is the first of those that the loop has.
+            Direction of an open run; None: the first that the loop has.
 
         Raises
         ------

@@ -1,7 +1,7 @@
 """How the joint follows references that move, over draws, with each compensator.
 
-Each run begins at rest, for as long as the loop takes to settle. Then the reference sets off
-and goes on for twice that time; the error is judged in the last of the three.
+Each run begins with a rest for the settling time of the loop. Then the reference moves for twice
+that time. The error is judged in the last third of the run.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,15 +27,15 @@ from bayesfric.schemas.loop_runs import Compensator, FollowedWith, Following, Tr
 
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5
-"""Of the disturbance observer's low-pass, over the loop's natural frequency √(kp/J)."""
+"""Corner of the disturbance observer's low-pass, over the natural frequency √(kp/J)."""
 POINTS = 121
-"""Of a band over time."""
+"""Number of points of a band over time."""
 BAND = 2.0
-"""Over F̂/kp: half width of the band of an error's sign where the file has none."""
+"""Default half width of the band of the error's sign, over F̂/kp."""
 
 
 def fastest(shaft: LoopAtShaft) -> float:
-    """Return the fastest reference of those at which hunting is looked for [rad/s]."""
+    """Return the fastest reference at which hunting is searched for [rad/s]."""
     return max(float(np.median(condition.speed_of(shaft))) for condition in speeds_of(shaft))
 
 
@@ -48,10 +48,10 @@ def needs_motion(shaft: LoopAtShaft) -> list[Fault]:
 
 
 def strokes(shaft: LoopAtShaft) -> tuple[float, Mapping[str, tuple[Stroke, str]]]:
-    """Return how long the reference rests first [s], and each trajectory with its words.
+    """Return the initial time of rest [s], and each trajectory with its words.
 
-    Speeds are the fastest of those at which hunting is looked for, the period of the sine is
-    the time of rest, and the step is the file's kick.
+    The speed is the fastest at which hunting is searched for. The period of the sine is the
+    time of rest. The step is the file's kick.
     """
     n = shaft.friction.size
     rest = float(np.median(run_length(shaft.sampled()).settling))
@@ -80,8 +80,8 @@ def strokes(shaft: LoopAtShaft) -> tuple[float, Mapping[str, tuple[Stroke, str]]
 def with_compensator(shaft: LoopAtShaft, signal: CompensationSignal) -> SampledLoop:
     """Return the loop with another compensator: the file's γ, F̂ and choice at rest.
 
-    Half widths of linear pieces are the file's; that of the error, which needs one, is
-    2F̂/kp where the file has none.
+    Half widths of linear pieces are those of the file. The error needs one; its default is
+    2F̂/kp.
     """
     compensation = shaft.loop.compensation
     if signal == compensation.signal or signal == "none":
@@ -104,9 +104,9 @@ def band_of(shaft: LoopAtShaft) -> Array:
 def observers(shaft: LoopAtShaft) -> dict[Compensator, Observer]:
     """Return both observers, at rest.
 
-    That of the LuGre model has the file's γ and F̂, and stretches over the band of the error,
-    or over 2γF̂/kp where that is wider: its push stays below half of kp. The other knows the
-    median inertia and damping, as a designer would.
+    The LuGre observer has the file's γ and F̂. Its length is the band of the error, or 2γF̂/kp if
+    that is wider, so that its stiffness stays below half of kp. The disturbance observer uses
+    the median inertia and damping, as a designer would.
     """
     period = np.full(shaft.friction.shape, shaft.sample_time)
     loop = shaft.sampled()
@@ -130,12 +130,12 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
     shaft : LoopAtShaft
         The loop, all draws.
     most : int
-        Draws that are simulated at most, taken evenly.
+        Largest number of draws that are simulated, evenly spaced.
 
     Returns
     -------
     Following
-        Errors at the tool tip, joint behind reference.
+        Errors at the tool tip: reference less joint.
     """
     some = shaft.taken(evenly(shaft.friction.size, most))
     n = some.friction.size
@@ -185,7 +185,7 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
 def _trajectory(
     name: str, words: str, errors: Mapping[Compensator, tuple[Array, Array, Array]]
 ) -> Trajectory:
-    """Return one trajectory, of each compensator's rms, peak and quantiles over time of errors."""
+    """Return one trajectory, with rms, peak and quantiles over time of each compensator's error."""
     least = np.min([rms for rms, _, _ in errors.values()], axis=0)
     alike = 1 + MARGIN_RULES.compensators_alike
     compensators = tuple(

@@ -10,22 +10,22 @@ from bayesfric.schemas.margins import Bode, NyquistFan
 
 BODE_DRAWS = 100
 LOWEST, HIGHEST = 0.05, 50.0
-"""Over the natural frequency; no higher than half the sample rate, where L(jω) ends."""
+"""Frequency range over the natural frequency; at most half the sample rate."""
 BODE_POINTS, SHOWN_EVERY = 1501, 10
-"""Frequencies at which phase is followed, and those of the figure."""
+"""Number of frequencies for unwrapping the phase, and step to those of the figure."""
 SHOWN_QUANTILES = (0.05, 0.5, 0.95)
 FAN_DRAWS = 12
 FAN_POINTS = 100
 DIGITS = 5
 DENSE = 1500
-LARGEST = 6.0  # of |L|, what a picture shows
+LARGEST = 6.0  # largest |L| in a figure
 SMALLEST = 0.03
 
 
 def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
     """Return 5, 50 and 95 % of |L| and arg L over the draws, in each direction.
 
-    Phase is followed from the lowest frequency on, where it lies between −315° and 45°.
+    The phase is unwrapped from the lowest frequency, where it lies between −315° and 45°.
     """
     rows = evenly(shaft.friction.size, BODE_DRAWS)
     own = float(np.median(natural_frequency(shaft)))
@@ -58,10 +58,9 @@ def _short(values: Array) -> tuple[float, ...]:
 
 
 def nyquist_fans(shaft: LoopAtShaft) -> tuple[NyquistFan, ...]:
-    """Return L(jω) and what friction sees, of some draws, in each direction.
+    """Return L(jω), and motor speed per friction torque, of some draws, in each direction.
 
-    The latter is motor speed per friction torque times √(kp J), a pure number: near ω_n it
-    is 1/(2ζ).
+    The latter is multiplied by √(kp J), which makes it dimensionless: near ω_n it is 1/(2ζ).
     """
     rows = evenly(shaft.friction.size, FAN_DRAWS)
     scale = np.sqrt(shaft.kp * shaft.inertia)[rows, None]

@@ -1,17 +1,16 @@
 """The compensation gain at which a loop begins to hunt, found by simulation.
 
-With the compensator on the sign of the measured speed, off at rest, and a fixed
-reference, a swing repeats at an amplitude of (γF̂ − F)/kp · coth(πζ/(2√(1 − ζ²))),
-and goes on if that exceeds F/kp, where friction holds the shaft. So hunting begins at
+Let the compensator follow the sign of the measured speed, be off at rest, and the reference be
+fixed. Then an oscillation repeats at the amplitude (γF̂ − F)/kp · coth(πζ/(2√(1 − ζ²))), and lasts
+if this exceeds F/kp, within which friction holds the shaft. So hunting begins at
 
     γ* = (F/F̂)(1 + tanh(πζ/(2√(1 − ζ²)))) ≈ (F/F̂)(1 + πζ/2)
 
-as long as F/kp is many encoder counts, the shaft at full swing travels several counts in
-a sample (F ω_n T/kp above 3 counts), and the kick exceeds F/kp. Then the simulator is
-within 10 % of the first form up to ζ = 0.84, and of the second up to ζ = 0.7. With fewer
-counts the compensator is off for much of a swing and γ* is higher; where the reference
-moves so slowly that most samples read no motion, shafts slip and stick at γ below F/F̂ too.
-Only the simulation knows these.
+if F/kp is many encoder counts, the shaft at its fastest travels several counts in a sample
+(F ω_n T/kp above 3 counts), and the kick exceeds F/kp. The simulation is then within 10 % of the
+first form up to ζ = 0.84, and of the second up to ζ = 0.7. With fewer counts the compensator is off
+for much of a cycle, and γ* is higher. If the reference moves so slowly that most samples read no
+motion, shafts slip and stick even at γ below F/F̂. Only the simulation covers these cases.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -31,39 +30,39 @@ from bayesfric.margins.swing import LoopMotion
 SHORTEST_S, LONGEST_S = 0.5, 60.0
 TRIED_AT_ONCE = 4
 EVERY_TENTH = tuple(round(0.1 * step, 1) for step in range(31))
-"""From 0 to 3."""
+"""Gains from 0 to 3."""
 MOST_SETTLING_S = 5.0
-"""A linear loop that takes longer to settle than this is judged by whether its swing shrinks."""
+"""If a linear loop takes longer to settle than this, its decay is judged instead."""
 SLIPS = 12.0
-"""Stuck bands that a reference passes in a run: six slips of the longest kind."""
+"""Number of stuck bands that a reference passes in a run: six slips of the longest kind."""
 CYCLES = 6.0
-"""Slow cycles of integral action in a run."""
+"""Number of slow cycles of integral action in a run."""
 SLOWER_ON_A_CABLE = 3.0
-"""A slow cycle on an elastic cable over that of a stiff one, at most as seen: the motor slips less
-far while the joint stands."""
+"""Largest observed period of a slow cycle on an elastic cable over that on a stiff cable: the motor
+slips less far while the joint stands still."""
 LEAST_EXCESS = 0.02
-"""Breakaway over moving friction, as a share of it, below which a slow cycle is not waited for."""
+"""Relative excess of breakaway over moving friction, below which no slow cycle is waited for."""
 LASTS = (0.6, MARGIN_RULES.swing_lasts)
-"""Least and largest share of its amplitude that a swing keeps if it lasts."""
+"""Least and largest share of its amplitude that a lasting oscillation keeps."""
 SHARE_WITHIN, LEAST_WIDTH = 0.05, 1e-3
-"""Share of a threshold within which it is found, and the least width that is looked for."""
+"""Relative width of the bisection, and its least absolute width."""
 
 
 class RunLength(NamedTuple):
-    """How long draws are to run, each of shape (draws,) [s].
+    """Durations of the runs of draws, each of shape (draws,) [s].
 
     Parameters
     ----------
     duration : ndarray
-        Of the run, 60 s at most.
+        Duration of the run, at most 60 s.
     settling : ndarray
-        After which a shaft that moves all the time has settled, or swings.
+        Time after which a shaft that moves all the time has settled or oscillates.
     wanted : ndarray
-        What the run should last; where it is longer, a slow cycle may be missed.
+        Duration that the run should have. If it exceeds `duration`, a slow cycle may be missed.
     lasts : ndarray
-        Share of its amplitude that a swing keeps from one stretch to the next if it lasts [-]:
-        midway between all of it and what damping alone leaves. Slips are irregular, so that more
-        is asked only where damping takes long.
+        Share of its amplitude that a lasting oscillation keeps from one stretch to the next
+        [-]: midway between 1 and the share that damping alone leaves. Slips are irregular, so a
+        larger share is required only if damping is slow.
     """
 
     duration: Array
@@ -73,14 +72,14 @@ class RunLength(NamedTuple):
 
 
 def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength:
-    """Return how long each draw is to run until it has settled or hunts.
+    """Return how long each draw must run until it has settled or hunts.
 
-    Whichever is longest: eight time constants 2J/|b_eff| of the linear loop, with
-    b_eff = kd + b − kp (delay + T/2); ten of its periods; twelve times that the reference takes
-    for F/kp, in which it drags a shaft off that sticks; with integral action eight times kp/ki
-    and six slow cycles. In such a cycle the shaft stands off by what breakaway has over moving
-    friction, δ/kp, and waits until the integral has gone from one side to the other, so that
-    it lasts 4 (kp/ki) Fs/δ.
+    The duration is the longest of: eight time constants 2J/|b_eff| of the linear loop, with
+    b_eff = kd + b − kp (delay + T/2); ten of its periods; twelve times the time in which the
+    reference travels F/kp, after which a stuck shaft moves; and, with integral action, eight times
+    kp/ki and six slow cycles. In a slow cycle the shaft rests at an error δ/kp, with the excess δ
+    of breakaway Fs over moving friction, until the integral has gone from one side to the other. So
+    the cycle lasts 4 (kp/ki) Fs/δ.
 
     Parameters
     ----------
@@ -92,7 +91,7 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
     Returns
     -------
     RunLength
-        Durations from 0.5 s on.
+        Durations of at least 0.5 s.
     """
     tiny = np.finfo(np.float64).tiny
     inertia, kp = loop.inertia, np.maximum(np.abs(loop.kp), tiny)
@@ -103,10 +102,10 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
     breakaway = loop.breakaway
     excess = breakaway - friction
     if loop.compensation_signal == "measured" and loop.at_rest == "off":
-        # a compensator that is off at rest leaves more friction there
+        # a compensator that is off at rest does not reduce friction there
         excess = excess + loop.compensation_gain * loop.compensation_estimate
     sticks = excess > LEAST_EXCESS * friction
-    with np.errstate(over="ignore"):  # endless times are cut to the longest
+    with np.errstate(over="ignore"):  # infinite times are cut to the longest
         settled = 16.0 * inertia / np.maximum(damping, tiny)
         periods = 20.0 * np.pi * np.sqrt(inertia / kp)
         dragged = np.where(speed > 0.0, SLIPS * friction / kp / np.maximum(speed, tiny), 0.0)
@@ -122,7 +121,7 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
         linear = np.minimum(np.maximum(settled, periods), MOST_SETTLING_S)
     wanted = np.maximum(np.max([linear, dragged, slow], axis=0), SHORTEST_S)
     settling = np.maximum(linear, SHORTEST_S) / 2.0
-    left = np.exp(-settling / 2.0 * damping / (2.0 * inertia))  # of a stretch of half of it
+    left = np.exp(-settling / 2.0 * damping / (2.0 * inertia))  # over half of the settling time
     lasts = np.clip((1.0 + left) / 2.0, *LASTS)
     return RunLength(np.minimum(wanted, LONGEST_S), settling, wanted, lasts)
 
@@ -142,15 +141,15 @@ def after_a_kick(loop: SampledLoop, kick: Array, reference_speed: Array) -> Loop
 
 @dataclass(frozen=True)
 class Thresholds:
-    """Where each draw begins to hunt.
+    """The threshold of each draw, above which it hunts.
 
     Parameters
     ----------
     gamma : ndarray, shape (draws,)
-        The smallest γ found to hunt; 0 where the loop hunts without compensation, infinite
-        where it does not hunt up to the maximum.
+        The smallest γ found to hunt; 0 if the loop hunts without compensation, infinite if it
+        does not hunt up to the maximum.
     condition : ndarray of int, shape (draws,)
-        Which of the conditions hunts there; −1 where none does.
+        Index of the condition that hunts there; −1 if none does.
     """
 
     gamma: Array
@@ -169,31 +168,31 @@ def hunting_threshold(
 ) -> Thresholds:
     """Return the smallest compensation gain γ at which each draw hunts in any condition.
 
-    All draws are run at one γ after another; the first that hunts is then approached by
-    bisection from the one before. A band of γ that hunts and is narrower than their distance
-    may be missed; encoder steps make such bands just below the threshold.
+    All draws are run at one γ after another. The threshold is then found by bisection between the
+    first γ that hunts and the one before. A band of hunting γ that is narrower than the steps may
+    be missed. Encoder steps cause such bands just below the threshold.
 
     Parameters
     ----------
     loop : SampledLoop
         The loop; its own compensation gain is not used.
     kick : array_like
-        Position ahead of the reference at first [rad], a scalar, (draws,), or (conditions, draws).
+        Initial position ahead of the reference [rad]: a scalar, (draws,), or (conditions, draws).
     reference_speed : array_like
-        Speed of the reference [rad/s], likewise.
+        Speed of the reference [rad/s], of one of these shapes.
     gammas : sequence of float
-        The γ that are tried first, increasing from 0.
+        The γ that are simulated first, increasing from 0.
     tolerance : float
-        Width to which the bisection goes, and a share :data:`SHARE_WITHIN` of smaller thresholds.
+        Final width of the bisection; for smaller thresholds, a share :data:`SHARE_WITHIN`.
     hunts_at : array_like
-        γ at which each draw hunts in another condition, a scalar or (draws,): none above is tried.
+        γ at which each draw hunts in another condition, a scalar or (draws,). No larger γ is tried.
     expected : int
-        Place in `gammas` by which most draws hunt: the time depends on it, and no result.
+        Index in `gammas` by which most draws hunt. It affects the time only, not the result.
 
     Returns
     -------
     Thresholds
-        Of each draw.
+        Threshold of each draw.
     """
     grid = np.asarray(gammas, dtype=np.float64)
     hunts = _hunts(loop, kick, reference_speed)
@@ -222,7 +221,7 @@ def hunting_threshold(
 def _hunts(
     loop: SampledLoop, kick: ArrayLike, reference_speed: ArrayLike
 ) -> Callable[[Whole, Array], Flags]:
-    """Return a function of places of m draws and a gain for each: whether each condition hunts."""
+    """Return a function: (indices of m draws, a gain for each) to whether each condition hunts."""
     kicks, speeds = (
         np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (kick, reference_speed)
     )
@@ -240,7 +239,7 @@ def _hunts(
 
 
 def _tried_together(count: int, expected: int) -> Iterable[tuple[int, int]]:
-    """Return where groups of gains begin and end, of so many, that are tried at once."""
+    """Return begin and end of the groups of `count` gains that are simulated at once."""
     # a loop that hunts without compensation needs no more than the first
     first_group = 1 + min(max(expected, 1), TRIED_AT_ONCE)
     begins = {0, min(1, count - 1), *range(first_group, count, TRIED_AT_ONCE)}
@@ -258,13 +257,13 @@ def _bisect(
     Parameters
     ----------
     thresholds : Thresholds
-        At which draws hunt; changed in place.
+        Gains at which draws hunt; changed in place.
     below : ndarray, shape (draws,)
-        Gains below at which they do not; changed in place.
+        Smaller gains at which they do not hunt; changed in place.
     hunts : callable
-        Places of draws and a gain for each to whether each condition hunts.
+        (indices of draws, a gain for each) to whether each condition hunts.
     tolerance : float
-        Width to which the bisection goes.
+        Final width of the bisection.
     """
     threshold, condition = thresholds.gamma, thresholds.condition
     while True:

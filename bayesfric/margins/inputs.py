@@ -1,4 +1,4 @@
-"""The conditions of a loop in which friction was not measured: pulleys, angles, tensions."""
+"""Conditions of a loop at which friction was not measured: pulleys, angles, tensions."""
 
 from collections.abc import Iterator
 
@@ -17,14 +17,14 @@ Range = tuple[float, float]
 
 ROUNDING = 1e-6
 AXES = {"wrap_angle": ("wrap_angle_deg", "c3"), "tension": ("tension_n", "c1")}
-"""What a loop may extrapolate by name: the tested axis, and the coefficient that must be known."""
+"""Names in `extrapolate`: the tested axis, and the coefficient that must be informed."""
 
 
 def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
     """Yield the faults of a loop whose wrap angles or tensions the draws do not cover.
 
-    A coefficient that the data left to its prior predicts nothing outside of the conditions
-    that were measured.
+    A coefficient that the data do not inform has no predictive value outside of the measured
+    conditions.
     """
     for key, run in loop.every_run:
         tension = central(run.tension_n)
@@ -48,7 +48,7 @@ def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
 
 
 def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) -> tuple[str, ...]:
-    """Return sentences that count what in a loop lies outside of the tested conditions."""
+    """Return sentences on the parts of a loop outside of the tested conditions, with counts."""
     sentences = []
     where = [
         (stage, run) for stage, cable in enumerate(shaft.stages) for run in range(len(cable.runs))

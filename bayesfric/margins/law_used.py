@@ -1,4 +1,4 @@
-"""The law of the margins: that of the fit, or that refitted with the causes of a diagnosis."""
+"""The law of the margins: from the fit, or refitted with the causes of a diagnosis."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,21 +15,21 @@ from bayesfric.schemas.causes import LawNumber
 from bayesfric.schemas.margins import LawUsed
 
 LawAsked = Literal["fitted", "refitted"]
-NUMBERS_SHOWN = 3  # numbers of the law that are told as wrong
+NUMBERS_SHOWN = 3  # most numbers of the law that are reported as wrong
 
 
 @dataclass(frozen=True)
 class ChosenLaw:
-    """The law that margins are computed with.
+    """The law with which margins are computed.
 
     Parameters
     ----------
     posterior : Posterior
-        Its draws; of the refitted law with the effects on friction beside them.
+        Its draws; for the refitted law, with the effects on friction.
     used : LawUsed
-        Which law it is, as it is stored.
+        Which law it is, as stored.
     beside : Diagnosed or None
-        What stands beside the margins of the law alone, where a diagnosis was given.
+        Law with effects for the margins beside those of the law alone, if a diagnosis was given.
     """
 
     posterior: Posterior
@@ -44,25 +44,25 @@ def choose_law(
     asked: LawAsked | None,
     seed: int,
 ) -> ChosenLaw:
-    """Return the law refitted with the causes where a diagnosis names any, else that of the fit.
+    """Return the law refitted with the causes if a diagnosis names any, else that of the fit.
 
     Parameters
     ----------
     draws : Path
-        ``draws.nc``; a ``diagnosis.json`` beside it is taken where none is given.
+        ``draws.nc``; a ``diagnosis.json`` beside it is used by default.
     posterior : Posterior
-        What is in it.
+        Content of ``draws.nc``.
     diagnosis : Path, str or None
         A ``diagnosis.json`` that was given.
     asked : {"fitted", "refitted"} or None
         The law that was asked for.
     seed : int
-        Of the analysis.
+        Seed of the analysis.
 
     Raises
     ------
     InputError
-        The refitted law is asked for and there is no diagnosis, or a diagnosis is damaged.
+        The refitted law is requested without a diagnosis, or the diagnosis is damaged.
     """
     path = draws.parent / "diagnosis.json" if diagnosis is None else Path(diagnosis)
     if diagnosis is None and not path.is_file():
@@ -117,7 +117,7 @@ def _refitted(path: Path, record: DiagnosisFile, diagnosed: Diagnosed, names: st
 
 
 def _wrong(numbers: Mapping[str, LawNumber]) -> str:
-    """Return by how much the numbers of the law without causes are wrong, the worst first."""
+    """Return the errors of the numbers of the law without causes, the worst first."""
     off = {
         name: number.before.mean / number.after.mean - 1
         for name, number in numbers.items()

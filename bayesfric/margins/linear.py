@@ -1,9 +1,8 @@
 """Stability margins of many linear loops at once, from their frequency responses.
 
-The loop is given as a function of frequency, so delays need no approximation. Each
-crossing is bracketed on a grid and then refined to rounding, so that the grid decides
-which crossings are seen and not where they are. Stability comes first: margins of an
-unstable loop have no meaning.
+The loop is given as a function of frequency, so delays need no approximation. Each crossing is
+bracketed on a grid and then refined to rounding. So the grid affects which crossings are found, but
+not their places. Stability is tested first, since margins of an unstable loop have no meaning.
 
 References
 ----------
@@ -21,16 +20,16 @@ from bayesfric.arrays import Array, Complex, Flags, Whole
 
 Rows = Whole
 
-LARGEST_TURN = 1.5  # rad; a step of arg(1 + L) beyond this is looked at again, more finely
-AT_ONCE = 64  # loops
-MOST_HALVINGS = 12  # times that a step is halved at most
+LARGEST_TURN = 1.5  # rad; a larger step of arg(1 + L) is evaluated on a finer grid
+AT_ONCE = 64  # loops that are evaluated at once
+MOST_HALVINGS = 12  # largest number of halvings of a step
 
 
 class Response(Protocol):
     """Open loop L(jω) of some loops."""
 
     def __call__(self, omega: Array, rows: Rows) -> Complex:
-        """Return L(jω), ω [rad/s] and the loops' numbers in equal or broadcast shapes."""
+        """Return L(jω) for ω [rad/s] and indices of loops in equal or broadcast shapes."""
 
 
 @dataclass(frozen=True)
@@ -40,18 +39,18 @@ class LinearMargins:
     Parameters
     ----------
     gain : ndarray
-        Factor on the loop's gain, up or down, that is nearest to 1 and destabilises; inf
-        where none does.
+        Smallest factor on the loop's gain, up or down, that destabilises; inf if none does.
     phase : ndarray
-        Rotation of the loop that destabilises, either way [rad]; inf without a crossing.
+        Smallest rotation of the loop, either way, that destabilises [rad]; inf without a
+        crossing.
     delay : ndarray
-        Further delay that destabilises [s]; inf without a crossing.
+        Smallest additional delay that destabilises [s]; inf without a crossing.
     disk : ndarray
         Diameter α of the disk of complex gains (skew 0) that are all stable, 2 at most.
     gain_frequency, phase_frequency, disk_frequency : ndarray
-        Where [rad/s]; NaN without a crossing.
+        Frequencies of these margins [rad/s]; NaN without a crossing.
     crossings : ndarray of int
-        Gain crossings of the loop.
+        Number of gain crossings of the loop.
     """
 
     gain: Array
@@ -68,7 +67,7 @@ def on_a_grid(response: Response, omega: Array) -> Complex:
     """Return the response of each loop at its frequencies, both of shape (loops, F)."""
     rows = np.arange(len(omega))[:, None]
     values = np.empty(omega.shape, dtype=np.complex128)
-    for start in range(0, len(omega), AT_ONCE):  # what fits into the cache is much faster
+    for start in range(0, len(omega), AT_ONCE):  # blocks that fit into the cache are much faster
         some = slice(start, start + AT_ONCE)
         values[some] = response(omega[some], rows[some])
     return values
@@ -77,26 +76,26 @@ def on_a_grid(response: Response, omega: Array) -> Complex:
 def is_stable(
     response: Response, omega: Array, on_grid: Complex | None = None, pairs: Whole | int = 0
 ) -> Flags:
-    """Tell which closed loops are stable, by how far 1 + L turns around 0.
+    """Return which closed loops are stable, by the winding of 1 + L around 0.
 
-    A strictly proper loop without poles to the right of the imaginary axis is stable when
-    closed if and only if arg(1 + L), followed from high frequency, where it is 0, down to
-    where |L| is large, arrives at arg L as its poles at the origin and its delay make it:
-    between −7π/4 and π/4. Each pair of unstable poles adds a turn: of the closed loop, which
-    makes it unstable, or of the open loop, which the closed one has to undo.
+    Let the open loop be strictly proper, without poles right of the imaginary axis. The argument
+    arg(1 + L) is unwrapped from high frequency, where it is 0, down to where |L| is large. The
+    closed loop is stable if and only if it then equals arg L between −7π/4 and π/4, as the poles at
+    the origin and the delay require. Each pair of unstable poles of the closed loop adds a turn.
+    Each pair of unstable poles of the open loop requires a turn.
 
     Parameters
     ----------
     response : Response
-        With up to three poles at the origin; with or without delay.
+        The open loops, with up to three poles at the origin, with or without delay.
     omega : ndarray, shape (loops, F)
         Increasing frequencies, from where L is large (or constant) to where it is small
         [rad/s].
     on_grid : ndarray of complex, shape (loops, F), or None
-        The response at these frequencies, if it is there already.
+        The response at these frequencies, if already computed.
     pairs : ndarray of int, shape (loops,), or int
-        Pairs of poles to the right that the open loop has; a single one beside a pole at the
-        origin is no pair, since the response starts on its side.
+        Number of pairs of unstable poles of the open loop. A single one beside a pole at the
+        origin does not count, since the response starts on its side.
 
     Returns
     -------
@@ -122,17 +121,17 @@ def linear_margins(
     Parameters
     ----------
     response : Response
-        Of loops that are stable when closed.
+        Open loops that are stable when closed.
     omega : ndarray, shape (loops, F)
         Increasing frequencies, close enough that no two crossings lie between neighbours
         [rad/s].
     on_grid : ndarray of complex, shape (loops, F), or None
-        The response at these frequencies, if it is there already.
+        The response at these frequencies, if already computed.
 
     Returns
     -------
     LinearMargins
-        To some 1e-9 of each margin.
+        With a relative error of about 1e-9.
     """
     value = on_a_grid(response, omega) if on_grid is None else on_grid
     loops = len(omega)
@@ -174,7 +173,7 @@ def _sine(value: Complex) -> Array:
 
 
 def _root(function: Callable[[Array, Rows], Array], omega: Array, rows: Rows, at: Rows) -> Array:
-    """Return the frequency of a change of sign between each bracket's ends."""
+    """Return the frequency of the change of sign in each bracket."""
     if not rows.size:
         return np.empty(0)
     ends = (np.log(omega[rows, at]), np.log(omega[rows, at + 1]))
@@ -182,7 +181,7 @@ def _root(function: Callable[[Array, Rows], Array], omega: Array, rows: Rows, at
     def of_log(log_omega: Array, row: Array) -> Array:
         return function(np.exp(log_omega), row.astype(np.intp))
 
-    from scipy.optimize import elementwise  # which a command that asks for no margins never loads
+    from scipy.optimize import elementwise  # imported here: commands without margins do not need it
 
     find: Any = elementwise.find_root
     root = find(of_log, ends, args=(rows.astype(float),))
@@ -205,7 +204,7 @@ def peaks(response: Response, omega: Array, on_grid: Complex | None = None) -> t
     Parameters
     ----------
     response, omega, on_grid
-        As of :func:`linear_margins`; S = 1/(1 + L), T = L/(1 + L).
+        As for :func:`linear_margins`; S = 1/(1 + L), T = L/(1 + L).
     """
     value = on_a_grid(response, omega) if on_grid is None else on_grid
     apart, _ = _least(response, omega, value, _squared)

@@ -1,4 +1,4 @@
-"""A loop with everything reflected to the motor's shaft, a value a draw."""
+"""A loop with all quantities referred to the motor's shaft, one value for each draw."""
 
 from dataclasses import dataclass
 
@@ -12,14 +12,14 @@ from bayesfric.margins.sampled_loop import Cable, SampledLoop
 from bayesfric.margins.wrist import Wrist
 
 STIFF = 5.0
-"""Phase of a cable's ringing in a sample above which it counts as stiff [rad]."""
+"""Phase of a cable's ringing in one sample above which the cable counts as stiff [rad]."""
 HEAVIER = 0.02
-"""Of the lighter end's inertia, that a shaft between two cables is simulated with at least."""
+"""Least inertia in the simulation of a shaft between two cables, over that of the lighter end."""
 ALIKE = (
     *("inertia", "viscous", "friction", "stiction_ratio", "falling", "falling_speed"),
     *("kp", "kd", "ki", "sample_time", "delay", "boundary", "cable"),
 )
-"""What the simulator's loop has by the same name."""
+"""Fields that the simulator's loop has under the same name."""
 
 
 @dataclass(frozen=True)
@@ -31,18 +31,18 @@ class LoopAtShaft:
     loop : Loop
         The file it comes from.
     motor_inertia, load_inertia : ndarray
-        On either end of the cable [kg·m²].
+        Inertia on either end of the cable [kg·m²].
     motor_viscous, load_viscous : ndarray
-        Likewise [N·m·s/rad].
+        Viscous friction on either end [N·m·s/rad].
     stiffness, damping : ndarray
-        Of the cable, or of both in a row [N·m/rad, N·m·s/rad].
+        Of the cable, or of both in series [N·m/rad, N·m·s/rad].
     friction : ndarray
-        F: motor and gearbox, cable runs and joint [N·m].
+        F, the friction of motor and gearbox, cable runs and joint [N·m].
     drive_friction, shaft_friction, joint_friction : ndarray
-        Its parts that are the motor's and gearbox's, of a shaft between two cables, and the
-        joint's own [N·m].
+        Parts of F: of motor and gearbox, of a shaft between two cables, and of the joint itself
+        [N·m].
     shaft_inertia : ndarray
-        Of a shaft between two cables; 0 without [kg·m²].
+        Inertia of a shaft between two cables; 0 without one [kg·m²].
     stiction_ratio : ndarray
         Breakaway over friction at rest, at least 1 [-].
     falling, falling_speed : ndarray
@@ -51,37 +51,38 @@ class LoopAtShaft:
     kp, kd, ki : ndarray
         Gains [N·m/rad, N·m·s/rad, N·m/(rad·s)].
     sample_time, delay : ndarray
-        [s]; `delay` without the hold's half sample.
+        Sample time and delay [s]; the delay without the hold's half sample.
     counts : ndarray
-        Of the encoder, a revolution of the shaft.
+        Counts of the encoder per revolution of the shaft.
     cutoff, position_cutoff : ndarray or None
         Corners of the low-passes of velocity and position [rad/s].
     clip, continuous : ndarray, ndarray or None
         Torque limits [N·m].
     net_load : ndarray
-        What gravity compensation leaves of the load's torque [N·m].
+        Torque of the load that gravity compensation leaves [N·m].
     load_torque, peak_velocity, peak_acceleration : ndarray
-        Of the joint, seen from the shaft [N·m, rad/s, rad/s²].
+        Of the joint, referred to the shaft [N·m, rad/s, rad/s²].
     estimate : ndarray
-        F̂ of the compensation [N·m].
+        Estimate F̂ of the compensation [N·m].
     gamma : ndarray
-        Its gain [-].
+        Gain of the compensation [-].
     boundary : ndarray
-        Half width of its linear piece [rad/s, or rad with the signal `error`].
+        Half width of the linear piece of the compensation [rad/s, or rad with the signal
+        `error`].
     efficiency : ndarray
-        η of all runs in a row; 1 for an antagonist pair [-].
+        η of all runs in series; 1 for an antagonist pair [-].
     cable_per_rad : ndarray
         Travel of the motor's cable per motor angle, ρ [m/rad].
     tip_per_rad : ndarray
         Travel of the tool tip per motor angle [m/rad].
     lost_motion : ndarray
-        What friction stores in the cables, one side, at the motor's shaft [rad].
+        Stretch that friction stores in the cables, one side, at the motor's shaft [rad].
     backlash : ndarray
         Play between motor and cable, its whole width, at the motor's shaft [rad].
     kick, reference_speed : ndarray
-        What the loop is tried with for hunting [rad, rad/s].
+        Kick and reference speed for the search for hunting [rad, rad/s].
     stages : tuple of Stage
-        The cable with its pulleys, or both of them.
+        The cable with its pulleys, or both cables.
     wrist : Wrist or None
         Joints that share motors with this one.
     """
@@ -130,17 +131,17 @@ class LoopAtShaft:
 
     @property
     def inertia(self) -> Array:
-        """Both ends of a stiff cable together, and a shaft between two cables [kg·m²]."""
+        """Total inertia with stiff cables: both ends, and a shaft between two cables [kg·m²]."""
         return self.motor_inertia + self.load_inertia + self.shaft_inertia
 
     @property
     def viscous(self) -> Array:
-        """Both ends together [N·m·s/rad]."""
+        """Total viscous friction of both ends [N·m·s/rad]."""
         return self.motor_viscous + self.load_viscous
 
     @property
     def cable_friction(self) -> Array:
-        """The part of F that the pulleys make [N·m]."""
+        """The part of F that is the pulleys' [N·m]."""
         return self.friction - self.drive_friction - self.shaft_friction - self.joint_friction
 
     @property
@@ -150,9 +151,9 @@ class LoopAtShaft:
 
     @property
     def unseen_motion(self) -> Array:
-        """The part of lost motion and play that the encoder does not see, one side [rad].
+        """The part of lost motion and play that the encoder does not measure, one side [rad].
 
-        Play stays on one side where the load outweighs all friction behind it.
+        Play stays on one side if the load exceeds all friction behind it.
         """
         if self.sees_joint:
             return np.zeros_like(self.lost_motion)
@@ -161,7 +162,7 @@ class LoopAtShaft:
 
     @property
     def unseen_stretch(self) -> Array:
-        """Stretch of the cable under the load that the encoder does not see [rad]."""
+        """Stretch of the cable under the load that the encoder does not measure [rad]."""
         if self.sees_joint:
             return np.zeros_like(self.load_torque)
         return np.asarray(np.abs(self.load_torque) / self.stiffness)
@@ -178,19 +179,19 @@ class LoopAtShaft:
 
     @property
     def lag(self) -> Array:
-        """τ: delay and half a sample of hold [s]."""
+        """τ: the delay plus half a sample of hold [s]."""
         return self.delay + self.sample_time / 2
 
     @property
     def slow_lag(self) -> Array:
-        """τ and what the position's low-pass adds to it in slow swings [s]."""
+        """τ plus the delay of the position's low-pass in slow oscillations [s]."""
         if self.position_cutoff is None:
             return self.lag
         return self.lag + 1 / self.position_cutoff
 
     @property
     def directions(self) -> tuple[Direction | None, ...]:
-        """The directions in which linear margins differ; one None where they do not."""
+        """The directions in which linear margins differ; a single None if they do not."""
         return DIRECTIONS if self.loop.runs[0].topology == "open" else (None,)
 
     def load_share(self, direction: Direction | None) -> Array:
@@ -202,8 +203,8 @@ class LoopAtShaft:
     def side_tension_of(self, place: int) -> tuple[Array, Array]:
         """Return least and largest tension of a side of one cable in the fastest motion [N].
 
-        Of a pair, each side takes half of what the load and its inertia ask, and friction
-        comes on one side's way. The first cable pulls what lies behind the shaft, too.
+        In a pair, each side carries half of the load and of its inertia, and the pulling side
+        carries the friction. The first cable also pulls everything behind the shaft.
         """
         stage = self.stages[place]
         swing = (
@@ -230,7 +231,7 @@ class LoopAtShaft:
 
     @property
     def taut(self) -> Flags:
-        """In which draws both sides of each pair stay taut under the load at rest."""
+        """Draws in which both sides of each pair stay taut under the load at rest."""
         if self.directions != (None,):
             return np.ones(self.friction.shape, dtype=bool)
         load = np.abs(self.load_torque)
@@ -243,7 +244,7 @@ class LoopAtShaft:
 
     @property
     def ringing(self) -> Array:
-        """The frequency at which motor and joint ring on the cable, the lower of two [rad/s]."""
+        """The (lower) frequency at which motor and joint ring on the cables [rad/s]."""
         if len(self.stages) == 2:
             return train_modes(self._inertias, self._springs)[0]
         return np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
@@ -259,10 +260,10 @@ class LoopAtShaft:
 
     @property
     def cable(self) -> Cable | None:
-        """The cable with the friction behind it; None where it rings so fast that it is stiff.
+        """The cable with the friction behind it; None if it rings so fast that it counts as stiff.
 
-        With play, friction of pulleys and joint is all behind it, and a cable that would count
-        as stiff is as soft as one that just does not: its flanks meet in more than an instant.
+        With play, all friction of pulleys and joint is behind it. A cable that would count as
+        stiff is then made as soft as the limit, so that impacts take a finite time.
         """
         play = bool((self.backlash > 0).any())
         softer = np.minimum(1.0, (STIFF / (self.ringing * self.sample_time)) ** 2)
@@ -292,15 +293,16 @@ class LoopAtShaft:
     def _heavy_shaft(self, softer: Array) -> Array:
         """Return the inertia with which a shaft between two cables is simulated [kg·m²].
 
-        One so light that it rings faster than the steps that motor and joint need is heavier,
-        by a share of the lighter of these at most: what it does is over before they move.
+        If the shaft rings faster than the time steps that motor and joint need, its inertia is
+        increased, by at most a share of the lighter of the two. Its ringing is over before they
+        move.
         """
         lighter = np.minimum(self.motor_inertia, self.load_inertia)
         slow = sum(self._springs) * softer * self.sample_time**2
         return np.maximum(self.shaft_inertia, np.minimum(HEAVIER * lighter, slow))
 
     def sampled(self, gamma: Array | None = None) -> SampledLoop:
-        """Return the loop as the simulator takes it, with its cable.
+        """Return the loop for the simulator, with its cable.
 
         Parameters
         ----------

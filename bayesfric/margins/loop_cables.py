@@ -12,7 +12,7 @@ Angle = Annotated[float, Field(ge=0, le=720)]
 Ratio = Annotated[float, Field(allow_inf_nan=False)]
 
 SINGULAR = 1e-6
-"""Reciprocal condition of a coupling matrix below which joints do not follow from motors."""
+"""Reciprocal condition number below which a coupling matrix counts as singular."""
 
 
 class Section(Documented):
@@ -27,11 +27,12 @@ class CableRun(Section):
     Fields
     ------
     pulley_size: A pulley size that the draws have.
-    count: Number of pulleys, for an antagonist pair on one side.
+    count: Number of pulleys; for an antagonist pair, on one side.
     wrap_angle_deg: Wrap angle of every pulley, or a list from the motor to the load.
-    tension_n: Known tension, for an antagonist pair that of each side.
+    tension_n: Known tension; for an antagonist pair, that of each side.
     tension_known_at: Where that tension is known: the mean of both ends, or one end. It has no
-        default, since it moves friction by about (n − 1)a/2.
+        default: with `model = "recursive"` the choice changes friction by a share of about
+        (n − 1) a / 2, where a is the friction of one pulley per tension.
     topology: Two equal runs that pull against each other, or one run and a load.
     model: Friction by eq. (15) at the known tension, or pulley by pulley.
     distance_m: Length of cable from the motor to each pulley. Absent: pulleys are spread evenly.
@@ -69,7 +70,7 @@ class Cable(Section):
     axial_stiffness_n: EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm.
     length_m: Length between motor and joint, on one side.
     diameter_mm: Friction was measured with 0.61 mm. Other cable gives a warning.
-    damping_ratio: Of joint and motor ringing on the cable, over the critical.
+    damping_ratio: Damping of joint and motor ringing on the cable, over the critical.
     """
 
     axial_stiffness_n: Positive
@@ -86,14 +87,14 @@ class SecondStage(Section):
 
     Fields
     ------
-    driven_radius_m: Of the shaft's drum on which the motor's cable winds.
-    driving_radius_m: Of the shaft's drum at which the joint's cable leaves.
-    shaft_inertia_kg_m2: Of the shaft with its drums, about itself.
-    shaft_friction_n_m: Coulomb friction of the shaft's bearings, about itself.
-    tension_n: Of each side of the joint's cable where it passes no pulleys; with runs, these have
-        it.
-    runs: Pulleys of the joint's cable; none: it goes straight.
-    cable: The joint's cable; its length from the shaft to the joint.
+    driven_radius_m: Radius of the shaft's drum on which the motor's cable winds.
+    driving_radius_m: Radius of the shaft's drum that the joint's cable leaves.
+    shaft_inertia_kg_m2: Inertia of the shaft with its drums, about its axis.
+    shaft_friction_n_m: Coulomb friction of the shaft's bearings, about its axis.
+    tension_n: Tension of each side of the joint's cable, if it passes no pulleys. Otherwise its
+        runs have the tension.
+    runs: Pulleys of the joint's cable; none: the cable goes straight.
+    cable: The joint's cable. Its length is that from the shaft to the joint.
     """
 
     driven_radius_m: Positive
@@ -116,7 +117,7 @@ class OtherJoint(Section):
 
     Fields
     ------
-    inertia_kg_m2: About the joint.
+    inertia_kg_m2: Inertia about the joint.
     friction_n_m: Coulomb friction of its own bearings.
     viscous_n_m_s: Viscous friction of the joint.
     load_n_m: Steady torque on the joint: gravity, contact.

@@ -87,7 +87,7 @@ class Drive(Section):
     backlash_rad: Whole width of the gearbox play, at the motor: the play at the output times
         `gearbox_ratio`.
     current_limit_a: Current at which the drive clips.
-    continuous_current_a: Current that the motor bears continuously.
+    continuous_current_a: Current that the motor withstands continuously.
     """
 
     torque_constant_n_m_per_a: Positive
@@ -106,26 +106,25 @@ class Controller(Section):
 
     Fields
     ------
-    kp_n_m_per_rad: Proportional gain, in the frames below.
-    kd_n_m_s_per_rad: Derivative gain, in the frames below.
-    ki_n_m_per_rad_s: Integral gain, in the frames below.
-    gravity_compensation: What is fed forward against the joint's load, as a share of the load's
-        median; a distribution is its error. What it leaves of the load, the loop must hold.
-    torque_at: Where the torque of the gains is counted; of a prismatic joint the joint's is a force
-        [N].
-    angle_of: Which angle the gains multiply; of a prismatic joint the joint's is a travel [m].
+    kp_n_m_per_rad: Proportional gain, at `torque_at` and `angle_of`.
+    kd_n_m_s_per_rad: Derivative gain, at `torque_at` and `angle_of`.
+    ki_n_m_per_rad_s: Integral gain, at `torque_at` and `angle_of`.
+    gravity_compensation: Feed-forward against the joint's load, as a share of the load's median. A
+        distribution describes its error. The loop must hold the rest of the load.
+    torque_at: Location of the torque that the gains give. At a prismatic joint it is a force [N].
+    angle_of: Angle that the gains multiply. At a prismatic joint it is a travel [m].
     sample_time_s: Sample time of the loop.
     delay_s: Delay from reading the encoder to the torque. Half a sample of the hold is added.
-    encoder_at: Where the encoder sits: before the cable, or behind it (of a revolute joint), which
-        sees what cable and play do and gives the loop their resonance.
+    encoder_at: Location of the encoder: at the motor, or at the joint (revolute only). At the joint
+        it measures behind cable and play, so the loop contains their resonance.
     encoder_counts_per_revolution: Counts per revolution of the shaft that the encoder is on.
     position_cutoff_hz: Corner of a first-order low-pass that the measured position goes through
-        before the gains; absent: none. A compensator of the measured speed follows what is not
-        filtered.
+        before the gains; absent: none. A compensator of the measured speed uses the unfiltered
+        position.
     velocity_filter: Filter of the derivative: none, or a first-order low-pass.
     velocity_cutoff_hz: Corner of that low-pass, required with it.
-    relies_on_friction: Accept a loop that friction alone holds still: its linear margins do not
-        exist, and the amplitude margin decides. Otherwise such a loop is refused.
+    relies_on_friction: Accept a loop that is unstable without friction. It has no linear margins;
+        the amplitude margin decides. Otherwise such a loop is refused.
     """
 
     kp_n_m_per_rad: Positive
@@ -160,8 +159,10 @@ class Compensation(Section):
         position error. It decides whether the loop can hunt.
     gain: γ, the share of the estimate that is fed forward.
     estimate_n_m: Estimated friction F̂ at the motor. Absent: the mean friction of the draws.
-    boundary_rad_s: Half width of a linear piece of the sign of a velocity, at the motor.
-    boundary_rad: ε, the same for the sign of the error; required above 0 there.
+    boundary_rad_s: Half width of the linear piece that smooths the sign of a velocity, at the
+        motor.
+    boundary_rad: ε, the same for the sign of the error. With the signal `error` it is required, and
+        must be above 0.
     at_rest: What is fed forward at zero speed: nothing, or the last sign.
     """
 
@@ -185,11 +186,10 @@ class Kick(Section):
     Fields
     ------
     over_stuck_band: Kick over the stuck band F/kp; hunting needs more than 1.
-    reference_speed_rad_s: A speed of the reference, at the motor, that is examined besides the
-        range.
+    reference_speed_rad_s: A further speed of the reference, at the motor, that is examined.
     reference_range_rad_s: Slowest and fastest reference, at the motor, at which hunting is
-        examined, besides rest; both 0 is rest alone. Absent: 0.1 to 10 encoder counts a sample, as
-        far as the joint's peak velocity goes.
+        examined. Rest is always examined; with both 0, only rest is. Absent: 0.1 to 10 encoder
+        counts a sample, but not above the joint's peak velocity.
     """
 
     over_stuck_band: Positive = 2.0
@@ -216,7 +216,7 @@ class Tool(Section):
 
 
 class Spec(Section):
-    """What the joint must meet; a key that is absent is not judged.
+    """Specifications that the joint must meet; an absent key is not judged.
 
     Fields
     ------
@@ -227,9 +227,9 @@ class Spec(Section):
     backdrive_force_max_n: Backdrive force, at the tip.
     headroom_clip_min: Share of the clipped torque left.
     headroom_continuous_min: Share of the continuous torque left.
-    gain_margin_min: Gain margin as a factor, up or down.
+    gain_margin_min: Gain margin as a factor, upwards or downwards.
     phase_margin_min_rad: Phase margin.
-    delay_margin_min_s: Delay margin: further delay that the loop bears.
+    delay_margin_min_s: Delay margin: additional delay up to which the loop is stable.
     disk_margin_min: Disk margin: diameter of the disk, 2 at most.
     amplitude_margin_min_rad: Amplitude margin, at the motor.
     limit_cycle_probability_max: Probability of hunting that the largest safe compensation gain may
@@ -260,10 +260,10 @@ class Loop(Section):
     Fields
     ------
     name: Name of the loop.
-    title: A sentence on what it is.
-    assumptions: Assumptions of the file, a sentence each. They become warnings.
-    extrapolate: Conditions for which draws are accepted that do not know them: of which the
-        recording informs no coefficient, and in which it tested nothing.
+    title: A sentence that says what the loop is.
+    assumptions: Assumptions of the file, a sentence each. Results repeat them as warnings.
+    extrapolate: Variables in which draws are accepted outside of the recorded conditions, although
+        the recording does not inform the coefficient.
     stiction_ratio: Breakaway friction over moving friction, 1 or more. The paper states 1.
     joint: The joint.
     drive: Motor, gearbox and capstan.
@@ -273,9 +273,9 @@ class Loop(Section):
     coupling: Joints that share motors.
     controller: The controller.
     compensation: Friction feed-forward.
-    kick: For hunting.
+    kick: Disturbances for the search for hunting.
     tool: The tool tip.
-    spec: What must be met.
+    spec: Specifications.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=60)]
@@ -352,5 +352,5 @@ class Loop(Section):
 
 
 def loop_sha256(loop: Loop) -> str:
-    """Return the SHA-256 of a loop in full, defaults filled in."""
+    """Return the SHA-256 of the whole loop, with its defaults."""
     return hashlib.sha256(loop.model_dump_json().encode()).hexdigest()

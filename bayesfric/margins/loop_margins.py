@@ -1,4 +1,4 @@
-"""The margins of one loop over the draws of a fit, as ``margins.json`` holds them."""
+"""The margins of one loop over the draws of a fit, in the form of ``margins.json``."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -39,22 +39,22 @@ from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas.loop_runs import HuntingMap
 from bayesfric.schemas.margins import LoopMargins, Metric, WithEffects
 
-SHARED = 1000  # draws for the shares of variance
+SHARED = 1000  # number of draws for the shares of variance
 
 
 class Asked(NamedTuple):
-    """What is computed of each loop.
+    """Settings of the computation for each loop.
 
     Parameters
     ----------
     seed : int
-        Of what is drawn for the machine.
+        Seed of the draws for the machine.
     verify : int
-        Draws that are held against an elastic cable.
+        Number of draws that are compared with an elastic cable.
     tune, moves : bool
-        Whether gains are looked for, and whether references that move are simulated.
+        Whether to search for gains, and whether to simulate moving references.
     simulated : int
-        Draws in which hunting is simulated where no closed form holds, and motion.
+        Number of draws in which motion is simulated, and hunting if it has no closed form.
     """
 
     seed: int
@@ -71,17 +71,17 @@ class Judged:
     Parameters
     ----------
     linear : mapping of Direction to Linear
-        Its linear loops, with their peaks.
+        Linear margins by direction, with the peaks of S and T.
     values : mapping of Key to ndarray
-        Closed forms of every draw.
+        Metrics in closed form, of every draw.
     hunting : Hunting
-        Where it hunts.
+        Thresholds of hunting.
     safe : SafeGain
         The largest compensation gain that is safe.
     rows : tuple of Metric
-        Metrics as they are told.
+        Metrics as they are reported.
     hunts : float
-        Probability that it hunts as it is.
+        Probability that it hunts at the file's γ.
     missed : tuple of str
         Specs that it misses.
     """
@@ -122,11 +122,11 @@ def loop_margins(
     posterior : Posterior
         Draws of the friction law, and of effects beside it.
     discrepancy : RigDiscrepancy
-        How far rigs differ.
+        Difference between rigs.
     diagnosed : Diagnosed or None
         The law and the effects of a diagnosis.
     asked : Asked
-        What is computed.
+        Settings of the computation.
     """
     given = draw_assembly(loop, posterior, discrepancy, asked.seed)
     shaft = reflected(loop, given)
@@ -185,7 +185,7 @@ def _variance_shares(
     shaft: LoopAtShaft,
     given: Assembly,
 ) -> dict[str, dict[str, float]]:
-    """Return which of the uncertain numbers each metric's spread comes from."""
+    """Return the share of each group of uncertain inputs in the variance of each metric."""
     estimate = float(shaft.estimate.mean())
     some = np.arange(min(SHARED, given.draws))
     other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
@@ -204,7 +204,7 @@ def _answer(
     beyond: tuple[str, ...],
     shares: Mapping[str, Mapping[str, float]],
 ) -> str:
-    """Return the answer of the margins in a few sentences."""
+    """Return the answer in a few sentences."""
     spec = shaft.loop.spec
     sentences = [
         against_the_spec(judged.rows, judged.missed, judged.hunting.now, spec),
@@ -219,7 +219,7 @@ def _answer(
 
 
 def _on_request(shaft: LoopAtShaft, hunting: Hunting, asked: Asked) -> dict[str, Any]:
-    """Return the fields that take long and are computed only where they are asked for."""
+    """Return the fields that take long and are computed only on request."""
     limit = shaft.loop.spec.violation_probability_max
     why = _why_not_followed(shaft, asked.moves)
     return {

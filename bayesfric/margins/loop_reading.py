@@ -1,4 +1,4 @@
-"""``LOOP.toml``, or a bundled loop by its name, to a loop."""
+"""Reads a loop from ``LOOP.toml``, or a bundled loop by its name."""
 
 import math
 from collections.abc import Iterator
@@ -12,27 +12,27 @@ from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import FAMILIES, central
 from bayesfric.resources import bundled_loops
 
-DRUM_M = (1e-3, 1.0)  # of a joint that turns, on which its cable winds
-CABLE_PER_TRAVEL = (0.1, 10.0)  # of a joint that slides: a tackle has a few
-SLOWEST_SAMPLED_S = 0.1  # of a loop that holds a joint
-TORN = 0.2  # stretch that no cable of a joint bears
-RADIANS_BELOW = 3.2  # wrap angles are tens of degrees
-LONGEST_M = 100.0  # cable, or lever to the tip
+DRUM_M = (1e-3, 1.0)  # plausible drum radius of a revolute joint
+CABLE_PER_TRAVEL = (0.1, 10.0)  # travel of cable over that of a prismatic joint (a tackle)
+SLOWEST_SAMPLED_S = 0.1  # largest sample time of a loop that holds a joint
+TORN = 0.2  # relative stretch at which any cable is torn
+RADIANS_BELOW = 3.2  # smaller wrap angles are likely in radians
+LONGEST_M = 100.0  # longest plausible cable, or lever to the tip
 
 
 TAGS = FAMILIES | {"revolute", "prismatic"}
 
 
 def loop_path(given: Path) -> Path:
-    """Return a loop file that a user names: one that is there, or a bundled one by its name.
+    """Return the path of a loop file that a user names: an existing file or a bundled loop.
 
     Raises
     ------
     InputError
-        It is neither.
+        It is neither of them.
     """
     bundled = bundled_loops()
-    # a folder of results may well have the name of its loop
+    # a folder of results may have the name of its loop
     if given.is_file() or (given.exists() and str(given) not in bundled):
         return given
     if str(given) not in bundled:
@@ -66,14 +66,14 @@ def read_loop(path: Path) -> Loop:
 
 
 def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
-    """Return the faults of numbers that contradict each other, or that no joint has.
+    """Return the faults of numbers that contradict each other or are implausible for any joint.
 
     Parameters
     ----------
     file : str
-        Its name.
+        Name of the file.
     loop : Loop
-        As read.
+        The loop, as read.
     """
     return [
         Fault(file, expected, column=key, value=f"{value:.4g}")
@@ -82,9 +82,9 @@ def loop_in_other_units(file: str, loop: Loop) -> list[Fault]:
 
 
 def _ratio(loop: Loop) -> Iterator[tuple[str, float, str]]:
-    """Yield the fault of a gearbox, capstan and transmission that contradict each other."""
+    """Yield a fault if gearbox, capstan and transmission contradict each other."""
     joint, drive, stage = loop.joint, loop.drive, loop.second_stage
-    if loop.coupling is not None:  # its matrix may have any number there
+    if loop.coupling is not None:  # the matrix may have any number there
         return
     cable = central(drive.capstan_radius_m) / central(drive.gearbox_ratio)
     if stage is not None:

@@ -1,6 +1,6 @@
-"""The thresholds by which margins decide what a reader is told, all in one place.
+"""The thresholds of all decisions on margins, in one place.
 
-Numbers that only say how finely something is computed stand with what they are used for.
+Numbers that only set the accuracy of a computation are next to that computation.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 class MarginRules:
     """Thresholds of :mod:`bayesfric.margins`; :func:`bayesfric.rules.rules_of` lists them.
 
-    Each has its unit, the page of docs/decisions where it is argued, and what it decides.
+    Each has its unit, the page of docs/decisions that argues for it, and what it decides.
 
     Fields
     ------

@@ -17,8 +17,8 @@ from bayesfric.results import replace_outputs
 
 COVERED = 0.95
 DRAWS = 200
-HEADER = b"MATLAB 5.0 MAT-file, written by bayesfric"  # SciPy's own has the date in it
-HEADER_LENGTH = 116  # of text, as the format has it
+HEADER = b"MATLAB 5.0 MAT-file, written by bayesfric"  # SciPy's own header contains the date
+HEADER_LENGTH = 116  # bytes of text, as the format requires
 UNITS = {
     "motor_inertia": "kg m^2",
     "load_inertia": "kg m^2",
@@ -34,16 +34,16 @@ UNITS = {
     "delay": "s",
     "tip_per_rad": "m/rad",
 }
-"""What is handed over of each draw, at the motor's shaft."""
+"""Numbers that are exported for each draw, at the motor's shaft."""
 
 
 def checked_name(path: Path) -> Path:
-    """Return a path that a ``.mat`` file may have.
+    """Return the path if a ``.mat`` file may have it.
 
     Raises
     ------
     InputError
-        It ends otherwise, or a folder is there.
+        It has another ending, or is a folder.
     """
     if path.suffix != ".mat" or path.is_dir():
         expected = "a file whose name ends in .mat"
@@ -52,12 +52,12 @@ def checked_name(path: Path) -> Path:
 
 
 def write_mat(path: Path, ensembles: Sequence[Ensemble]) -> None:
-    """Write loops as a cell array ``loops``, whole or not at all.
+    """Write loops as a cell array ``loops``, atomically.
 
     Parameters
     ----------
     path : Path
-        Its folder is made where there is none.
+        The file; its folder is created if needed.
     ensembles : sequence of Ensemble
         The loops; an open run has an entry for each of its two directions.
 
@@ -90,7 +90,7 @@ def _entry(ensemble: Ensemble, along: Direction | None) -> dict[str, Any]:
     shaft = ensemble.drawn
     units, numbers = dict(UNITS), {name: getattr(shaft, name) for name in UNITS}
     if len(shaft.stages) == 2:
-        # stiffness and damping above are those of both cables in a row
+        # stiffness and damping above are those of both cables in series
         units["shaft_inertia"], numbers["shaft_inertia"] = "kg m2", shaft.shaft_inertia
         for which, stage in zip(("first", "second"), shaft.stages, strict=True):
             for name in ("stiffness", "damping"):
@@ -112,10 +112,10 @@ def _entry(ensemble: Ensemble, along: Direction | None) -> dict[str, Any]:
 
 
 def uncertainty_weight(nominal: Complex, draws: Complex) -> Array:
-    """Return w(ω) so that 95 % of the draws are L = L₀ (1 + w Δ) with |Δ| ≤ 1 at all ω.
+    """Return w(ω) such that 95 % of the draws are L = L₀ (1 + w Δ) with |Δ| ≤ 1 at all ω.
 
-    It has the shape of the 95 % quantile of |L/L₀ − 1| at each frequency, and of all multiples
-    of that it is the smallest that covers the draws.
+    It is the smallest multiple of the pointwise 95 % quantile of |L/L₀ − 1| that covers these
+    draws.
 
     Parameters
     ----------

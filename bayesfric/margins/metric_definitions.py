@@ -1,4 +1,4 @@
-"""The metrics: unit, place, the side on which a spec bounds them, notes, and which are missed."""
+"""The metrics: unit, place, sense of the spec, notes, and which specs are missed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ class Rule:
     name, unit, place : str
         As in the schema.
     sense : {"at least", "at most"}
-        Which way a spec bounds it.
+        Whether its spec is a lower or an upper bound.
     spec : str
-        Key of the loop's spec; empty where none can be set.
+        Key of the loop's spec; empty if it has none.
     note : str
         A remark that always accompanies it.
     """
@@ -73,37 +73,35 @@ HUNTING = ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency")
 PEAKS = ("sensitivity_peak", "complementary_peak")
 LINEAR = ("gain_margin", "phase_margin", "disk_margin", "delay_margin", *PEAKS)
 TAUT = ("lost_motion", "reversal_error", "cable_stretch", *LINEAR)
-"""What is computed with both sides of a pair taut."""
+"""Metrics that assume that both sides of a pair are taut."""
 HUNTS = "limit_cycle_probability"
-"""What a miss of ``spec.limit_cycle_probability_max`` is called."""
+"""Name of a miss of ``spec.limit_cycle_probability_max``."""
 
 
 def missed_specs(metrics: Sequence[Metric], hunts: float, spec: Spec) -> tuple[str, ...]:
-    """Return what a loop misses with a probability above its file's limit.
+    """Return the specs that a loop misses with a probability above its file's limit.
 
-    A metric that does not exist, since every draw is unstable or goes slack, misses what is asked
-    of it.
+    A metric that does not exist, because every draw is unstable or goes slack, misses its spec.
 
     Parameters
     ----------
     metrics : sequence of Metric
-        Of the loop.
+        Metrics of the loop.
     hunts : float
         Share of the draws that hunt at the γ of the file.
     spec : Spec
-        Holds the limits.
+        Has the limits.
 
     Returns
     -------
     tuple of str
-        Metrics by name, an open run's with its direction behind it; :data:`HUNTS` for hunting.
+        Names of metrics, followed by the direction for an open run; :data:`HUNTS` for hunting.
     """
     missed = [
         " ".join(filter(None, (metric.name, metric.direction)))
         for metric in metrics
         if metric.spec is not None
-        and metric.name
-        != "gamma_hunting"  # the probability of hunting is judged by a spec of its own
+        and metric.name != "gamma_hunting"  # hunting has a spec of its own
         and (
             metric.probability_of_violation is None
             or metric.probability_of_violation > spec.violation_probability_max

@@ -1,4 +1,4 @@
-"""The figures of a loop that need no simulation, a value a draw."""
+"""The metrics of a loop that need no simulation, one value for each draw."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -31,13 +31,13 @@ class Linear:
     Parameters
     ----------
     values : mapping of str to ndarray
-        By metric; those of an unstable draw are none: gain 1, all others 0.
+        Margins by metric. An unstable draw has no margin: gain 1, all others 0.
     stable : ndarray of bool
-        Which draws are stable without friction.
+        Draws that are stable without friction.
     crossover : ndarray
         Frequency of the gain crossing that limits the phase [rad/s].
     crossings : ndarray of int
-        Gain crossings.
+        Number of gain crossings.
     """
 
     values: Mapping[str, Array]
@@ -54,7 +54,7 @@ def linear_of(shaft: LoopAtShaft, *, with_peaks: bool = False) -> dict[Direction
     shaft : LoopAtShaft
         The loop.
     with_peaks : bool
-        Whether to look for the peaks of S and T, too, which takes as long again.
+        Whether to compute the peaks of S and T too, which doubles the time.
     """
     by_direction: dict[Direction | None, Linear] = {}
     for direction in shaft.directions:
@@ -81,7 +81,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     stuck, tip = steady_error(shaft), shaft.tip_per_rad
     drive = shaft.drive_friction
     moved = (shaft.inertia, shaft.viscous)
-    if shaft.wrist is not None:  # its joints move besides
+    if shaft.wrist is not None:  # a wrist has metrics of all its joints
         moved = (shaft.motor_inertia, shaft.motor_viscous)
     needed = (
         shaft.friction
@@ -124,10 +124,10 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
 
 
 def _known_amplitude(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) -> Array:
-    """Return the amplitude margin; NaN, not known, where b_eff does not tell it.
+    """Return the amplitude margin; NaN (unknown) if b_eff does not determine it.
 
-    That is where b_eff ≥ 0 and the loop is unstable all the same, and with integral action where
-    the swing is a few stuck bands: there it slips, and its speed is no sine.
+    This is so if b_eff ≥ 0 although the loop is unstable. It is also so with integral action, if
+    the amplitude is only a few stuck bands: the shaft then slips, and its speed is not sinusoidal.
     """
     unstable = np.logical_or.reduce([~linear_along.stable for linear_along in linear.values()])
     amplitude = amplitude_margin(shaft)
@@ -137,7 +137,7 @@ def _known_amplitude(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linea
 
 
 def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
-    """Return the metrics of a wrist's joint over all its motors; the other joints are held."""
+    """Return the metrics of a wrist's joint, from all its motors; the other joints are held."""
     lever = shaft.tip_per_rad / abs(wrist.own_row[wrist.axis])
     none = np.zeros_like(shaft.friction)
     # a motor with its cable, without the joints
@@ -178,14 +178,14 @@ def _at_first_cable(shaft: LoopAtShaft, model: str) -> Array:
 
 
 def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, Flags]:
-    """Return which draws miss each spec that is asked for and has a closed form, by metric.
+    """Return which draws miss each spec that is set and has a closed form, by metric.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop.
     values : mapping
-        What :func:`closed_forms` returned.
+        The result of :func:`closed_forms`.
     """
     missed = {}
     for rule in RULES:
@@ -193,7 +193,7 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
         for (name, direction), value in values.items():
             if name != rule.name or spec is None:
                 continue
-            # what is not known, NaN, counts as missed
+            # an unknown value, NaN, counts as missed
             beyond = ~(value >= spec) if rule.sense == "at least" else ~(value <= spec)
             slack = ~shaft.taut if name in TAUT else np.zeros_like(beyond)
             missed[" ".join(filter(None, (name, direction)))] = np.asarray(beyond | slack)
@@ -201,7 +201,7 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, F
 
 
 def spec_of(rule: Rule, shaft: LoopAtShaft) -> float | None:
-    """Return the spec of a metric that has a closed form; None where the file has none."""
+    """Return the spec of a metric with a closed form; None if the file has none."""
     if rule.name == "least_tension":
         return 0.0
     return getattr(shaft.loop.spec, rule.spec) if rule.spec else None

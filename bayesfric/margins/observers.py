@@ -1,7 +1,7 @@
-"""Friction estimated while the loop runs: by the LuGre model, or as a disturbance.
+"""Observers that estimate friction while the loop runs: LuGre, and a disturbance observer.
 
-Both see what the controller sees, one speed reading a sample, and are a state each. Neither
-looks at the shaft.
+Both use the controller's input, one speed reading for each sample, and have one state. Neither
+uses the true motion of the shaft.
 
 References
 ----------
@@ -19,7 +19,7 @@ from bayesfric.arrays import Array
 
 
 class Observer(Protocol):
-    """An estimator of the torque to add, sample by sample."""
+    """An estimator of the torque to add at each sample."""
 
     def torque(self, speed: Array, commanded: Array) -> Array:
         """Return the torque to add at this sample, shape (draws,) [N·m].
@@ -27,26 +27,26 @@ class Observer(Protocol):
         Parameters
         ----------
         speed : ndarray, shape (draws,)
-            As the derivative has it, through the low-pass where there is one [rad/s].
+            Speed of the derivative, after its low-pass if there is one [rad/s].
         commanded : ndarray, shape (draws,)
-            At the last sample [N·m].
+            Torque that was commanded at the last sample [N·m].
         """
 
 
 class LuGreObserver:
     """The bristle deflection of the LuGre model, driven by the measured speed.
 
-    The deflection z follows ε dz/dt = v − |v| z, so that friction builds up over a stretch ε
-    and is its full size, with the sign of the motion, beyond it. Steady friction is one level
-    and bristles have no damping, since a loop file knows no more: γF̂ z.
+    The deflection z follows ε dz/dt = v − |v| z. So friction builds up over a travel ε to its full
+    size, with the sign of the motion. The estimate is γF̂ z: steady friction does not depend on
+    speed, and bristles have no damping, since a loop file has no such numbers.
 
     Parameters
     ----------
     full : ndarray, shape (draws,)
         γF̂ [N·m].
     stretch : ndarray, shape (draws,)
-        ε [rad]. Within it the estimate is a spring of the stiffness γF̂/ε that pushes; it must
-        stay below kp.
+        ε [rad]. Within it the estimate acts as a spring of negative stiffness −γF̂/ε, whose size
+        must stay below kp.
     period : ndarray, shape (draws,)
         T [s].
     """
@@ -64,10 +64,10 @@ class LuGreObserver:
 
 
 class DisturbanceObserver:
-    """The torque that the commanded one must have met, given inertia and damping.
+    """The torque that opposes the commanded one, given inertia and damping.
 
-    What is commanded less J dω/dt + bω is what friction and the load took, through a low-pass
-    of first order, g/(s + g). It holds the load as well as friction, and knows no friction model.
+    The commanded torque less J dω/dt + bω is that of friction and the load. It is filtered by a
+    first-order low-pass, g/(s + g). The estimate includes the load and needs no friction model.
 
     Parameters
     ----------

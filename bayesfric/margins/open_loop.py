@@ -1,11 +1,10 @@
 """The open loop of a cable-driven joint as a function of frequency.
 
-The plant is continuous: motor and load on a cable with stiffness and damping, or on two with
-a shaft between them, play taken up, the encoder at either end. The controller's sampling enters
-as a delay e^{−sτ}, τ being the stated delay and half a sample of hold, and as the first difference
-(1 − e^{−sT})/T in place of the derivative; low-passes of position and speed follow where there
-are any. This is the continuous approximation of the sampled loop, good well below half the
-sampling rate.
+The plant is continuous: motor and load on a cable with stiffness and damping, or on two cables with
+a shaft between them. Play is taken up, and the encoder is at either end. Sampling is represented by
+a delay e^{−sτ}, where τ is the stated delay plus half a sample of hold, and by the first difference
+(1 − e^{−sT})/T instead of the derivative. Low-passes of position and speed are included. This is
+the continuous approximation of the sampled loop. It is good well below half the sampling rate.
 """
 
 import numpy as np
@@ -16,7 +15,7 @@ from bayesfric.margins.cable_stage import train_modes
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 
 FREQUENCIES = 600
-NEAR_RESONANCE = 60  # of them, around each of resonance and antiresonance
+NEAR_RESONANCE = 60  # number of frequencies around each resonance and antiresonance
 
 
 class OpenLoop:
@@ -27,23 +26,23 @@ class OpenLoop:
     shaft : LoopAtShaft
         The loop.
     direction : {"driving", "overhauling"} or None
-        Of an open run; the load side of the plant counts 1/η or η. None otherwise.
+        Direction of an open run, in which the load side is multiplied by 1/η or η; else None.
     """
 
     def __init__(self, shaft: LoopAtShaft, direction: Direction | None = None) -> None:
         share = shaft.load_share(direction)
         self.motor_inertia, self.load_inertia = shaft.motor_inertia, share * shaft.load_inertia
-        # friction that falls with speed has its first slope: that of slow motion
+        # friction that falls with speed enters by its slope at slow motion
         self.motor_viscous = shaft.motor_viscous + shaft.slope
         self.load_viscous = share * shaft.load_viscous
         near, *beyond = shaft.stages
         self.stiffness, self.damping = share * near.stiffness, share * near.damping
-        # a shaft and a second cable, which open runs do not have
+        # a shaft and a second cable, only without open runs
         self.beyond = beyond[0] if beyond else None
         self.shaft_inertia = shaft.shaft_inertia
         self.kp, self.kd, self.ki = shaft.kp.copy(), shaft.kd, shaft.ki
         if shaft.loop.compensation.signal == "error":
-            # Inside its band the compensator is a spring beside kp.
+            # Inside its band the compensator is a spring that adds to kp.
             self.kp = self.kp + shaft.gamma * shaft.estimate / shaft.boundary
         self.lag, self.sample_time, self.cutoff = shaft.lag, shaft.sample_time, shaft.cutoff
         self.position_cutoff, self.sees_joint = shaft.position_cutoff, shaft.sees_joint
@@ -60,23 +59,23 @@ class OpenLoop:
         motor = 1j * omega * of(self.motor_viscous) - of(self.motor_inertia) * square
         load = 1j * omega * of(self.load_viscous) - of(self.load_inertia) * square
         on = np.ones_like(load)
-        if self.beyond is not None:  # what the first cable sees, and how it goes on from there
+        if self.beyond is not None:  # what loads the first cable, and what follows it
             far = of(self.beyond.stiffness) + 1j * omega * of(self.beyond.damping)
             on = far / (load + far)
             load = on * load - of(self.shaft_inertia) * square
-        # the product of both ends minus cable², with the large cable² taken out by hand
+        # product of both ends minus cable²; the large cable² is cancelled by hand
         both = motor * load + cable * (motor + load)
         return np.asarray((load + cable) / both), np.asarray(on * cable / both)
 
     def controller(self, omega: Array, rows: Whole) -> Complex:
-        """Return torque per angle, hold and delay included [N·m/rad]."""
+        """Return torque per angle, with hold and delay [N·m/rad]."""
 
         def of(values: Array) -> Array:
             return np.asarray(values[rows])
 
         period = of(self.sample_time)
         half = omega * period / 2
-        # (1 − e^{−jωT})/T, written so that small ωT keeps its digits
+        # (1 − e^{−jωT})/T without cancellation at small ωT
         difference = of(self.kd) * (2j / period) * np.sin(half) * np.exp(-1j * half)
         if self.cutoff is not None:
             difference = difference / (1 + 1j * omega / of(self.cutoff))
@@ -95,12 +94,12 @@ class OpenLoop:
         omega : ndarray
             Angular frequency [rad/s].
         rows : ndarray of int
-            Number of the draw, in the same shape or broadcasting with it.
+            Index of the draw, in the same or a broadcastable shape.
 
         Returns
         -------
         ndarray of complex
-            Of the broadcast shape.
+            In the broadcast shape.
         """
         motor, joint = self.plant(omega, rows)
         return self.controller(omega, rows) * (joint if self.sees_joint else motor)
@@ -108,18 +107,18 @@ class OpenLoop:
     def seen_by_friction(self, omega: Array, rows: Whole) -> Complex:
         """Return motor speed per friction torque with the loop closed [rad/(N·m·s)].
 
-        Where it crosses −1/N(A), N = 4 F/(π ω A) being what friction of net size F is to a
-        swing of amplitude A, the loop can keep swinging.
+        The loop can sustain an oscillation if this crosses −1/N(A), where N = 4 F/(π ω A) is the
+        describing function of friction of net size F at amplitude A.
         """
         motor, _ = self.plant(omega, rows)
         return 1j * omega * motor / (1 + self(omega, rows))
 
     @property
     def unstable_pairs(self) -> Whole:
-        """Pairs of the plant's poles right of the imaginary axis, shape (draws,).
+        """Number of pairs of the plant's poles right of the imaginary axis, shape (draws,).
 
-        Friction that falls with speed is negative damping of the motor, by which a motor on its
-        cable can ring up.
+        Friction that falls with speed is negative damping of the motor. It can make the ringing of
+        the motor on its cable unstable.
         """
         pairs = np.zeros(self.motor_inertia.shape, dtype=np.intp)
         rows = np.flatnonzero((self.motor_viscous < 0) | (self.load_viscous < 0))
@@ -131,8 +130,8 @@ class OpenLoop:
     def _free_motion(self, rows: Whole) -> Array:
         """Return matrices of the plant without torque, shape (rows, n, n).
 
-        States are the stretch of each cable and the speed of each end; the position, a pole at
-        the origin, is none of them.
+        States are the stretch of each cable and the speed of each end, without the position,
+        which is a pole at the origin.
         """
         beyond = () if self.beyond is None else (self.beyond,)
         middle = () if self.beyond is None else (self.shaft_inertia,)
@@ -152,17 +151,17 @@ class OpenLoop:
         return matrix
 
     def frequencies(self, count: int = FREQUENCIES) -> Array:
-        """Return frequencies for each draw that its crossings lie well inside of.
+        """Return frequencies for each draw, in a range that contains its crossings.
 
         Parameters
         ----------
         count : int
-            How many a draw.
+            Number of frequencies for each draw.
 
         Returns
         -------
         ndarray, shape (draws, count)
-            Increasing [rad/s]: even in the logarithm, and closer around the resonances and
+            Increasing [rad/s]: logarithmic spacing, and closer around the resonances and
             antiresonances of the cables.
         """
         inertia = self.motor_inertia + self.load_inertia + self.shaft_inertia

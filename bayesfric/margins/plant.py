@@ -1,4 +1,4 @@
-"""The plant of a loop file in numbers at the motor's shaft, where a wrong ratio shows."""
+"""Numbers of a loop file's plant at the motor's shaft, which reveal a wrong ratio."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from bayesfric.schemas.margins import Plant
 
 
 def plant_of(shaft: LoopAtShaft) -> Plant:
-    """Return natural frequency, damping, ringing, inertias and ratios, medians of the draws."""
+    """Return natural frequency, damping, ringing, inertias and ratios: medians of the draws."""
     omega = natural_frequency(shaft)
     zeta = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
     joint = shaft.loop.joint

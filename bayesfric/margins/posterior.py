@@ -1,4 +1,4 @@
-"""The draws of a fit for machines that were not measured, and the difference between rigs."""
+"""The draws of a fit for an unmeasured machine, and the difference between rigs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,29 +34,29 @@ class Posterior:
     Parameters
     ----------
     coefficients : mapping of str to Coefficients
-        By pulley size, arrays of shape (draws,).
+        Coefficients by pulley size, arrays of shape (draws,).
     omega : mapping of str to ndarray, shape (draws,)
         Relative scatter of friction between assemblies, by pulley size.
     effective_draws : float
-        Independent draws whose means would be as well known.
+        Number of independent draws whose means would be as accurate.
     recording : RecordingId
-        The data behind them.
+        The data of the fit.
     analysis_sha256 : str
-        The settings behind them.
+        SHA-256 of the settings of the fit.
     created : str or None
-        Their date.
+        Date of the fit.
     tested : mapping of str to mapping
-        Size to axis to the least and largest value at which friction was measured; empty
-        where the draws do not say.
+        Least and largest value at which friction was measured, by size and axis; empty if the
+        file does not say.
     informed : mapping of str to set of str
-        Size to the coefficients that the recording informs, likewise.
+        Coefficients that the recording informs, by size; empty if the file does not say.
     acting : tuple of DrawnEffect
-        Effects on friction beside the law, in step with its draws.
+        Effects on friction beside the law; their draws match those of the law.
     refitted : bool
-        Whether the law is that of a diagnosis, fitted with what acts beside it.
+        Whether the law is that of a diagnosis, fitted together with the effects.
     omega_intercept : mapping of str to ndarray, shape (draws,)
-        Relative scatter of c2 alone from assembly to assembly, by pulley size; empty where the
-        fit has none.
+        Relative scatter of c2 alone from assembly to assembly, by pulley size; empty if the fit
+        has none.
     """
 
     coefficients: Mapping[str, Coefficients]
@@ -79,14 +79,14 @@ class Posterior:
 
 @dataclass(frozen=True)
 class RigDiscrepancy:
-    """How far one rig's friction may be from another's.
+    """The difference in friction between rigs.
 
     Parameters
     ----------
     sd : float
         Relative standard deviation.
     source : str
-        Where that comes from, in words.
+        Source of this value, in words.
     """
 
     sd: float
@@ -99,9 +99,9 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
     Parameters
     ----------
     path : Path
-        What ``bayesfric fit`` wrote.
+        The file that ``bayesfric fit`` wrote.
     tree : DataTree or None
-        What is in it, where that is read already.
+        Its content, if already read.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
 
 
 def _refuse_mixed_beside(path: Path) -> None:
-    """Raise where ``fit.json`` beside the draws is of another fit."""
+    """Raise if ``fit.json`` beside the draws belongs to another fit."""
     fit = path.with_name("fit.json")
     if fit.is_file():
         refuse_mixed(read_json(FitFile, fit), fit)
@@ -165,7 +165,7 @@ def _refuse_mixed_beside(path: Path) -> None:
 def _scatter_of_c2(
     table: xr.Dataset, few: xr.Dataset, coefficients: Mapping[str, Coefficients]
 ) -> dict[str, Array]:
-    """Return the scatter of c2 alone by pulley size; of the motor board where it was alone."""
+    """Return the scatter of c2 alone by pulley size; of the motor board if it is alone."""
     names = {name_of(name): name for name in map(str, table.data_vars)}
     by_size = {}
     for size in coefficients:
@@ -193,7 +193,7 @@ def coefficients_of(table: xr.Dataset) -> dict[str, Coefficients]:
 
 
 def recording_of(attributes: Mapping[Any, Any], path: Path) -> RecordingId:
-    """Return the data behind draws, by the attributes of their file."""
+    """Return the recording of draws, from the attributes of their file."""
     return RecordingId(
         name=str(attributes.get("recording.name", path.name)),
         title=str(attributes.get("recording.title", "")),
@@ -237,21 +237,20 @@ def effective_draws(table: xr.Dataset) -> float:
 
 
 def rig_discrepancy(folder: Path) -> RigDiscrepancy:
-    """Return how far rigs differ, from ``claims.json`` where that lies beside the draws.
+    """Return the difference between rigs, from ``claims.json`` if it is beside the draws.
 
-    The standard deviation is the rms of the difference between the boards' friction, over
-    pulley sizes and its posterior: boards that are alike by an uncertain calibration may
-    still differ.
+    The standard deviation is the rms of the difference between the boards' friction, over pulley
+    sizes and over its posterior. So it includes the uncertainty of the difference.
 
     Parameters
     ----------
     folder : Path
-        Of ``draws.nc``.
+        Folder of ``draws.nc``.
 
     Raises
     ------
     InputError
-        ``claims.json`` is there and damaged.
+        ``claims.json`` is damaged.
     """
     if (folder / "claims.json").is_file():
         for claim in read_json(ClaimsFile, folder / "claims.json").claims:
@@ -268,7 +267,7 @@ def rig_discrepancy(folder: Path) -> RigDiscrepancy:
 
 
 def _rms_difference(figures: Mapping[str, object]) -> float:
-    """Return the rms of the boards' relative difference, by size given with its quantiles."""
+    """Return the rms of the boards' relative difference, from its quantiles by size."""
     low, middle, high = (
         np.array(list(by_size.values()))
         for name in ("difference_q05", "difference", "difference_q95")
@@ -278,22 +277,22 @@ def _rms_difference(figures: Mapping[str, object]) -> float:
 
 
 def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
-    """Read ``draws.nc`` of the fit of one board or of several, and how far a machine differs.
+    """Read ``draws.nc`` of the fit of one board or of several, and the difference of a machine.
 
-    Of several boards, the machine of the loop is a further one of their population: its
-    coefficients are those of ``new_board`` in ``predictive.nc``, and its assemblies scatter as
-    those of any of the boards, each as likely.
+    After a fit of several boards, the machine of the loop is a further board of their population.
+    Its coefficients are those of ``new_board`` in ``predictive.nc``. Its assemblies scatter as
+    those of one of the boards, each with the same probability.
 
     Parameters
     ----------
     path : Path
-        What ``bayesfric fit`` wrote; of several boards, with ``predictive.nc`` and ``boards/``
-        beside it.
+        The file that ``bayesfric fit`` wrote; for several boards, with ``predictive.nc`` and
+        ``boards/`` beside it.
 
     Raises
     ------
     InputError
-        A file is missing or is not what a fit writes.
+        A file is missing or was not written by a fit.
     """
     tree = read_tree(path)
     population = tree.children.get("posterior")
@@ -348,7 +347,7 @@ def _taking_turns(boards: Sequence[Array], count: int) -> Array:
 def _widest(
     boards: Sequence[Mapping[str, tuple[float, float]]],
 ) -> dict[str, tuple[float, float]]:
-    """Return by axis the range that any board was tested in."""
+    """Return, by axis, the range in which any board was tested."""
     axes = dict.fromkeys(axis for ranges in boards for axis in ranges)
     ends = {axis: [ranges[axis] for ranges in boards if axis in ranges] for axis in axes}
     return {axis: (min(a for a, _ in e), max(b for _, b in e)) for axis, e in ends.items()}

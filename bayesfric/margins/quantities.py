@@ -12,8 +12,8 @@ from bayesfric.analysis import HalfNormal, LogNormal, Normal, Uniform
 from bayesfric.inference.priors import from_normal
 
 FAMILIES = {"number", "half-normal", "log-normal", "normal", "uniform"}
-"""What a quantity may be; also the tags that pydantic puts into the place of an error."""
-WIDEST_NORMAL = 5.0  # standard deviations from 0: nothing negative in a million draws
+"""Kinds of a quantity; pydantic also puts these tags into the place of an error."""
+WIDEST_NORMAL = 5.0  # least mean of a normal, in its sd: no negative draw in a million
 
 
 def _family(value: Any) -> str:
@@ -73,7 +73,7 @@ Positive = Annotated[Quantity, AfterValidator(_above_zero)]
 
 
 def is_uncertain(value: object) -> bool:
-    """Tell whether a value of a loop file is a distribution."""
+    """Return whether a value of a loop file is a distribution."""
     return isinstance(value, HalfNormal | LogNormal | Normal | Uniform)
 
 

@@ -1,4 +1,4 @@
-"""What a loop is told to follow: position and speed at the sample times, over all draws."""
+"""References of a loop: position and speed at the sample times, over all draws."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,20 +9,20 @@ from bayesfric.arrays import Array
 
 
 class Reference(Protocol):
-    """A trajectory, a draw each; times and what it returns are of shape (draws,)."""
+    """A trajectory for each draw; times and results have the shape (draws,)."""
 
     def position(self, time: Array) -> Array:
         """Return where it is at some times [rad]."""
         ...
 
     def speed(self, time: Array) -> Array:
-        """Return how fast it moves there [rad/s]."""
+        """Return the speed at the given times [rad/s]."""
         ...
 
 
 @dataclass(frozen=True)
 class ConstantSpeed:
-    """From 0 on at one speed.
+    """Motion from 0 at constant speed.
 
     Parameters
     ----------
@@ -48,15 +48,15 @@ class Stroke:
     Parameters
     ----------
     begin : ndarray, shape (draws,)
-        When it sets off [s].
+        Start of the motion [s].
     step : ndarray, shape (draws,)
-        By which it is ahead from then on [rad].
+        Height of the step [rad].
     ramp : ndarray, shape (draws,)
-        Its speed [rad/s], and back at the same after the turn.
+        Speed of the ramp [rad/s]; after the turn it is reversed.
     turn : ndarray, shape (draws,)
-        How long after setting off that is [s]; infinite without one.
+        Time of the turn after the start [s]; infinite without one.
     amplitude, omega : ndarray, shape (draws,)
-        Of a sine [rad, rad/s].
+        Amplitude and angular frequency of the sine [rad, rad/s].
     """
 
     begin: Array
@@ -74,7 +74,7 @@ class Stroke:
         return np.asarray(way + np.where(time >= self.begin, self.step, 0.0))
 
     def speed(self, time: Array) -> Array:
-        """Return how fast it moves there, a step apart [rad/s]."""
+        """Return the speed at the given times, without the step [rad/s]."""
         since = time - self.begin
         way = np.where(since < self.turn, self.ramp, -self.ramp)
         way = way + self.amplitude * self.omega * np.cos(self.omega * since)

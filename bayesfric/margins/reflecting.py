@@ -1,4 +1,4 @@
-"""A loop file and its numbers, reflected to the motor's shaft."""
+"""A loop file and its numbers, referred to the motor's shaft."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,21 +15,21 @@ from bayesfric.margins.wrist import JointAtShaft, Wrist, wrist_of
 
 
 def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
-    """Reflect a loop to the motor's shaft.
+    """Refer a loop to the motor's shaft.
 
     Parameters
     ----------
     loop : Loop
         The file.
     given : Assembly
-        Its numbers and the friction law, a value a draw.
+        Its numbers and the friction law, one value for each draw.
     estimate : float or None
-        F̂ where the file has none; by default the mean friction of these draws [N·m].
+        F̂ if the file has none; default: the mean friction of these draws [N·m].
 
     Returns
     -------
     LoopAtShaft
-        Of as many draws.
+        With the same number of draws.
     """
     revolute = loop.joint.kind == "revolute"
     ratio = given[f"joint.transmission_rad_per_{'rad' if revolute else 'm'}"]
@@ -76,8 +76,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
 
 
 def _reflected_joint(loop: Loop, given: Assembly, ratio: Array) -> JointAtShaft:
-    """Reflect a joint that has its motor for itself to the motor's shaft."""
-    # Sections of joints that turn and that slide have their keys in one order.
+    """Refer a joint that has a motor of its own to the motor's shaft."""
+    # Sections of revolute and prismatic joints have their keys in the same order.
     own = [f"joint.{key}" for key in type(loop.joint).model_fields if key != "kind"]
     inertia, friction, viscous, load, _, speed, pull = (given[key] for key in own)
     compensated = given["controller.gravity_compensation"] * _expected_load(loop)
@@ -93,7 +93,7 @@ def _reflected_joint(loop: Loop, given: Assembly, ratio: Array) -> JointAtShaft:
 
 
 def _of_joint(joint: JointAtShaft) -> dict[str, Array]:
-    """Return the fields of a loop that are its joint's."""
+    """Return the fields of a loop that describe its joint."""
     return {
         "load_inertia": joint.inertia,
         "load_viscous": joint.viscous,
@@ -106,7 +106,7 @@ def _of_joint(joint: JointAtShaft) -> dict[str, Array]:
 
 
 def _efficiency(loop: Loop, stages: Sequence[Stage], draws: int) -> Array:
-    """Return the share of a force that the first cable passes on; a pair under tension passes all.
+    """Return the share of a force that the first cable transmits; all in a pair under tension.
 
     [-], of shape (draws,).
     """
@@ -116,7 +116,7 @@ def _efficiency(loop: Loop, stages: Sequence[Stage], draws: int) -> Array:
 
 
 def _tip_per_rad(loop: Loop, given: Assembly, ratio: Array, wrist: Wrist | None) -> Array:
-    """Return how far the tip moves for a turn of the motor [m/rad]."""
+    """Return the travel of the tip per angle of the motor [m/rad]."""
     if wrist is not None:
         return np.asarray(given["tool.lever_m"] * abs(wrist.own_row[wrist.axis]))
     return (given["tool.lever_m"] if loop.joint.kind == "revolute" else 1.0) / ratio
@@ -126,13 +126,13 @@ def _between_two_cables(loop: Loop, given: Assembly, rho: Array) -> tuple[Array,
     """Return inertia and friction of a shaft between two cables [kg·m², N·m]; 0 without."""
     if loop.second_stage is None:
         return np.zeros(given.draws), np.zeros(given.draws)
-    turns = given["second_stage.driven_radius_m"] / rho  # of the motor, one of the shaft
+    turns = given["second_stage.driven_radius_m"] / rho  # turns of the motor for one of the shaft
     inertia = given["second_stage.shaft_inertia_kg_m2"] / turns**2
     return inertia, given["second_stage.shaft_friction_n_m"] / turns
 
 
 def _controller(loop: Loop, given: Assembly, ratio: Array) -> dict[str, Any]:
-    """Return the fields of a loop that are its controller's."""
+    """Return the fields of a loop that describe its controller."""
     to_shaft = _to_shaft(loop, given, ratio)
     velocity = given.numbers.get("controller.velocity_cutoff_hz")
     position = given.numbers.get("controller.position_cutoff_hz")
@@ -173,7 +173,7 @@ def _compensation(loop: Loop, given: Assembly, mean_friction: float) -> dict[str
 
 
 def _expected_load(loop: Loop) -> float:
-    """Return the load that gravity compensation is made for [N·m or N]."""
+    """Return the load for which gravity compensation is designed [N·m or N]."""
     joint = loop.joint
     return central(joint.load_n_m if isinstance(joint, RevoluteJoint) else joint.load_n)
 

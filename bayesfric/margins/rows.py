@@ -1,4 +1,4 @@
-"""The metrics of a loop as rows of ``margins.json``, each with the notes that its reader needs."""
+"""The metrics of a loop as rows of ``margins.json``, each with its notes."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -20,7 +20,7 @@ from bayesfric.schemas.margins import Metric
 LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
 """Probabilities at which a metric's quantiles are stored."""
 ROUNDING = 1e-9
-"""Relative spread below which draws are one number, spread by rounding alone."""
+"""Relative spread below which draws count as equal up to rounding."""
 OF_ALL = "of all motors that turn this joint, each at its worst"
 WRIST_NOTES = {
     "steady_error_servo": OF_ALL,
@@ -38,20 +38,20 @@ def metric_rows(
     hunting: Hunting,
     effective_draws: float,
 ) -> tuple[Metric, ...]:
-    """Return the rows of ``margins.json``, in the order of the contract.
+    """Return the rows of ``margins.json``, in a fixed order.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
     values : mapping
-        What :func:`closed_forms` returned.
+        The result of :func:`closed_forms`.
     linear : mapping
-        What :func:`linear_of` returned.
+        The result of :func:`linear_of`.
     hunting : Hunting
-        Where the draws begin to hunt.
+        Thresholds of hunting of the draws.
     effective_draws : float
-        Independent draws behind the values, for the Monte Carlo error.
+        Number of independent draws that the values are worth, for the Monte Carlo error.
     """
     simulated = {
         "gamma_hunting": hunting.threshold,
@@ -69,7 +69,7 @@ def metric_rows(
 
 
 class _About(NamedTuple):
-    """What a row is of: a metric in a direction, and the loop."""
+    """The subject of a row: a metric in a direction, and the loop."""
 
     rule: Rule
     direction: Direction | None
@@ -79,7 +79,7 @@ class _About(NamedTuple):
 
 
 def interval_of(values: Array) -> Interval:
-    """Return the five numbers of a distribution, without spread where that is rounding."""
+    """Return the five numbers of a distribution, without spread if the spread is only rounding."""
     if np.ptp(values) <= ROUNDING * np.abs(values).max():
         return Interval.of(values[0], 0.0, np.full(3, values[0]))
     return Interval.of_draws(values, ddof=1)
@@ -111,7 +111,7 @@ def _row(about: _About, value: Array | None, effective_draws: float) -> Metric:
     draws = min(effective_draws, float(value.size))
     probability = _probability_of_violation(rule, spec, value, hunting, slack)
     finite = value[np.isfinite(value)]
-    # a swing exists in some draws only; any other metric needs a value in every draw
+    # an oscillation exists in some draws only; other metrics need a value in every draw
     conditional = rule.name in ("amplitude_margin", *HUNTING)
     shown = finite if conditional or finite.size == value.size else finite[:0]
     interval = interval_of(shown) if shown.size else None
@@ -136,10 +136,10 @@ def _row(about: _About, value: Array | None, effective_draws: float) -> Metric:
 def _probability_of_violation(
     rule: Rule, spec: float | None, value: Array, hunting: Hunting, slack: int
 ) -> float | None:
-    """Return how probably a spec is missed; draws in which a side goes slack miss it."""
+    """Return the probability that a spec is missed; draws in which a side goes slack miss it."""
     if spec is None:
         return None
-    # what is not known, NaN, counts as missed
+    # an unknown value, NaN, counts as missed
     below = hunting.now if rule.name == "gamma_hunting" else ~(value >= spec)
     violated = below if rule.sense == "at least" else ~(value <= spec)
     return float((violated.sum() + slack) / (violated.size + slack))

@@ -8,30 +8,30 @@ from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
 
 SILENT = 1e-9
-"""Share of breakaway below which what is left of the filtered speed counts as none."""
+"""Share of breakaway below which the rest of the filtered speed counts as zero."""
 
 
 class Controller(PerDraw):
     """The controller of each draw, with its state.
 
-    The torque commanded is kp e + kd (ω_ref − ω) + ki ∫e dt plus the friction compensation
-    γ F̂ s, with e the measured position error and s the sign of the compensator's signal, or
-    that signal over its boundary where it is inside. The sum is clipped, and the integral
-    waits while it is. e and ω come from the readings, through the position's low-pass where
-    there is one; ω is their first difference, through its own low-pass where there is one. A
-    compensator of the speed follows the raw difference.
+    The commanded torque is kp e + kd (ω_ref − ω) + ki ∫e dt plus the friction compensation γ F̂ s.
+    Here e is the measured position error, and s is the sign of the compensator's signal, or the
+    signal over its boundary inside of it. The sum is clipped, and the integral is held while it
+    is. Readings pass the position's low-pass, if there is one. ω is their first difference, which
+    passes a low-pass of its own, if there is one. A compensator of the speed uses the raw
+    difference.
 
     Parameters
     ----------
     loop : SampledLoop
-        Its numbers.
+        The loop with its numbers.
     position : ndarray, shape (draws,)
-        Of the shaft at the first sample [rad].
+        Position of the shaft at the first sample [rad].
     reference : Reference
-        What it follows, with whose first speed the shaft is found moving.
+        The reference; the shaft starts with its initial speed.
     observer : Observer or None
-        Adds its estimate of friction; what it adds at a standstill is not known beforehand, so
-        that runs with one go sample by sample.
+        Adds its estimate of friction. Its output at standstill cannot be predicted, so runs with
+        an observer advance sample by sample.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Controller(PerDraw):
         self.breakaway = loop.breakaway
         self.feed = loop.compensation_gain * loop.compensation_estimate
         self.boundary = loop.boundary
-        # share of a new value in a low-pass
+        # weight of a new value in a low-pass
         self.fresh, self.fresh_position = (
             -np.expm1(-cutoff * self.period)
             for cutoff in (loop.velocity_cutoff, loop.position_cutoff)
@@ -74,14 +74,14 @@ class Controller(PerDraw):
         return np.where(self.stepped, np.rint(position / self.step) * self.step, position)
 
     def command(self, k: Whole, position: Array) -> tuple[Array, Array]:
-        """Return the torque commanded at samples k, and the raw speed reading.
+        """Return the commanded torque at samples k, and the raw speed reading.
 
         Parameters
         ----------
         k : ndarray of int, shape (draws,)
             Number of the sample.
         position : ndarray, shape (draws,)
-            Of the shaft [rad].
+            Position of the shaft [rad].
         """
         reading = self._read(position)
         speed = (reading - self.reading) / self.period
@@ -122,16 +122,16 @@ class Controller(PerDraw):
         return share
 
     def at_standstill(self, k: Whole) -> tuple[Array, Array, Array]:
-        """Return the coming commands of a shaft that stays where it is.
+        """Return the future commands to a shaft at rest.
 
-        That at sample k + j is ``constant`` + ``linear`` j + ``square`` j² [N·m], while the
-        readings stay, the reference keeps its speed and nothing is clipped; NaN where it is
-        no such thing.
+        The command at sample k + j is ``constant`` + ``linear`` j + ``square`` j² [N·m], as long
+        as the readings do not change, the reference keeps its speed and nothing is clipped; NaN
+        if it has no such form.
 
         Parameters
         ----------
         k : ndarray of int, shape (draws,)
-            The next sample, whose command is not given yet.
+            The next sample, which has no command yet.
         """
         now = k * self.period
         error, asked = self.reference.position(now) - self.reading, self.reference.speed(now)
@@ -163,7 +163,7 @@ class Controller(PerDraw):
         return np.where(room, np.nan, constant), linear, square
 
     def wait(self, k: Whole, rows: Whole, samples: Whole) -> None:
-        """Let some draws stand still for a number of samples from k on, at one reference speed."""
+        """Advance some draws at rest by a number of samples from k, at constant reference speed."""
         if not self.integrates:
             return
         now = k * self.period

@@ -1,4 +1,4 @@
-"""A sampled position loop of a motor shaft with friction, as the simulator takes it."""
+"""A sampled position loop of a motor shaft with friction, for the simulator."""
 
 from dataclasses import dataclass, field, fields
 from functools import partial
@@ -13,7 +13,7 @@ AtRest = Literal["off", "hold"]
 EncoderAt = Literal["motor", "joint"]
 
 NO_NUMBERS = ("compensation_signal", "at_rest", "encoder_at", "cable")
-"""Fields that are no number a draw."""
+"""Fields that are not arrays of numbers."""
 
 
 ZERO = partial(np.array, 0.0)
@@ -23,24 +23,23 @@ ENDLESS = partial(np.array, np.inf)
 
 @dataclass(frozen=True)
 class Cable:
-    """What lies between a motor and its joint, and behind it, each of shape (draws,).
+    """The cable between motor and joint, and the joint; each field of shape (draws,).
 
     Parameters
     ----------
     inertia : tuple of ndarray
-        Of the motor, of a shaft between two cables where there is one, and of the joint, seen
-        from the motor's shaft [kg·m²].
+        Inertia of the motor, of a shaft between two cables if there is one, and of the joint,
+        referred to the motor's shaft [kg·m²].
     rubs : tuple of ndarray
         Share of the friction that acts at each of these [-].
     load_viscous : ndarray
-        At the joint's end, of the loop's viscous friction [N·m·s/rad].
+        Part of the loop's viscous friction that acts at the joint [N·m·s/rad].
     stiffness, damping : tuple of ndarray
         Of each cable, from the motor on [N·m/rad, N·m·s/rad].
     hangs : ndarray
-        Load on the joint, of which the loop's load torque is what nothing is fed forward
-        against [N·m].
+        Load on the joint [N·m]; the loop's load torque is the part without feed-forward.
     play : ndarray
-        Of motor against cable, its whole width [rad].
+        Play between motor and cable, its whole width [rad].
     """
 
     inertia: tuple[Array, ...]
@@ -53,7 +52,7 @@ class Cable:
 
     @property
     def ringing(self) -> Array:
-        """A frequency that no ringing of the ends is above, shape (draws,) [rad/s]."""
+        """Upper bound of the frequencies at which the ends ring, shape (draws,) [rad/s]."""
         inertia = np.stack(self.inertia)
         both = 1 / inertia[1:] + 1 / inertia[:-1]
         return np.asarray(np.sqrt((np.stack(self.stiffness) * both).sum(axis=0)))
@@ -63,12 +62,12 @@ class Cable:
 class SampledLoop:
     """A sampled position loop and its friction, at the motor shaft.
 
-    Every number is an array of shape (draws,); one that is given as a scalar becomes one.
+    Every number is an array of shape (draws,); scalars are broadcast to it.
 
     Parameters
     ----------
     inertia : ndarray
-        J of all that turns with the shaft [kg·m²].
+        Inertia J of everything that turns with the shaft [kg·m²].
     viscous : ndarray
         b [N·m·s/rad].
     friction : ndarray
@@ -82,15 +81,15 @@ class SampledLoop:
     ki : ndarray
         Torque per integral of the position error [N·m/(rad·s)].
     delay : ndarray
-        From reading the encoder to the torque acting [s]. The half sample that the hold
-        adds on average is not part of it: it comes from the simulation.
+        Time from reading the encoder to the torque [s]. It does not include the half sample
+        that the hold adds on average, which the simulation has itself.
     stiction_ratio : ndarray
-        Breakaway torque over that of friction at the lowest speed, at least 1 [-].
+        Breakaway torque over friction at the lowest speed, at least 1 [-].
     falling, falling_speed : ndarray
         Friction beyond F at the lowest speed, and the speed at which it has fallen to 1/e of
         that [N·m, rad/s].
     counts_per_revolution : ndarray
-        Encoder counts a revolution of the shaft; 0 is an encoder without steps.
+        Encoder counts per revolution of the shaft; 0: an encoder without steps.
     torque_limit : ndarray
         The command is clipped to ± this [N·m]; may be infinite.
     velocity_cutoff : ndarray
@@ -100,24 +99,23 @@ class SampledLoop:
         Corner of the low-pass that the measured position goes through; infinite without one
         [rad/s].
     load_torque : ndarray
-        Constant torque against the motor, less what the controller is told to hold [N·m].
+        Constant torque against the motor, less the feed-forward of the controller [N·m].
     compensation_signal : {"none", "reference", "measured", "error"}
-        Whose sign the compensator follows: reference speed, measured speed, or measured
-        position error.
+        Signal whose sign the compensator follows: reference speed, measured speed, or
+        measured position error.
     compensation_gain : ndarray
         γ, the share of the estimate that is fed forward [-].
     compensation_estimate : ndarray
         F̂, the estimate of the Coulomb torque [N·m].
     boundary : ndarray
-        Inside ± this the compensation is proportional to its signal; 0 is a bare sign
-        [rad/s, or rad for `error`].
+        Half width of the linear piece of the compensation; 0: a bare sign [rad/s, or rad for
+        `error`].
     at_rest : {"off", "hold"}
-        What follows a signal of exactly zero speed: no compensation, or the last one.
-        `error` has no such choice.
+        Compensation at exactly zero speed: none, or the last one. Does not apply to `error`.
     encoder_at : {"motor", "joint"}
-        Which end of the cable is measured.
+        The end of the cable that is measured.
     cable : Cable or None
-        Between motor and joint; None is a stiff one.
+        Cable between motor and joint; None: a stiff cable.
     """
 
     inertia: Array
@@ -156,7 +154,7 @@ class SampledLoop:
 
     @property
     def breakaway(self) -> Array:
-        """Torque that a shaft at rest withstands, shape (draws,) [N·m]."""
+        """Breakaway torque of a shaft at rest, shape (draws,) [N·m]."""
         return (self.friction + self.falling) * self.stiction_ratio
 
     @property

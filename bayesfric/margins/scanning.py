@@ -17,7 +17,7 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.swing import LoopMotion
 
 COUNTS_A_SAMPLE = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 5.0, 10.0)
-"""Reference speeds, besides rest, where the file has no range of its own."""
+"""Default reference speeds besides rest, in encoder counts per sample."""
 GAMMAS = (0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 OF_A_RANGE = 6
 
@@ -29,12 +29,12 @@ class Condition:
     Parameters
     ----------
     counts : float or None
-        Reference speed in encoder counts a sample.
+        Reference speed in encoder counts per sample.
     speed : float or None
-        The same in rad/s at the motor; of both one is None, or both, which is the speed
-        of the file.
+        The same in rad/s at the motor. At most one of the two is given; if both are None, it is
+        the speed of the file.
     kick : float
-        Over the file's kick.
+        Kick, over the file's kick.
     """
 
     counts: float | None = None
@@ -58,10 +58,10 @@ REST = Condition(speed=0.0)
 
 
 def speeds_of(shaft: LoopAtShaft) -> tuple[Condition, ...]:
-    """Return rest and the reference speeds at which hunting is looked for.
+    """Return rest and the reference speeds at which hunting is searched for.
 
-    Those of the file where it has a range; else 0.1 to 10 encoder counts a sample, as far as
-    the joint's peak speed goes. A speed that the file's kick has comes besides.
+    They span the range of the file, or else 0.1 to 10 encoder counts per sample, up to the joint's
+    peak speed. The reference speed of the file's kick is added.
     """
     given = shaft.loop.kick.reference_range_rad_s
     own = () if (shaft.reference_speed == 0.0).all() else (Condition(),)
@@ -95,9 +95,9 @@ class HuntingMap:
     gammas : tuple of float
         G gains.
     hunts : ndarray of bool, shape (G, S, draws)
-        Whether they do.
+        Whether each draw hunts.
     rms_error : ndarray, shape (G, S, draws)
-        Of the last half of each run, at the motor [rad].
+        Rms error of the last half of each run, at the motor [rad].
     """
 
     speeds: tuple[Condition, ...]
@@ -121,7 +121,7 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
     Returns
     -------
     LoopMotion
-        Its arrays of shape (C · draws,), draws beside each other.
+        With arrays of shape (C · draws,), the draws of a condition adjacent.
     """
     loop = shaft.sampled(gamma)
     loop = loop.taken(np.tile(np.arange(loop.draws), len(conditions)))
@@ -136,9 +136,9 @@ def look(
     few: Whole,
     gammas: tuple[float, ...] = GAMMAS,
 ) -> tuple[HuntingMap, LoopMotion]:
-    """Simulate draws at every speed, after the file's kick, all in one go.
+    """Simulate draws at every speed, after the file's kick, in one vectorised run.
 
-    Steps of one run cost nearly as much as those of many.
+    A step of one run costs nearly as much as a step of many.
 
     Parameters
     ----------
@@ -149,14 +149,14 @@ def look(
     few : ndarray of int, shape (m,)
         Draws of the map.
     gammas : tuple of float
-        G gains at which these are run.
+        G gains of the map.
 
     Returns
     -------
     HuntingMap
-        Of the few draws.
+        Map of these draws.
     LoopMotion
-        Of all draws at their own gain, its arrays of shape (S, draws).
+        Motion of all draws at their own gain, with arrays of shape (S, draws).
     """
     draws, mapped = shaft.friction.size, len(gammas) * few.size
     rows = np.concatenate([np.tile(few, len(gammas)), np.arange(draws)])

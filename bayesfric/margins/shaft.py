@@ -1,11 +1,10 @@
 """A motor shaft with set-valued Coulomb friction under constant torque, in closed form.
 
-J dv/dt = u − F sign(v) − b v while the shaft turns; at rest it stays as long as
-|u| ≤ Fs. Under constant torque the shaft turns one way, may stop, and may then
-break away in the direction of the torque; it never stops twice. So an interval
-of constant torque is at most two arcs, each an exponential in time, and nothing
-is integrated numerically. Friction that falls with speed alone is taken at the speed with which
-an interval begins.
+J dv/dt = u − F sign(v) − b v while the shaft turns. At rest it stays while |u| ≤ Fs. Under constant
+torque the shaft turns in one direction, may stop, and may then break away in the direction of the
+torque. It never stops twice. So an interval of constant torque has at most two arcs, each an
+exponential in time, and needs no numerical integration. Only friction that falls with speed is
+approximated, by its value at the speed at the start of an interval.
 """
 
 from dataclasses import dataclass, replace
@@ -26,13 +25,13 @@ class Shaft:
     Parameters
     ----------
     inertia : ndarray
-        J at the motor shaft [kg·m²].
+        Inertia J at the motor shaft [kg·m²].
     viscous : ndarray
-        b [N·m·s/rad].
+        Viscous friction b [N·m·s/rad].
     friction : ndarray
         Coulomb torque F while the shaft turns [N·m].
     breakaway : ndarray
-        Torque Fs that the shaft at rest withstands, at least F [N·m].
+        Breakaway torque Fs of a shaft at rest, at least F [N·m].
     """
 
     inertia: Array
@@ -43,18 +42,18 @@ class Shaft:
 
 @dataclass(frozen=True)
 class Interval:
-    """A time step and its weights, which stay the same over a whole run.
+    """A time step and its weights, which are constant over a run.
 
     Parameters
     ----------
     length : ndarray, shape (draws,)
         Duration h [s].
     decay : ndarray, shape (draws,)
-        exp(−b h/J), the share of a speed that is left after it [-].
+        exp(−b h/J), the share of a speed that remains after it [-].
     by_speed : ndarray, shape (draws,)
         Travel per initial speed, ∫ exp(−b t/J) dt [s].
     by_acceleration : ndarray, shape (draws,)
-        Travel per acceleration at no speed [s²].
+        Travel per acceleration from rest [s²].
     """
 
     length: Array
@@ -71,7 +70,7 @@ class Interval:
         length : ndarray, shape (draws,)
             Durations [s], none negative.
         shaft : Shaft
-            The shafts that turn.
+            The shafts.
 
         Returns
         -------
@@ -97,14 +96,14 @@ def turn(
     torque : ndarray, shape (draws,)
         Applied torque u [N·m].
     position, speed : ndarray, shape (draws,)
-        At the beginning [rad, rad/s]. A speed of exactly zero is rest.
+        At the start [rad, rad/s]. A speed of exactly zero is rest.
     interval : Interval
         The step.
 
     Returns
     -------
     position, speed : ndarray, shape (draws,)
-        At its end; the speed of a shaft that rests is exactly zero.
+        At the end; the speed of a shaft at rest is exactly zero.
     """
     rests = speed == 0.0
     direction = np.sign(np.where(rests, torque, speed))
@@ -147,7 +146,7 @@ def _after_a_stop(
 def _weights(time: Array, rate: Array) -> tuple[Array, Array, Array]:
     """Return e^{−z}, t (1 − e^{−z})/z and t² (z − 1 + e^{−z})/z² with z = rate × time."""
     z = rate * time
-    near = z < SERIES_BELOW  # there the closed form of the last one cancels
+    near = z < SERIES_BELOW  # there the closed form of the last weight suffers cancellation
     away = np.where(near, 1.0, z)
     series = np.ones_like(z)
     for term in range(SERIES_TERMS + 2, 2, -1):  # Σ 2 (−z)^k/(k + 2)! by Horner
@@ -158,14 +157,14 @@ def _weights(time: Array, rate: Array) -> tuple[Array, Array, Array]:
 
 
 class StiffShaft(PerDraw):
-    """The state of motor and joint as one shaft; it has the interface of a cable's `Ends`.
+    """The state of motor and joint as one shaft, with the interface of `Ends`.
 
     Parameters
     ----------
     loop : SampledLoop
-        What resists the torque.
+        The loop, with inertia and friction.
     position, speed : ndarray, shape (draws,)
-        At the beginning [rad, rad/s].
+        At the start [rad, rad/s].
     """
 
     def __init__(self, loop: SampledLoop, position: Array, speed: Array) -> None:
@@ -179,21 +178,21 @@ class StiffShaft(PerDraw):
 
     @property
     def joint(self) -> Array:
-        """Position of the joint, that of the shaft, shape (draws,) [rad]."""
+        """Position of the joint, equal to that of the shaft, shape (draws,) [rad]."""
         return self.position
 
     @property
     def twist(self) -> Array:
-        """Motor minus joint: none, shape (draws,) [rad]."""
+        """Motor minus joint: zero, shape (draws,) [rad]."""
         return np.zeros_like(self.position)
 
     @property
     def stands(self) -> Flags:
-        """Where the shaft stands still, shape (draws,)."""
+        """Whether the shaft stands still, shape (draws,)."""
         return np.asarray(self.speed == 0.0)
 
     def withstands(self) -> tuple[Array, Array]:
-        """Return the torque that pulls at a resting shaft, and its breakaway torque [N·m]."""
+        """Return the torque that acts on a resting shaft, and its breakaway torque [N·m]."""
         return self.load, self.shaft.breakaway
 
     def cut(self, length: Array, parts: int) -> tuple[int, Interval]:
@@ -201,7 +200,7 @@ class StiffShaft(PerDraw):
         return parts, Interval.of(length / parts, self.shaft)
 
     def advance(self, command: Array, step: Interval, running: Flags | None) -> None:
-        """Advance the draws of `running` by one step; None is all of them."""
+        """Advance the draws of `running` by one step; None: all of them."""
         shaft = self.shaft
         if self.falling.any():
             more = self.falling * np.exp(-np.abs(self.speed) / self.falling_speed)

@@ -1,12 +1,12 @@
 """The sampled position loop of a motor shaft with friction, in time, over all draws at once.
 
 At each sample time t_k = k T the controller reads the encoder and commands a torque, which
-acts from t_k + delay until the next command does. Between two changes of torque the motion of
-a stiff shaft is a closed form (:mod:`bayesfric.margins.shaft`), and that of motor and joint on
-an elastic cable goes in small steps (:mod:`bayesfric.margins.elastic_cable`); any delay is
-met exactly, whatever its ratio to the sample time. A shaft at rest is advanced in closed form to
-the sample before its torque reaches breakaway, so that slow hunting, with the shaft mostly at
-rest, needs little computation. If a shaft moves for a whole settling time of its linear loop,
+acts from t_k + delay until the next command acts. Between two changes of torque the motion of a
+stiff shaft has a closed form (:mod:`bayesfric.margins.shaft`), and that of motor and joint on an
+elastic cable is integrated in small steps (:mod:`bayesfric.margins.elastic_cable`). Any delay is
+represented exactly, whatever its ratio to the sample time. A shaft at rest is advanced in closed
+form to the sample before its torque reaches breakaway, so that slow hunting, with the shaft mostly
+at rest, needs little computation. If a shaft moves for a whole settling time of its linear loop,
 with at most brief rests, the part of the run after this time decides.
 """
 
@@ -30,11 +30,11 @@ from bayesfric.margins.swing import LoopMotion, Swing
 Recorder = Callable[[Array, Array, Array, Array], None]
 
 EARLY_TWICE = 2
-"""Times that a shaft which stands again after all may be judged early: slow cycles end, too."""
+"""Number of times that a run may be judged early, if the shaft stands still again afterwards."""
 STANDS_IN_SETTLING = 4
-"""Stands in a settling time: who stands for less at a time counts as moving."""
+"""A shaft that stands for less than the settling time over this number counts as moving."""
 LOOKED_AT_EVERY = 8
-"""Samples between looks at which shafts stand still and which runs are over."""
+"""Samples between checks of which shafts stand still and which runs are over."""
 
 
 def simulate(
@@ -50,41 +50,39 @@ def simulate(
 ) -> LoopMotion:
     """Run the loop for some time after a kick.
 
-    The reference moves at constant speed from 0. The shaft begins with the reference's
-    speed, ahead of it by the kick; no torque but the load's acts before the first command
-    arrives.
+    The reference moves at constant speed from 0. The shaft starts with the reference's speed, ahead
+    of it by the kick. Only the load's torque acts before the first command arrives.
 
     Parameters
     ----------
     loop : SampledLoop
         The loop.
     kick : array_like
-        Position of the measured end ahead of the reference at the beginning [rad], a scalar or
-        (draws,).
+        Initial position of the measured end ahead of the reference [rad], a scalar or (draws,).
     duration : array_like
-        Length of the run [s], rounded up to whole samples, a scalar or (draws,). Whether a
-        loop hunts is judged from its last half: let that hold several periods, and the time
-        constant 2J/b be short beside it.
+        Length of the run [s], rounded up to whole samples, a scalar or (draws,). Its last half
+        decides whether a loop hunts. It should contain several periods, and be long compared
+        with the time constant 2J/b.
     reference_speed : array_like
         Speed of the reference [rad/s], a scalar or (draws,).
     settling : array_like
-        Time after which a shaft that has stood for no more than a quarter of it at once has
-        settled or swings [s], a scalar or (draws,): it is judged by a stretch of the same length
-        that follows, and its run ends there, if that is so in it too.
+        Settling time [s], a scalar or (draws,). If a shaft has not stood still for more than a
+        quarter of it at once, it is judged by the next stretch of the same length, and its run
+        ends there if the shaft has not stood still in that stretch either.
     lasts : array_like
-        Share of its amplitude that a swing keeps from one quarter to the next if it lasts, a
+        Share of its amplitude that a lasting oscillation keeps from one quarter to the next, a
         scalar or (draws,).
     substeps : int
-        Parts into which every interval of constant torque is cut, or each step on an elastic
-        cable. The motion of a stiff shaft is exact with 1; more serve for finer traces.
+        Parts into which every interval of constant torque is divided, or each step on an elastic
+        cable. The motion of a stiff shaft is exact with 1; more parts give finer traces.
     record : callable or None
-        Told the motion itself, interval by interval of constant torque: its length [s], position
-        and speed at its end [rad, rad/s], and the torque [N·m], each of shape (draws,).
+        Called for each interval of constant torque with its length [s], position and speed at
+        its end [rad, rad/s], and the torque [N·m], each of shape (draws,).
 
     Returns
     -------
     LoopMotion
-        A number a draw.
+        One value for each draw.
     """
     begin, reference, length, settled, kept = (
         np.broadcast_to(np.asarray(values, dtype=np.float64), loop.draws)
@@ -96,7 +94,7 @@ def simulate(
 
 
 def _run_down(run: "_Run", record: Recorder | None) -> None:
-    """Advance a run until no draw is left; draws that are over are taken out, some at a time."""
+    """Advance a run until all draws are over; finished draws are removed in groups."""
     looks = 0
     while run.rows.size:
         run.advance(record)
@@ -118,16 +116,16 @@ def follow(
     duration: float,
     observer: Observer | None = None,
 ) -> Array:
-    """Return by how much the joint is behind a reference, sample by sample.
+    """Return the tracking error of the joint at each sample.
 
-    Motor and joint begin where the reference does and as fast, at 0, the load hanging in its cable.
+    Motor and joint start at 0 with the speed of the reference, and the load stretches the cable.
 
     Parameters
     ----------
     loop : SampledLoop
         The loop.
     reference : Reference
-        Of as many draws, at 0 at the beginning.
+        The reference, with as many draws; it starts at 0.
     duration : float
         Length of the run [s], rounded up to whole samples.
     observer : Observer or None
@@ -136,8 +134,8 @@ def follow(
     Returns
     -------
     ndarray, shape (samples + 1, draws)
-        Reference minus joint, seen from the motor's shaft [rad]; the last value stays where
-        other draws take more samples.
+        Reference minus joint, at the motor's shaft [rad]. The last value is repeated if other
+        draws take more samples.
     """
     whole, never = np.zeros(loop.draws), np.full(loop.draws, np.inf)
     length = np.full(loop.draws, duration)
@@ -150,7 +148,7 @@ def follow(
 
 
 class _Run(PerDraw):
-    """The state of a running simulation; each draw is at a sample of its own."""
+    """The state of a running simulation; draws may be at different samples."""
 
     def __init__(
         self,
@@ -169,7 +167,7 @@ class _Run(PerDraw):
         self.plant: StiffShaft | Ends = (
             StiffShaft(loop, *at) if loop.cable is None else Ends(loop, loop.cable, *at)
         )
-        # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
+        # Command k − whole − 1 acts until `late` after t_k; from then on command k − whole does.
         samples_late = loop.delay / period
         self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
         self.alike = bool((self.whole == self.whole[0]).all())
@@ -179,18 +177,18 @@ class _Run(PerDraw):
             for older, length in ((1, late), (0, period - late))
             if length.any()
         )
-        # what acts before the first command: none
+        # before the first command: no torque
         self.commands = (np.zeros(loop.draws),) * (int(self.whole.max()) + 2)
         self.k = np.zeros(loop.draws, dtype=np.intp)
-        self.quiet = np.zeros(loop.draws, dtype=np.intp)  # samples without a reading of motion
+        self.quiet = np.zeros(loop.draws, dtype=np.intp)  # samples since the last reading of motion
         samples = np.ceil(duration / period - 1e-9).astype(np.intp)
         least = self.controller.step * self.controller.stepped
         self.swing = Swing(samples, period, least, lasts)
-        self.stretch = np.maximum(samples // 4, 1)  # of those by which the whole run is judged
+        self.stretch = np.maximum(samples // 4, 1)  # quarters, by which the whole run is judged
         settling = np.minimum(settling, duration)
         self.settling = np.ceil(settling / period - 1e-9).astype(np.intp)
         self.early = np.zeros(loop.draws, dtype=bool)
-        self.times = np.zeros(loop.draws, dtype=np.intp)  # that this was so
+        self.times = np.zeros(loop.draws, dtype=np.intp)  # number of early judgements
         self.moving = np.zeros(loop.draws, dtype=np.intp)  # samples since the shaft stood for long
         self.rows = np.arange(loop.draws)
         self.results: dict[str, NDArray[Any]] = {
@@ -229,7 +227,7 @@ class _Run(PerDraw):
         return np.asarray(asked - self.plant.joint)
 
     def _acting(self, older: int) -> Array:
-        """Return the command that acts: that of `older` samples before the newest to arrive."""
+        """Return the command that is `older` samples older than the newest that acts."""
         if self.alike:
             return self.commands[int(self.whole[0]) + older]
         age = self.whole + older
@@ -265,9 +263,9 @@ class _Run(PerDraw):
         self.swing.pass_over(rows, samples, self.k, before, self._error()[rows])
 
     def judge_early(self) -> None:
-        """Judge early the draws that have moved for long; take it back where they stand again."""
+        """Judge early the draws that have moved for long; undo this if they stand still again."""
         swing = self.swing
-        going = self.k < swing.end  # draws that are over stay over
+        going = self.k < swing.end  # finished draws stay finished
         stands = np.flatnonzero(going & self.early & (self.moving < self.settling))
         if stands.size:
             self.early[stands] = False
@@ -282,7 +280,7 @@ class _Run(PerDraw):
             swing.judge_from(ready, self.k[ready] + 1, half)
 
     def retire(self, over: Flags) -> None:
-        """Store the results of some draws, and go on with the others."""
+        """Store the results of some draws, and continue with the others."""
         motion = self.swing.judged(self._error(), self.plant.twist)
         for name, value in vars(motion).items():
             self.results[name][self.rows[over]] = value[over]

@@ -1,8 +1,8 @@
-"""The linear open loop as matrices, for tools that take states instead of frequencies.
+"""The linear open loop as matrices, for tools that use states instead of frequencies.
 
-Of the loop of :mod:`bayesfric.margins.open_loop` only the delays are no rational functions.
-Each becomes the [N−1/N] Padé approximant of e^{−sθ} in the coordinates of Legendre
-polynomials, which stay well conditioned where those of a polynomial's coefficients do not.
+In the loop of :mod:`bayesfric.margins.open_loop` only the delays are not rational functions. Each
+is replaced by the [N−1/N] Padé approximant of e^{−sθ} in Legendre coordinates, which are better
+conditioned than polynomial coefficients.
 
 References
 ----------
@@ -19,7 +19,7 @@ from bayesfric.margins.open_loop import OpenLoop
 Matrices = tuple[Array, Array, Array, Array]
 
 DELAY_STATES = 6
-"""Of each delay θ: off by 4e-8 up to ωθ = 3; with more, python-control finds no polynomials."""
+"""States of each delay θ: error 4e-8 up to ωθ = 3. With more, python-control's conversion fails."""
 
 
 def state_space(loop: OpenLoop, row: int) -> Matrices:
@@ -28,30 +28,30 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     Parameters
     ----------
     loop : OpenLoop
-        In one direction.
+        The loop in one direction.
     row : int
-        Number of the draw.
+        Index of the draw.
 
     Returns
     -------
     tuple of ndarray
-        Shapes (n, n), (n, 1), (1, n), (1, 1). The states are the motor's angle, motor minus
-        load, the motor's and the load's speed (with a second cable motor minus shaft, shaft minus
-        load, and the speeds of all three), those of the delay of the torque, and of the
-        controller: the integral of the error where there is one, its delay by a sample, and
-        the low-passes where there are any. SI units.
+        Shapes (n, n), (n, 1), (1, n), (1, 1). The states of the plant are the motor's angle,
+        motor minus load, and both speeds; with a second cable: motor minus shaft, shaft minus
+        load, and all three speeds. Then follow those of the delay of the torque, and of the
+        controller: the integral of the error, its delay by a sample, and the low-passes, as far
+        as there are any. SI units.
     """
 
     def of(values: Array) -> float:
         return float(values[row])
 
     plant = _train(loop, of)
-    if loop.sees_joint:  # the motor's angle less what every cable is stretched by
+    if loop.sees_joint:  # the motor's angle less the stretch of every cable
         ends = len(plant[0]) // 2
         joint = np.array([[1.0] + [-1.0] * (ends - 1) + [0.0] * ends])
         plant = (*plant[:2], joint, plant[3])
     period, kd = of(loop.sample_time), of(loop.kd)
-    # kd (1 − e^{−sT})/T, then the low-pass, beside kp and ki/s
+    # kd (1 − e^{−sT})/T and its low-pass, in parallel with kp and ki/s
     feedback = _delay(period)
     feedback = (*feedback[:2], -kd / period * feedback[2], np.array([[kd / period]]))
     if loop.cutoff is not None:
@@ -68,7 +68,7 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
 def _train(loop: OpenLoop, of: Callable[[Array], float]) -> Matrices:
     """Return the motor and the joint on one cable, or with a shaft between two cables.
 
-    States are the motor's angle, by how much each cable is stretched, and the speeds of all ends.
+    States are the motor's angle, the stretch of each cable, and the speeds of all ends.
     """
     second = loop.beyond
     middle = [] if second is None else [of(loop.shaft_inertia)]

@@ -1,4 +1,4 @@
-"""Whether a run ends in a sustained swing, followed sample by sample over all draws."""
+"""Detection of a sustained oscillation at the end of a run, sample by sample over all draws."""
 
 from dataclasses import dataclass
 
@@ -10,26 +10,27 @@ from bayesfric.margins.margin_rules import MARGIN_RULES
 
 @dataclass(frozen=True)
 class LoopMotion:
-    """The motion of a loop after a kick, a number a draw.
+    """The motion of a loop after a kick, one value for each draw.
 
     Parameters
     ----------
     hunts : ndarray of bool, shape (draws,)
-        Whether the measured end still swings around the reference in the last quarter of the
-        run: at least two reversals against the reference there, a way between two of them beyond
-        one encoder count, as far out and back again, and no decay from the quarter before.
+        Whether the measured end still oscillates around the reference in the last quarter of
+        the run: at least two reversals relative to the reference, a distance of more than one
+        encoder count between two of them, in both directions, and no decay since the previous
+        quarter.
     amplitude : ndarray, shape (draws,)
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray, shape (draws,)
-        Of the reversals in the last half [Hz]; 0 where there are fewer than three.
+        Frequency in the last half, from its reversals [Hz]; 0 with fewer than three.
     cycles : ndarray, shape (draws,)
-        In the last half, by its reversals.
+        Number of cycles in the last half, from its reversals.
     rms_error : ndarray, shape (draws,)
-        Of the last half [rad].
+        Rms error of the last half [rad].
     final_error : ndarray, shape (draws,)
-        Reference minus true position of the measured end, at the end [rad].
+        Reference minus true position of the measured end, at the end of the run [rad].
     twist : ndarray, shape (draws,)
-        Of the cable at the end, motor minus joint [rad].
+        Twist of the cable at the end of the run, motor minus joint [rad].
     """
 
     hunts: Flags
@@ -51,9 +52,9 @@ class Swing(PerDraw):
     period : ndarray, shape (draws,)
         Sample time [s].
     least : ndarray, shape (draws,)
-        Amplitude up to which nothing swings, say one encoder count [rad].
+        Amplitude up to which a motion is no oscillation, such as one encoder count [rad].
     lasts : ndarray, shape (draws,)
-        Share of its amplitude that a swing keeps from one quarter to the next if it lasts.
+        Share of its amplitude that a lasting oscillation keeps from one quarter to the next.
     """
 
     def __init__(self, samples: Whole, period: Array, least: Array, lasts: Array) -> None:
@@ -65,22 +66,22 @@ class Swing(PerDraw):
         self._reversals, self._early_reversals = np.zeros((2, count), dtype=np.intp)
         self._first, self._last = np.zeros(count), np.zeros(count)
         self._side, self._squares = np.zeros(count), np.zeros(count)
-        # the range between two reversals: jitter of a drifting error is no swing
+        # range between two reversals: jitter of a drifting error is no oscillation
         self._turned_at, self._widest = np.full(count, np.nan), np.zeros(count)
-        # and neither is an error that moves one way only, as of a shaft that begins to follow
+        # nor is an error that moves in one direction only, as when a shaft starts to follow
         self._rise, self._fall = np.zeros((2, count))
 
     def judge_from(self, rows: Whole, begin: Whole, half: Whole) -> None:
-        """Judge some draws by two stretches of their own, in place of the last two quarters.
+        """Judge some draws by two stretches of their own, instead of the last two quarters.
 
         Parameters
         ----------
         rows : ndarray of int, shape (m,)
             The draws.
         begin : ndarray of int, shape (m,)
-            The first sample of the first stretch, none that was seen yet.
+            First sample of the first stretch, which must not be recorded yet.
         half : ndarray of int, shape (m,)
-            Length of each of the two stretches; with the second the run ends.
+            Length of each of the two stretches; the run ends with the second.
         """
         self.begin[rows], self.middle[rows] = begin, begin + half
         self.end[rows] = begin + 2 * half
@@ -101,11 +102,11 @@ class Swing(PerDraw):
         Parameters
         ----------
         k : ndarray of int, shape (draws,)
-            From 1 to the end of each run.
+            Index of the sample, from 1 to the end of each run.
         error, speed : ndarray, shape (draws,)
             Position error [rad], and speed against the reference [rad/s].
         running : ndarray of bool, shape (draws,)
-            Which draws have come to a new sample.
+            Draws that have a new sample.
         """
         side = np.sign(speed)
         turned = side * self._side < 0.0
@@ -143,22 +144,22 @@ class Swing(PerDraw):
         Parameters
         ----------
         rows : ndarray of int, shape (m,)
-            The draws that stood.
+            The draws that stood still.
         samples : ndarray of int, shape (m,)
-            For how long.
+            Number of samples for which they stood still.
         k : ndarray of int, shape (draws,)
             The sample at which each draw is now.
         before, after : ndarray, shape (m,)
-            Position error at either end [rad].
+            Position error at the start and at the end [rad].
         """
-        # a shaft that stands falls behind a reference that moves on
+        # a shaft at rest falls behind a moving reference
         self._side[rows] = np.where(after != before, np.sign(before - after), self._side[rows])
         seen = k[rows] >= self.begin[rows]
         rows, samples = rows[seen], samples[seen]
         before, after = before[seen], after[seen]
         self._low[rows] = np.minimum(self._low[rows], after)
         self._high[rows] = np.maximum(self._high[rows], after)
-        # the sum over samples of the square of what goes evenly from `before` to `after`
+        # sum over samples of the squared error, which changes linearly from `before` to `after`
         step = (after - before) / samples
         self._squares[rows] += (
             samples * before**2
@@ -167,7 +168,7 @@ class Swing(PerDraw):
         )
 
     def judged(self, final_error: Array, twist: Array) -> LoopMotion:
-        """Return the judgement of the recorded samples, beside the last error and twist."""
+        """Return the result for the recorded samples, with the last error and twist."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
         least_way = np.min([self._widest, self._rise, self._fall], axis=0)
         reverses = self._reversals >= MARGIN_RULES.swing_least_reversals

@@ -10,26 +10,26 @@ from bayesfric.schemas.base import Interval
 from bayesfric.schemas.margins import GammaProbability, LoopMargins, Metric, Tuning
 
 HALF_A_DRAW = float(np.sqrt(0.5))
-"""The Monte Carlo error of what none or all of n draws have is this over n."""
+"""Monte Carlo error of a property that none or all of n draws have: this over n."""
 FEW_DRAWS = "so that they bound it"
-"""Part of the sentence that says that too few draws stand behind a safe gain."""
+"""Part of the sentence that says that a safe gain rests on too few draws."""
 NORMAL_WIDTH = 3.29
-"""Standard deviations from 5 to 95 %."""
+"""Distance from the 5 to the 95 % quantile of a normal, in standard deviations."""
 TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
     "phase_margin": ("deg", lambda radians: float(np.rad2deg(radians))),
     "gain_margin": ("dB", lambda factor: float(20 * np.log10(factor))),
 }
-"""Metric to unit and conversion."""
+"""Unit and conversion, by metric."""
 
 
 def standard_error(probability: float, draws: float) -> float:
-    """Return the Monte Carlo error of a probability; of 0 and 1 that of half a draw."""
+    """Return the Monte Carlo error of a probability; for 0 and 1 that of half a draw."""
     p = min(max(probability, 0.5 / draws), 1 - 0.5 / draws)
     return float(np.sqrt(p * (1 - p) / draws))
 
 
 def draws_behind(curve: Sequence[GammaProbability]) -> float:
-    """Return how many independent draws give a curve the Monte Carlo errors that it has."""
+    """Return the number of independent draws that gives the Monte Carlo errors of a curve."""
     counts = [
         point.p * (1 - point.p) / point.mcse**2 if 0 < point.p < 1 else HALF_A_DRAW / point.mcse
         for point in curve
@@ -38,7 +38,7 @@ def draws_behind(curve: Sequence[GammaProbability]) -> float:
 
 
 def chance_of_missing(metric: Metric) -> str | None:
-    """Return how probably a loop misses the spec of a metric, in words; None without a spec."""
+    """Return the probability of missing the spec of a metric, in words; None without a spec."""
     p, error = metric.probability_of_violation, metric.monte_carlo_se
     if p is None or error is None:
         return None
@@ -46,15 +46,15 @@ def chance_of_missing(metric: Metric) -> str | None:
 
 
 def in_degrees_or_decibels(metric: Metric) -> Metric | None:
-    """Return a gain margin in dB or a phase margin in degrees; None of anything else.
+    """Return a gain margin in dB or a phase margin in degrees; None for any other metric.
 
-    Medians and other quantiles go over; the mean and spread of decibels are those of the
-    factor's 5 to 95 %, as of a normal.
+    Quantiles are converted. The mean and the spread in decibels are those of the normal with the
+    converted 5 and 95 % quantiles.
 
     Parameters
     ----------
     metric : Metric
-        As stored, in SI.
+        The metric as stored, in SI units.
     """
     turning = TURNED.get(metric.name)
     if turning is None:
@@ -84,7 +84,7 @@ def safety_words(loop: LoopMargins) -> str:
 
 
 def is_missed(loop: LoopMargins, metric: Metric) -> bool:
-    """Tell whether a metric misses its spec more often than the loop's file allows."""
+    """Return whether a metric misses its spec more often than the loop's file allows."""
     name = full_name(metric)
     own = HUNTS if metric.name == "gamma_hunting" else name
     return metric.spec is not None and bool({name, own} & {*(loop.missed_specs or ())})
@@ -96,7 +96,7 @@ def full_name(metric: Metric) -> str:
 
 
 def safe_up_to(loop: LoopMargins) -> str | None:
-    """Return the largest safe γ, rounded down; None where there is none."""
+    """Return the largest safe γ, rounded down; None if there is none."""
     gamma = loop.largest_safe_compensation_gain
     if gamma is None:
         return None
@@ -105,19 +105,19 @@ def safe_up_to(loop: LoopMargins) -> str | None:
 
 
 def rounded_down(gamma: float) -> float:
-    """Return a γ with two decimals, and no larger."""
+    """Return a γ rounded down to two decimals."""
     return float(np.floor(100 * gamma) / 100)
 
 
 def at_safe_gain_words(loop: LoopMargins, called: Callable[[str, str], str]) -> str:
-    """Return which specs hold at the safe γ, where the file's is above it; else nothing.
+    """Return which specs hold at the safe γ if the file's γ is larger; else an empty text.
 
     Parameters
     ----------
     loop : LoopMargins
-        As it is stored.
+        The margins as stored.
     called : callable
-        (name of a metric, direction or nothing) to its words.
+        (name of a metric, its direction or an empty text) to its words.
     """
     gamma, up_to = loop.largest_safe_compensation_gain, safe_up_to(loop)
     if gamma is None or gamma >= loop.compensation_gain:
@@ -137,7 +137,7 @@ def at_safe_gain_words(loop: LoopMargins, called: Callable[[str, str], str]) -> 
 
 
 def certificate_sentence(loop: LoopMargins) -> str | None:
-    """Return what is certified of a loop, or why nothing is; None in files of earlier versions."""
+    """Return the certificate of a loop, or why there is none; None in files of earlier versions."""
     if loop.certificate is not None:
         return loop.certificate.sentence
     why = loop.certificate_why
@@ -145,7 +145,7 @@ def certificate_sentence(loop: LoopMargins) -> str | None:
 
 
 def tuning_sentence(tuning: Tuning) -> str:
-    """Return a setting that meets all specs at once, or that there is none, in a sentence."""
+    """Return the setting that meets all specs at once, in a sentence, or why there is none."""
     chance = f"{tuning.probability:.2g} (± {tuning.probability_se:.1g})"
     if tuning.kp_scale is None or tuning.kd_scale is None:
         return f"No setting: {tuning.why}; all are met at once with probability {chance}."

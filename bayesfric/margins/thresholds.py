@@ -32,11 +32,11 @@ from bayesfric.margins.scanning import (
 )
 
 GAMMA_MAX = GAMMAS[-1]
-"""The largest compensation gain that is looked at."""
+"""The largest compensation gain that is examined."""
 MAPPED = 30
-"""Draws of the map of speed and γ."""
+"""Number of draws of the map of speed and γ."""
 OTHER_KICKS = (0.0, 2.0)
-"""Kicks, over the file's, that must not hunt either at the gain that is called safe."""
+"""Further kicks, over the file's, after which the safe gain must not hunt either."""
 ROUNDS = 3
 MOVE_TOGETHER = (
     "motors of the coupled joints that move along or swing together; others hold still here"
@@ -45,34 +45,33 @@ MOVE_TOGETHER = (
 
 @dataclass(frozen=True)
 class Hunting:
-    """Where the draws begin to hunt.
+    """The thresholds of γ above which the draws hunt.
 
     Parameters
     ----------
     method : {"formula", "simulation"}
-        How that was found.
+        How the thresholds were found.
     rows : ndarray of int, shape (m,)
-        Draws that were looked at.
+        Draws that were examined.
     threshold : ndarray, shape (m,)
-        The smallest γ that hunts in any condition; inf where none up to :data:`GAMMA_MAX`
-        does.
+        The smallest γ that hunts in any condition; inf if none up to :data:`GAMMA_MAX` does.
     conditions : tuple of Condition
-        Those in which thresholds were looked for.
+        Conditions in which thresholds were searched for.
     condition : ndarray of int, shape (m,)
-        Which of them hunts first; −1 where none does.
+        Index of the condition that hunts first; −1 if none does.
     hunts : ndarray of bool, shape (speeds, m)
         Whether a draw hunts at the loop's own γ, by reference speed.
     amplitude, frequency : ndarray, shape (m,)
-        Of the widest such swing of enough cycles (`MarginRules.swing_least_cycles`), at the
-        motor [rad, Hz]; NaN where there is none.
+        Of the widest such oscillation with enough cycles (`MarginRules.swing_least_cycles`), at
+        the motor [rad, Hz]; NaN if there is none.
     speeds : tuple of Condition
         The reference speeds.
     map : HuntingMap or None
-        Of some draws over speeds and γ; None where a formula was used.
+        Map of some draws over speeds and γ; None if a formula was used.
     not_examined : tuple of str
-        What could hunt and was not looked at.
+        Possible causes of hunting that were not examined.
     note : str
-        What the reader must know of it.
+        A remark.
     """
 
     method: Literal["formula", "simulation"]
@@ -90,26 +89,26 @@ class Hunting:
 
     @property
     def now(self) -> Flags:
-        """Which draws hunt at the loop's own γ, shape (m,)."""
+        """Whether each draw hunts at the loop's own γ, shape (m,)."""
         return np.asarray(self.hunts.any(axis=0))
 
 
 def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
-    """Return from which compensation gain on each draw hunts.
+    """Return the compensation gain above which each draw hunts.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
     most : int
-        Draws that are simulated at most, taken evenly.
+        Largest number of draws that are simulated, evenly spaced.
     allowed : float
-        Share of the draws that may hunt at a gain that is called safe.
+        Share of the draws that may hunt at a safe gain.
 
     Returns
     -------
     Hunting
-        Of all draws by formula, or of some by simulation.
+        For all draws by formula, or for some by simulation.
     """
     speeds = speeds_of(shaft)
     inside, broken = formula_conditions(shaft)
@@ -173,7 +172,7 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
 
 
 class _Seen(NamedTuple):
-    """Draws that were seen to hunt in a condition, and the γ of each."""
+    """Draws that hunted in a condition, and the γ of each."""
 
     condition: Condition
     rows: Whole
@@ -181,7 +180,7 @@ class _Seen(NamedTuple):
 
 
 class _Search(NamedTuple):
-    """Thresholds over the conditions that hunt first, these conditions, and those left over."""
+    """Thresholds over the conditions that hunt first, these conditions, and the other ones."""
 
     thresholds: Thresholds
     conditions: tuple[Condition, ...]
@@ -193,10 +192,10 @@ def _thresholds(
 ) -> _Search:
     """Return thresholds over the conditions that hunt first, and these conditions.
 
-    They are found where the map begins to hunt. Whatever hunts below a threshold, in the map,
-    at the loop's own γ, or after another kick at the gain that would be called safe, is one
-    more condition. A draw that was seen to hunt below its threshold, in a band that the search
-    passed over, has its threshold there.
+    The search starts with the conditions in which the map begins to hunt. A condition is added if a
+    draw hunts there below its threshold: in the map, at the loop's own γ, or after another kick at
+    the safe gain. If the search missed a band of hunting γ, the threshold of the draw is lowered to
+    the γ at which it hunted.
     """
     draws = some.friction.size
     conditions: tuple[Condition, ...] = ()
@@ -250,7 +249,7 @@ def _thresholds(
 
 
 def _seen_before(some: LoopAtShaft, few: Whole, chart: HuntingMap, hunts: Flags) -> Iterator[_Seen]:
-    """Yield what hunts at the loop's own γ and in the map."""
+    """Yield the draws that hunt at the loop's own γ and in the map."""
     compensated = some.loop.compensation.signal != "none"
     own = some.gamma if compensated else np.zeros_like(some.gamma)
     for condition, does in zip(chart.speeds, hunts, strict=True):
@@ -261,7 +260,7 @@ def _seen_before(some: LoopAtShaft, few: Whole, chart: HuntingMap, hunts: Flags)
 
 
 def _lowered(search: _Search, seen: list[_Seen]) -> _Search:
-    """Return a search with no threshold above a γ at which its draw was seen to hunt."""
+    """Return a search with no threshold above a γ at which its draw hunted."""
     conditions = search.conditions
     threshold, place = search.thresholds.gamma.copy(), search.thresholds.condition.copy()
     for condition, rows, gamma in seen:
@@ -276,7 +275,7 @@ def _lowered(search: _Search, seen: list[_Seen]) -> _Search:
 
 
 def _not_searched(shaft: LoopAtShaft, search: _Search) -> tuple[str, ...]:
-    """Return where hunting below the thresholds found may begin."""
+    """Return the conditions in which hunting may begin below the thresholds."""
     missing = []
     if search.left:
         speeds = sorted({float(np.median(left.speed_of(shaft))) for left in search.left})
@@ -291,7 +290,7 @@ def _not_searched(shaft: LoopAtShaft, search: _Search) -> tuple[str, ...]:
 
 
 def _earliest(chart: HuntingMap) -> tuple[Condition, ...]:
-    """Return the two speeds at which the map begins to hunt first, of equals where more do."""
+    """Return the two speeds at which the map hunts first; among ties, those with more hunting."""
     share = chart.hunts.mean(axis=2)  # (gammas, speeds)
     hunting = np.flatnonzero((share > 0).any(axis=0))
     first = (share > 0).argmax(axis=0)
@@ -300,7 +299,7 @@ def _earliest(chart: HuntingMap) -> tuple[Condition, ...]:
 
 
 def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[str, ...]:
-    """Return what could hunt and was not looked at."""
+    """Return possible causes of hunting that were not examined."""
     missing = []
     wanted = np.max(
         [run_length(shaft.sampled(), condition.speed_of(shaft)).wanted for condition in speeds],

@@ -1,8 +1,8 @@
 """The stiffest setting of a controller that meets all of its specs at once.
 
-Gains are multiples of those of the file. For each kp the best kd is used. The largest kp is chosen
-with which few enough draws miss a spec that has a closed form (steady error, torque and linear
-margins), and then the largest γ. Hunting is simulated at every speed at which the joint is used.
+Gains are multiples of those of the file. For each kp the best kd is used. First the largest kp is
+chosen at which few enough draws miss a spec with a closed form (steady error, torque and linear
+margins), then the largest γ. Hunting is simulated at every speed at which the joint is used.
 """
 
 from collections.abc import Iterator
@@ -22,10 +22,10 @@ from bayesfric.schemas.margins import Tuning
 
 STEPS = 11
 GRID_DRAWS, FINAL_DRAWS = 60, 2000
-"""Draws on the grid of gains, and in the final search for the largest kp."""
+"""Number of draws on the grid of gains, and in the final search for the largest kp."""
 SIMULATED = 400
 SETTINGS_SIMULATED = 3
-"""Settings whose hunting is simulated: a softer loop may not hunt."""
+"""Number of settings whose hunting is simulated: a softer loop may not hunt."""
 HALVINGS = 6
 
 
@@ -37,9 +37,9 @@ def scaled(shaft: LoopAtShaft, kp: float, kd: float, gamma: float | None = None)
     shaft : LoopAtShaft
         The loop.
     kp, kd : float
-        Multiples of those of the loop.
+        Multiples of the gains of the loop.
     gamma : float or None
-        Its compensation gain; None keeps it.
+        New compensation gain; None keeps the loop's.
     """
     return replace(
         shaft,
@@ -96,7 +96,7 @@ def _with_gain(shaft: LoopAtShaft, kp: float, kd: float, allowed: float, feeds: 
     gamma, hunting_draws = float(np.median(shaft.gamma)), hunting.now
     chosen = False
     if feeds:
-        # of the draws that meet all closed forms, the fraction that may hunt
+        # fraction that may hunt of the draws that meet all specs with closed forms
         left = (allowed - closed) / (1 - closed)
         others = replace(
             hunting, threshold=hunting.threshold[meets], condition=hunting.condition[meets]

@@ -1,9 +1,9 @@
-"""How much of each metric's variance each uncertain thing explains.
+"""The share of each group of uncertain inputs in the variance of each metric.
 
-First-order shares by pick and freeze: the covariance of a metric of one sample with that
-of another, which has one group in common with the first, is that group's part of the
-variance. What the second sample shows without it is taken off, so that a group that does
-nothing has a share of exactly 0. c1, c2 and c3 are one group, since they are correlated.
+First-order shares by pick and freeze: a group's part of the variance is the covariance of a metric
+in one sample with that in a second sample that shares only this group. The metric of the second
+sample without the shared group is subtracted, so a group without influence has a share of exactly
+0. c1, c2 and c3 are one group, since they are correlated.
 
 References
 ----------
@@ -32,13 +32,13 @@ def variance_shares(
     evaluate : callable
         Assemblies to metrics, each of shape (draws,).
     first, second : Assembly
-        Independent samples of one size.
+        Independent samples of equal size.
 
     Returns
     -------
     dict of str to dict of str to float
-        Metric (with its direction in brackets) to group to share, 0 to 1. Metrics that do
-        not vary or are not finite in all draws are absent.
+        Share, 0 to 1, by metric (with its direction in brackets) and group. Metrics that do not
+        vary or are not finite in all draws are absent.
     """
     base, apart = evaluate(first), evaluate(second)
     shared = {group: evaluate(second.with_group(group, first)) for group in first.groups}

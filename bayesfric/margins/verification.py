@@ -1,8 +1,9 @@
 """Verification of a loop's metrics by long simulations in fine steps, draw by draw.
 
-Errors at rest, and γ where the formula holds, come from closed forms of a stiff shaft; other γ
-from runs in coarse steps, judged as early as may be. Here motor and joint are on the elastic cable
-with friction behind it and the whole load, in finer steps, and nothing is judged early.
+The metrics come from approximations: errors at rest, and γ if the formula holds, from closed forms
+of a stiff shaft; other γ from runs in coarse steps that end as early as possible. Here motor and
+joint are simulated on the elastic cable with friction behind it and the whole load, in finer steps,
+and no run ends early.
 """
 
 from collections.abc import Iterator
@@ -25,29 +26,29 @@ from bayesfric.schemas.loop_runs import Held, Verification, VerifiedDraw
 
 TOO_LONG = f"a run that shows it takes longer than {MARGIN_RULES.verification_longest:g} s"
 STEPS_FOR_ONE = 4
-"""Steps of the cable for one of the search for γ."""
+"""Number of steps of the cable for one step of the search for γ."""
 SHARES = (0.0, 0.5, 0.7, 0.9, 1.1, 1.3, 1.6)
-"""Of the γ that hunts, at which it is tried whether it does."""
+"""Values of γ that are simulated, over the reported threshold."""
 KICKS = (-1.5, -0.75, 0.75, 1.5)
-"""Over the file's, after which errors at rest are looked at."""
+"""Kicks, over the file's, after which errors at rest are examined."""
 
 
 def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
-    """Simulate some draws on an elastic cable and compare them with the loop's figures.
+    """Simulate some draws on an elastic cable and compare them with the loop's metrics.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
     hunting : Hunting
-        What was found of them.
+        The reported thresholds.
     count : int
-        Draws to simulate, taken evenly from those in which hunting was looked for.
+        Number of draws to simulate, evenly spaced among those in `hunting`.
 
     Returns
     -------
     Verification
-        With each draw.
+        The comparison, with each draw.
     """
     places = evenly(hunting.rows.size, count)
     rows = hunting.rows[places]
@@ -89,9 +90,10 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
 
 
 def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Array, Flags]:
-    """Return the γ that hunts on the elastic cable, and which draws were tried.
+    """Return the γ that hunts on the elastic cable, and which draws were simulated.
 
-    Each draw is run in the condition that decides it, or in that which decides most.
+    Each draw is run in the condition that decides its threshold, or else in the one that decides
+    most thresholds.
     """
     conditions = hunting.conditions or (REST,)
     own = hunting.condition[places]
@@ -116,9 +118,9 @@ def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Arr
 
 
 def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
-    """Yield whether draws hunt at the file's γ at some speed, and how widely and how fast.
+    """Yield whether draws hunt at the file's γ at some speed, with amplitude and frequency.
 
-    Swings are compared at the speed at which the loop of the search swings most widely.
+    Oscillations are compared at the speed with the largest reported amplitude.
     """
     wanted = {condition: run_length(some.sampled(), condition.speed_of(some)).wanted.max()
               for condition in hunting.speeds}  # fmt: skip
@@ -145,10 +147,10 @@ def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
 
 
 def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
-    """Return which draws rest within the steady error, and how errors at rest hold.
+    """Return which draws rest within the steady error, and the agreement of errors at rest.
 
-    The servo is alone, without compensation and integral. A bound holds where no kick ends
-    beyond it, an encoder count added; how near it the farthest of them comes is the ratio.
+    Compensation and integral action are off. A bound holds if no kick ends beyond it plus one
+    encoder count. The ratio is the largest error over the bound.
     """
     shape = (len(KICKS), some.friction.size)
     none = np.zeros(shape)
@@ -194,7 +196,7 @@ def _ratio(simulated: Array, predicted: Array) -> Array:
 
 
 def _held(what: str, holds: Flags, ratio: Array | None, why: str) -> Held:
-    """Return the share of draws in which a figure agrees with the simulation, with its interval."""
+    """Return the share of draws in which a metric agrees with the simulation, with its interval."""
     count, hits = holds.size, int(holds.sum())
     if count == 0:
         return Held(what=what, draws=0, share=None, share_why=why, low=0.0, high=1.0)
@@ -210,7 +212,7 @@ def _held(what: str, holds: Flags, ratio: Array | None, why: str) -> Held:
 
 
 def jeffreys(hits: int, count: int) -> tuple[float, float]:
-    """Return Jeffreys' interval of 95 % of a share that was seen `hits` times of `count`."""
+    """Return the 95 % Jeffreys interval of a share with `hits` of `count`."""
     low, high = scipy.stats.beta.ppf(np.array([0.025, 0.975]), hits + 0.5, count - hits + 0.5)
     return float(low) if hits else 0.0, float(high) if hits < count else 1.0
 

@@ -1,4 +1,4 @@
-"""Warnings about a loop's margins: assumptions, and where data and models end."""
+"""Warnings about a loop's margins: assumptions, and limits of data and models."""
 
 from collections.abc import Iterator, Mapping
 
@@ -31,13 +31,13 @@ def loop_warnings(
     shaft : LoopAtShaft
         The loop.
     given : Assembly
-        What it was made from.
+        The numbers from which it was made.
     linear : mapping
         Its linear margins by direction.
     discrepancy : RigDiscrepancy
-        How far rigs differ.
+        Difference between rigs.
     posterior : Posterior
-        The draws, and where they were measured.
+        The draws, and the conditions that were measured.
     """
     return (
         *(f"Assumed: {text}" for text in shaft.loop.assumptions),

@@ -24,20 +24,20 @@ Floats = tuple[float, ...]
 
 @dataclass(frozen=True)
 class JointAtShaft:
-    """A joint as the motor's shaft sees it, arrays of shape (draws,)."""
+    """A joint referred to the motor's shaft, arrays of shape (draws,)."""
 
     friction: Array  # N·m
     inertia: Array  # kg·m²
     viscous: Array  # N·m·s/rad
     load: Array  # N·m
-    net_load: Array  # N·m, of which gravity compensation has taken its share
+    net_load: Array  # N·m, the load that gravity compensation leaves
     peak_velocity: Array  # rad/s
     peak_acceleration: Array  # rad/s²
 
 
 @dataclass(frozen=True)
 class Wrist:
-    """The coupled joints around one motor; arrays of shape (draws,), tuples an entry a motor.
+    """The coupled joints around one motor: arrays of shape (draws,), tuples with one entry a motor.
 
     Parameters
     ----------
@@ -50,13 +50,13 @@ class Wrist:
     compliance : tuple of float
         (D Dᵀ)_kj, what a torque on each joint turns this one by, times a motor's stiffness.
     joint : JointAtShaft
-        All joints as this motor sees them, in their fastest motion together.
+        All joints referred to this motor, in their fastest motion together.
     load : tuple of ndarray
-        Of the joints at each motor [N·m].
+        Load of the joints at each motor [N·m].
     swing : ndarray
-        Torque that inertia and viscous friction of the joints then ask of it [N·m].
+        Torque of the motor for inertia and viscous friction of the joints in that motion [N·m].
     joint_friction, joint_load, joint_net_load : tuple of ndarray
-        Of each joint, at itself [N·m].
+        Of each joint, at the joint [N·m].
     """
 
     axis: int
@@ -75,7 +75,7 @@ class Wrist:
         return _weighted(np.abs(self.own_row), of_motors)
 
     def reversing(self, of_motors: Sequence[Array]) -> Array:
-        """Return the joint's error from the motors that reverse when it alone does [rad]."""
+        """Return the joint's error from the motors that reverse when it alone reverses [rad]."""
         return np.abs(_weighted(np.array(self.own_row) * np.sign(self.own_column), of_motors))
 
     def by_hand(self, of_motors: Sequence[Array]) -> Array:
@@ -97,14 +97,14 @@ def _weighted(weights: Array, values: Sequence[Array]) -> Array:
 
 
 def wrist_of(loop: Loop, given: Assembly) -> Wrist | None:
-    """Return the coupled joints of a loop; None where there is no coupling.
+    """Return the coupled joints of a loop; None without a coupling.
 
     Parameters
     ----------
     loop : Loop
         The file.
     given : Assembly
-        Its numbers, a value a draw.
+        Its numbers, one value for each draw.
     """
     coupling, joint = loop.coupling, loop.joint
     if coupling is None or not isinstance(joint, RevoluteJoint):

@@ -1,4 +1,4 @@
-"""What a recording shows before any work: its telemetry, what it can tell, what to record next."""
+"""A check before a fit: telemetry, what a recording can determine, and what to record next."""
 
 from bayesfric.readiness.checking import Readiness, readiness_of, refuse_untold
 

@@ -1,4 +1,4 @@
-"""What to record so that an effect can be told, by what it needs."""
+"""What to record so that an effect can be found, by what the effect needs."""
 
 from collections.abc import Iterable
 
@@ -22,10 +22,10 @@ ADVICE = {
     "drive": "quick starts and stops: a chirp to 4 Hz",
     "pulleys": "",
 }
-"""What shows an effect, by what it needs; empty where no recording of the rig can."""
+"""What to record, by need of an effect; empty if no recording of the rig can provide it."""
 
 
 def advice_for(needs: Iterable[str]) -> tuple[str, ...]:
-    """Return what to record, for needs that a recording lacks; nothing where it cannot be had."""
+    """Return what to record for needs that a recording lacks; nothing for needs without advice."""
     wanted = [ADVICE.get(need, "") for need in needs]
     return tuple(dict.fromkeys(wanted)) if wanted and all(wanted) else ()

@@ -1,4 +1,4 @@
-"""A recording to what can be told with it, in seconds and before any work."""
+"""What a recording can determine, computed in seconds before a fit."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -20,32 +20,33 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs.opening import left_out, remarks_of
 
 OF_OTHERS = {"pulleys", "law-without-coulomb", "law-without-offset"}
-"""Needs of effects of other rigs, and of numbers that the law has already."""
+"""Needs of effects of other rigs, and of effects that the law already contains."""
 UNTOLD = "these data leave every number of the law to its prior"
 
 
-MOST_SHOWN = 3  # conditions to record next, those that help most
-SHORT_CELL = 38  # characters of a cell, of which two stand on a line
+MOST_SHOWN = 3  # number of conditions to record next that are shown, the most useful first
+SHORT_CELL = 38  # longest cell [characters] of which two fit on a line
 
 
 @dataclass(frozen=True)
 class Part:
-    """What a part of a recording can tell: a joint, or all boards.
+    """What a part of a recording can determine: a joint, or all boards.
 
     Parameters
     ----------
     name : str
-        Of the joint; empty where there is one part.
+        Name of the joint; empty if there is one part.
     power : Power or None
-        None where nothing can come of it, or where that was all that was asked.
+        None if nothing can be determined, or if only this was asked.
     why_not : tuple of Fault
-        Why nothing can.
+        Why nothing can be determined.
     lacking : dict of str to tuple of str
-        Effects that cannot be told, and what they need.
+        Effects that cannot be found, and what they need.
     largest : dict of str to float
-        Of effects that are examined, the largest plausible amplitude.
+        Largest plausible amplitude of each effect that is examined.
     untold : dict of str to str
-        Numbers of the law that such data cannot tell, whatever their errors: name and reason.
+        Numbers of the law that such data cannot determine, whatever their errors: name and
+        reason.
     """
 
     name: str
@@ -57,11 +58,11 @@ class Part:
 
     @property
     def effects(self) -> tuple[dict[str, str], list[str]]:
-        """Effects that can be told, with the size from which on, and those that cannot.
+        """Effects that can be found, with the smallest size that is found, and those that cannot.
 
-        Of several laws the size is that of the one that shows worst; below that of the one that
-        shows best, where it is known, none is found. An effect that would be found only where it
-        is larger than is plausible cannot be told.
+        For several laws the size is that of the law that is hardest to find. Below the size of
+        the law that is easiest to find, if it is known, none is found. An effect that would be
+        found only above its plausible sizes cannot be found.
         """
         smallest: dict[str, tuple[float, str]] = {}
         unseen: dict[str, float] = {}
@@ -82,7 +83,7 @@ class Part:
 
     @property
     def advice(self) -> dict[str, list[str]]:
-        """What to record next, to the effects that it would show."""
+        """Effects that a recording would show, by what to record."""
         effects_by_wish: dict[str, list[str]] = {}
         for effect, needs in self.lacking.items():
             wanted = advice_for(needs)
@@ -124,7 +125,7 @@ class Part:
         yield from self._next()
 
     def _called(self, number: str) -> str:
-        """Return what a number of the law is called: the mass of a joint that turns is inertia."""
+        """Return the name of a number of the law: the mass of a joint that turns is its inertia."""
         assert self.power is not None
         unit = self.power.coefficients["unit"].get(number, "")
         return "inertia" if number == "mass" and unit != "kg" else number
@@ -156,7 +157,7 @@ def _setting(name: str, value: object) -> str:
 
 
 def _in_two_columns(cells: list[str]) -> Iterator[str]:
-    """Yield lines of two cells, the first half of them on the left; of one where cells are long."""
+    """Yield lines of two cells, the first half on the left; of one cell if cells are long."""
     if max(map(len, cells)) > SHORT_CELL:
         yield from (f"  {cell}" for cell in cells)
         return
@@ -167,18 +168,18 @@ def _in_two_columns(cells: list[str]) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Readiness:
-    """What a recording shows, and what can come of it.
+    """Telemetry of a recording, and what the recording can determine.
 
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording, as read.
     telemetry : tuple of Telemetry
-        A joint at a time; empty of boards.
+        Telemetry of each joint; empty for boards.
     remarks : tuple of (str, str)
-        What the rigs say of their sensors.
+        Remarks of the rigs on their sensors.
     parts : tuple of Part
-        A part at a time.
+        The parts of the recording.
     """
 
     recording: Recording
@@ -188,7 +189,7 @@ class Readiness:
 
     @property
     def hopeless(self) -> bool:
-        """Whether no part of it can tell anything."""
+        """Whether no part of the recording can determine anything."""
         return all(part.why_not for part in self.parts)
 
     def lines(self) -> Iterator[str]:
@@ -212,7 +213,7 @@ def readiness_of(
     baseline: str = "paper",
     numbers_alone: bool = False,
 ) -> Readiness:
-    """Return what a recording shows, and what can be told with it.
+    """Return the telemetry of a recording, and what the recording can determine.
 
     Parameters
     ----------
@@ -221,9 +222,9 @@ def readiness_of(
     analysis : Analysis or None
         Priors, and the odds at which an effect is found.
     baseline : str
-        The friction law, as of a diagnosis.
+        The friction law, as for a diagnosis.
     numbers_alone : bool
-        Whether nothing is asked but whether anything can be told, which takes less time.
+        Whether to check only that some number can be determined, which takes less time.
 
     Raises
     ------
@@ -249,7 +250,7 @@ def _part(
     numbers_alone: bool,
 ) -> Part:
     if numbers_alone and recording.axis is None:
-        return Part(name, None)  # boards that enter tell their coefficients
+        return Part(name, None)  # boards with usable trials always determine coefficients
     try:
         question = question_of(
             recording, analysis or Analysis(), (), (), None, baseline, None, None
@@ -259,7 +260,7 @@ def _part(
         power = numbers_told(question) if numbers_alone else power_of_measured(question)
     except InputError:
         reasons = left_out(recording)
-        if not reasons:  # it is not the data that cannot be used
+        if not reasons:  # the data are not the reason
             raise
         return Part(name, None, tuple(reasons))
     numbers = power.coefficients
@@ -284,12 +285,12 @@ def _part(
 
 
 def refuse_untold(readiness: Readiness) -> None:
-    """Refuse a recording of which nothing can come.
+    """Refuse a recording that can determine nothing.
 
     Raises
     ------
     InputError
-        No part of it can tell anything: why, and what it takes.
+        No part of it can determine anything; with the reasons and what is needed.
     """
     if readiness.hopeless:
         raise InputError([fault for part in readiness.parts for fault in part.why_not])

@@ -1,8 +1,8 @@
-"""What a recording can tell, by the noise and around the law that it shows.
+"""What a recording can determine, given its own noise and linearised around its own law.
 
-It is asked of the hypotheses that a diagnosis compares, each with its discrepancy, so that what
-is said beforehand is what a diagnosis will find: an effect has to win against none, and against
-every other effect that would take most of what it does.
+The computation uses the hypotheses that a diagnosis compares, each with its discrepancy. So it
+predicts what a diagnosis will find: an effect has to win against no effect, and against every other
+effect that would explain most of its force.
 """
 
 from collections.abc import Mapping
@@ -38,14 +38,14 @@ from bayesfric.inference.power import (
 )
 from bayesfric.planning import Power, model_of_middles, power_of_model, share_of_friction
 
-HIDDEN_WITH = 0.01  # the probability with which an effect is found below which none is expected
-USUAL_SHAPES = 1.0  # normal quantiles of a shape's prior, within which rivals and doubles lie
-LEAST_GAINED = 1.0  # nat, that an effect of the most probable hypothesis is worth
+HIDDEN_WITH = 0.01  # an effect that is found with a lower probability counts as hidden
+USUAL_SHAPES = 1.0  # shapes lie within these normal quantiles of their prior
+LEAST_GAINED = 1.0  # nat, least gain of an effect of the most probable hypothesis
 SURE_ODDS = log(RULES.sure / (1 - RULES.sure))  # nat
 
 
 def numbers_told(question: Question) -> Power:
-    """Return with which errors a recording tells the numbers of its law, and nothing else.
+    """Return the errors with which a recording determines the numbers of its law, and nothing else.
 
     Parameters
     ----------
@@ -60,13 +60,13 @@ def numbers_told(question: Question) -> Power:
 
 
 def power_of_measured(question: Question) -> Power:
-    """Return what a recording can tell, with the noise and around the law that it shows.
+    """Return what a recording can determine, given its own noise and around its own law.
 
-    Where the law lacks an effect, the noise that is fitted beside the law alone takes up what that
-    effect does. So noise and errors are those beside the effects that a first look shows, as in
-    the diagnosis. Coefficients have ``sd_where_law_is_off`` too: their errors where the law may be
-    wrong by the share of friction below which no gap counts, as a diagnosis states them. Effects
-    have ``unseen`` too: the amplitude below which a diagnosis names it once in a hundred times.
+    If the law lacks an effect, the noise that is fitted with the law alone absorbs the effect. So
+    noise and errors are estimated together with the effects that a first look finds, as in the
+    diagnosis. Coefficients also have ``sd_where_law_is_off``: their errors if the law is wrong by
+    the practical share of friction, as a diagnosis reports them. Effects also have ``unseen``: the
+    amplitude below which a diagnosis names the effect less than once in a hundred times.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def power_of_measured(question: Question) -> Power:
         return replace(
             tellable,
             coefficients=numbers.assign(
-                # A recalibrated law may be known better than its numbers beside an effect's.
+                # A recalibrated law may have smaller errors than its numbers have beside an effect.
                 sd_where_law_is_off=[max(spread[n], numbers.loc[n, "sd"]) for n in numbers.index]
             ),
             effects=_effects(look, inclusion(judged.search)),
@@ -103,9 +103,9 @@ def power_of_measured(question: Question) -> Power:
 
 
 class _Shown(NamedTuple):
-    """A law of an effect that acts in a hypothesis: its best shape and amplitude.
+    """A law of an effect that acts in a hypothesis, with its best shape and amplitude.
 
-    The name is the one that the effect has there, which may be that of an identical one.
+    The name is that in the hypothesis, which may be the name of an identical effect.
     """
 
     shape: float
@@ -114,26 +114,26 @@ class _Shown(NamedTuple):
 
 
 class _Look(NamedTuple):
-    """What a first look shows.
+    """The results of a first comparison of hypotheses.
 
     Parameters
     ----------
     compared : Compared
         Hypotheses, as a diagnosis compares them.
     shown : dict of (str, str) to _Shown
-        By effect and law: what acts in the most probable hypothesis.
+        Effects that act in the most probable hypothesis, by effect and law.
     alone : dict of (str, str) to _Shown
-        The same of effects that act alone in other hypotheses.
+        Effects that act alone in other hypotheses, by effect and law.
     psi : ndarray
-        Logarithms of the noise beside them.
+        Logarithms of the noise parameters beside them.
     model : LinearModel
-        Around the law that the measurements show, with each law of each effect at all its shapes.
+        The model around the estimated law, with each law of each effect at all its shapes.
     noise_alone : LinearModel
         The same with each law at one shape, and without discrepancy.
     places : tuple of int
-        Among its candidates, what is shown.
+        Indices of the shown effects among its candidates.
     missing : dict of str to str
-        Effects that nothing is said of, with the reason.
+        Effects that could not be examined, with the reason.
     """
 
     compared: Compared
@@ -147,7 +147,7 @@ class _Look(NamedTuple):
 
 
 def _first_look(question: Question) -> _Look:
-    """Compare hypotheses as a diagnosis does, before anything is held out."""
+    """Compare hypotheses as a diagnosis does, without held-out data."""
     compared = compare_hypotheses(question, Checkpoint(None, ""))
     around, best = compared.model, compared.search.best()
     shown = _shown_by(around, best)
@@ -182,7 +182,7 @@ def _first_look(question: Question) -> _Look:
 
 
 def _shown_by(model: LinearModel, weighed: Weighed) -> dict[tuple[str, str], _Shown]:
-    """Return what acts in a hypothesis, by effect and law."""
+    """Return the effects that act in a hypothesis, by effect and law."""
     acting, fitted = weighed.acting, model.amplitudes(weighed.at, weighed.acting)
     return {
         (law.effect, law.law): _Shown(
@@ -193,13 +193,13 @@ def _shown_by(model: LinearModel, weighed: Weighed) -> dict[tuple[str, str], _Sh
 
 
 def _known_by_data(precision: Array, law: Law, shape: float) -> float:
-    """Return the precision with which data know an amplitude, over that of its prior."""
+    """Return the precision of an amplitude from the data over that of its prior."""
     weights, places = law.weights(np.asarray(shape)), list(law.places)
     return float(weights @ precision[np.ix_(places, places)] @ weights)
 
 
 def _odds_of_the_first(model: LinearModel) -> float:
-    """Return the log Bayes factor from which on a diagnosis is sure of an effect [nat]."""
+    """Return the log Bayes factor above which a diagnosis names an effect [nat]."""
     prior = model.analysis.diagnosis.hypotheses
     return SURE_ODDS + log(prior.none) - log(prior.one) + log(comb(len(model.lawbook), 1))
 
@@ -207,10 +207,10 @@ def _odds_of_the_first(model: LinearModel) -> float:
 def _spread_of_law(
     compared: Compared, judged: Judged, rng: np.random.Generator
 ) -> dict[str, float]:
-    """Return the error of each number of the law where the law may be off, by name.
+    """Return the error of each number of the law, if the law may be wrong, by name.
 
-    It is that of a diagnosis, by the same draws: over all hypotheses that stay open, and over runs
-    to come.
+    It is the error that a diagnosis reports, from the same draws: over all hypotheses that remain
+    possible, and over future runs.
     """
     model, drawn, plain = compared.model, judged.posterior.law.coefficients, judged.plain
     arms, in_none = judged.arms, np.zeros(plain.setup.size, dtype=np.bool_)
@@ -227,11 +227,11 @@ def _spread_of_law(
 
 
 def _effects(look: _Look, chances: Mapping[str, float]) -> pd.DataFrame:
-    """Return from which amplitude on each law of each effect is named, and below which not.
+    """Return the amplitude above which each law of each effect is named, and below which it is not.
 
-    Of an effect that acts in the most probable hypothesis, or that is possible, the data say
-    themselves whether it is told at the amplitude that it has there: by its probability, in
-    `chances`. Scatter, or an unknown force, may take its place.
+    For an effect that acts in the most probable hypothesis, or that is possible, its probability in
+    `chances` says whether it is named at its amplitude there. Scatter or an unknown force may
+    explain it instead.
     """
     model = look.model
     precision = model.reduced(look.psi, Acting()).precision
@@ -267,9 +267,9 @@ def _effects(look: _Look, chances: Mapping[str, float]) -> pd.DataFrame:
 
 
 def _errors(model: LinearModel, precision: Array, law: Law, shape: float) -> tuple[float, float]:
-    """Return the error of an effect's amplitude, alone and beside the rival that takes most of it.
+    """Return the error of an effect's amplitude, alone and beside its strongest rival.
 
-    Both are infinite where the data leave the amplitude to its prior.
+    Both are infinite if the data do not inform the amplitude.
     """
     informed = _known_by_data(precision, law, shape)
     across = law.weights(np.asarray(shape)) @ precision[list(law.places)]
@@ -282,7 +282,7 @@ def _errors(model: LinearModel, precision: Array, law: Law, shape: float) -> tup
         ]
     )
     alike = across[rivals] ** 2 / (informed * np.diag(precision)[rivals])
-    alike = alike[alike < RULES.effects_alike**2]  # what is identical is one class
+    alike = alike[alike < RULES.effects_alike**2]  # identical effects are one class
     error = model.amplitude_scale(law) / float(np.sqrt(informed))
     return error, error / float(np.sqrt(1 - alike.max(initial=0.0)))
 
@@ -290,7 +290,7 @@ def _errors(model: LinearModel, precision: Array, law: Law, shape: float) -> tup
 def _named_from(
     error: float, beside: float, prior: Prior, odds: float, probability: float
 ) -> float:
-    """Return the amplitude that is named with a probability, against none and any rival."""
+    """Return the amplitude that is named with a given probability, against none and any rival."""
     if not np.isfinite(error):
         return np.inf
     return max(
@@ -300,16 +300,16 @@ def _named_from(
 
 
 def _told_from(amplitude: float, chance: float, odds: float) -> float:
-    """Return the amplitude at which data are sure of what they show, but not surely.
+    """Return the amplitude that would be named, from an amplitude that is shown but not certain.
 
     Parameters
     ----------
     amplitude : float
-        That it has, whose square the log Bayes factor goes with.
+        The amplitude that is shown. The log Bayes factor is proportional to its square.
     chance : float
-        Of the effect.
+        Probability of the effect.
     odds : float
-        Log Bayes factor at which a diagnosis is sure [nat].
+        Log Bayes factor above which a diagnosis names the effect [nat].
     """
     bounded = min(max(chance, RULES.rare), RULES.sure)
     gained = odds - SURE_ODDS + log(bounded / (1 - bounded))

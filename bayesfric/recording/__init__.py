@@ -1,7 +1,7 @@
 """A recording: a folder of tables ⇄ one frozen, checked :class:`Recording`.
 
 ``docs/recording.md`` describes the folder. Reading collects every fault of a
-recording before it complains; writing is whole or not at all.
+recording before it raises. Writing is atomic: the whole folder or nothing.
 """
 
 from bayesfric.recording.conditions import read_conditions as read_conditions

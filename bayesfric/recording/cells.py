@@ -1,7 +1,7 @@
 """Text cells → typed columns, checked one cell at a time.
 
-A cell that is no number becomes NaN, and NaN is what the rules then refuse, so
-that every fault keeps its line and its value as written.
+A cell that is no number becomes NaN, which the rules then refuse. So every fault keeps
+its line and its value as written.
 """
 
 import re
@@ -27,7 +27,7 @@ from bayesfric.recording.columns import (
 from bayesfric.recording.csv_text import LISTED, TextTable, with_more, with_rest
 from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
-NOTED = 10  # columns that are named where more are kept out
+NOTED = 10  # most columns that a note on ignored columns names
 
 TYPOGRAPHIC = re.compile("[“”„‘’‚«»].*[“”„‘’‚«»]")
 QUOTED = ', in " or in no quotation marks (these are typographic)'
@@ -42,15 +42,15 @@ class Table:
     format : TableFormat
         The rules it was checked against.
     text : TextTable
-        As written.
+        The cells as written.
     frame : DataFrame
-        The same rows as `text`, known columns only, in canonical order. A cell at
-        fault, or empty, is NaN, so that no further rule stumbles over it; integers are
-        still floats, and words that repeat are categories.
+        The same rows as `text`, known columns only, in canonical order. A faulty or empty
+        cell is NaN, so that no further rule reports it again. Integers are still floats, and
+        words that repeat are categories.
     faults : tuple of Fault
-        Everything wrong with single cells, columns and ids.
+        All faults of single cells, columns and ids.
     notes : tuple of str
-        Columns that were kept out.
+        Notes on columns that are ignored.
     """
 
     format: TableFormat
@@ -60,7 +60,7 @@ class Table:
     notes: tuple[str, ...]
 
     def has(self, *columns: str) -> bool:
-        """Whether all of these columns are there."""
+        """Whether the table has all of these columns."""
         return all(column in self.frame for column in columns)
 
     def faults_where(self, mask: npt.ArrayLike, column: str, expected: str) -> list[Fault]:
@@ -68,7 +68,7 @@ class Table:
         return self.text.faults_at(np.flatnonzero(mask), column, expected)
 
     def first_where(self, mask: npt.ArrayLike, column: str, expected: str) -> list[Fault]:
-        """One fault, at `column`, of the first row in which `mask` is true, and how many follow."""
+        """One fault, at `column`, for the first row with a true `mask`; it counts the others."""
         return self.text.faults_at(np.flatnonzero(mask), column, expected, most=1)
 
 
@@ -87,8 +87,8 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     Raises
     ------
     InputError
-        If the header has no column of the table or is that of another, or if the row below
-        it holds units.
+        If the header has no column of the table or is the header of another table, or if the
+        row below it has units.
     """
     _check_names(text)
     text = _by_names_of(text, table)
@@ -100,7 +100,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
         if column.name in text.cells:
             cells = text.cells[column.name]
             if ragged.any() and column.is_numeric:
-                cells = cells.mask(ragged, "")  # what stands in another's place says nothing
+                cells = cells.mask(ragged, "")  # a cell that may be shifted is not judged
             if column.required or (cells != "").any():
                 typed_columns[column.name] = _typed(cells, column)
     notes = []
@@ -132,7 +132,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
 
 
 def _check_names(text: TextTable) -> None:
-    """Refuse column names that are too long or hold characters that cannot be seen."""
+    """Refuse column names that are too long or contain invisible characters."""
     faults = []
     for name in map(str, text.cells.columns):
         if len(name) > LONGEST_NAME:
@@ -147,12 +147,12 @@ def _check_names(text: TextTable) -> None:
 
 
 def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
-    """Return a table with the names of the format in the place of others that it may have.
+    """Return a table with alternative column names replaced by those of the format.
 
     Raises
     ------
     InputError
-        A column is there by both of its names.
+        The table has a column under both names.
     """
     columns = {column.name for column in table.columns}
     others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in columns}
@@ -187,7 +187,7 @@ def _check_header(text: TextTable, table: TableFormat) -> None:
 
 
 def _check_units(text: TextTable, table: TableFormat) -> None:
-    """Refuse a row of units: words where numbers belong, and numbers below them."""
+    """Refuse a row of units: words in number columns, with numbers in the rows below."""
     numeric = [c.name for c in table.columns if c.is_numeric and c.name in text.cells]
     first, *below = text.cells[numeric].head(2).to_numpy().tolist()
     words = [cell[:1].isalpha() or cell in ("-", "%", "°") for cell in first]
@@ -247,7 +247,7 @@ def _without_cause(
     column: Column,
     slips: dict[str, list[tuple[int, Column]]],
 ) -> npt.NDArray[np.intp]:
-    """Return the rows of unrecognised mistakes; recognised ones are added to `slips`."""
+    """Return the rows of unrecognised mistakes; recognised mistakes are added to `slips`."""
     wrong = cells.iloc[positions]
     cause_of_cell = {cell: _cause(cell, column) for cell in wrong.unique()}
     has_cause = np.zeros(positions.size, dtype=np.bool_)
@@ -265,7 +265,7 @@ def _cause(cell: str, column: Column) -> str | None:
 
 
 def _slips(text: TextTable, slips: Mapping[str, Sequence[tuple[int, Column]]]) -> list[Fault]:
-    """Return one fault for each recognised mistake, which a file often has in many cells."""
+    """Return one fault for each recognised mistake, since a file often repeats it in many cells."""
     joined: dict[str, list[tuple[int, Column]]] = {}
     for cause, cause_told in one_cause(slips).items():
         joined.setdefault(cause_told, []).extend(slips[cause])
@@ -305,7 +305,7 @@ def _unlike_names(text: TextTable, positions: npt.NDArray[np.intp], column: Colu
 
 
 def _why_no_name(name: str, column: Column) -> str:
-    """Return what of a name cannot be seen, by its code, or how long it is."""
+    """Return the invisible character of a name, by its code, or the length of the name."""
     if len(name) > column.longest:
         return f", not {len(name):,}"
     unseen = invisible_in(name)
@@ -313,10 +313,10 @@ def _why_no_name(name: str, column: Column) -> str:
 
 
 def _obeys(values: pd.Series, column: Column) -> npt.NDArray[np.bool_]:
-    """Whether each value that is there obeys the rules of its column."""
+    """Whether each value that is not missing obeys the rules of its column."""
     obeys = np.ones(len(values), dtype=np.bool_)
     if column.is_text:
-        # Ids repeat: looking at each once is faster by far.
+        # Ids repeat: checking each id once is much faster.
         names = values.dropna().unique()
         obeys &= ~values.isin([name for name in names if not _is_name(name, column)]).to_numpy()
     if column.kind == "choice":

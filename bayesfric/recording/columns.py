@@ -1,7 +1,7 @@
 """The tables of a recording, column by column, as data.
 
-The reader checks against this list, the writer takes its column order and units
-from it, and ``docs/recording.md`` says the same in prose.
+The reader checks against this list, and the writer takes column order and units from it.
+``docs/recording.md`` describes the same in prose.
 """
 
 from dataclasses import dataclass, replace
@@ -9,23 +9,23 @@ from functools import partial
 from typing import Literal
 
 MOST_PULLEYS = 1000  # the paper has 19
-LARGEST = 1e12  # of any number, in SI: its square and its cube are still numbers
+LARGEST = 1e12  # largest absolute value in SI units: its square and cube do not overflow
 LONGEST_NAME = 100  # characters of an id, a size or a column's name
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a table: what its cells must be.
+    """One column of a table, with the rules for its cells.
 
     Parameters
     ----------
     name : str
-        As in the header.
+        Name in the header.
     kind : {"id", "text", "choice", "number", "integer"}
         An id is text; `unique` says whether it must not repeat.
     meaning : str
-        One line for the Table Schema.
+        Meaning in one line, for the Table Schema.
     unit : str
         SI unit, or ``deg``; empty for text and counts.
     required : bool
@@ -37,9 +37,9 @@ class Column:
     nonzero, unique : bool
         No cell may be 0; no two cells may be equal.
     choices : tuple of str
-        What a ``choice`` may be.
+        Allowed values of a ``choice``.
     longest : int
-        Characters that text may have.
+        Largest number of characters of a text.
     """
 
     name: str
@@ -63,17 +63,17 @@ class Column:
 
     @property
     def is_text(self) -> bool:
-        """Whether any text will do."""
+        """Whether any text is allowed."""
         return self.kind in ("id", "text")
 
     @property
     def repeats(self) -> bool:
-        """Whether the cells are few words again and again."""
+        """Whether the cells repeat a few words."""
         return self.kind == "choice" or (self.kind == "id" and not self.unique)
 
     @property
     def expected(self) -> str:
-        """The rule of one cell, as a sentence fragment."""
+        """The rule for a cell, as a sentence fragment."""
         if self.kind == "choice":
             rule = " or ".join(self.choices)
         elif self.kind == "integer":
@@ -108,7 +108,7 @@ TAKEN = frozenset(
         *("pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n", "drive_end"),
     }
 )
-"""What results call conditions and places of their own: no covariate has such a name."""
+"""Names that results use for conditions and places; no covariate may have one of them."""
 
 
 @dataclass(frozen=True)
@@ -120,9 +120,9 @@ class TableFormat:
     file : str
         Canonical file name.
     columns : tuple of Column
-        In the order in which they are written.
+        The columns, in the order in which they are written.
     keeps_covariates : bool
-        Whether further numeric columns are data, where something may depend on them.
+        Whether further numeric columns are kept as covariates.
     """
 
     file: str
@@ -135,7 +135,7 @@ class TableFormat:
         return self.file.removesuffix(".csv").replace("_", "-")
 
 
-HOTTEST_C = 250.0  # of a joint that runs, and below any room in kelvin
+HOTTEST_C = 250.0  # above any running joint, and below any room temperature in kelvin
 
 optional = partial(Column, required=False)
 with_blanks = partial(Column, required=False, may_be_empty=True)
@@ -156,7 +156,7 @@ TIME = Column("time_s", "number", "time", "s")
 VELOCITY = Column("velocity_m_s", "number", "cable speed, signed", "m/s", nonzero=True)
 CURRENT = Column("current_a", "number", "mean motor current", "A")
 
-# Kind 3 has the same columns as kinds 1 and 2, none of them compulsory.
+# Kind 3 has the same columns as kinds 1 and 2; none of them is required.
 STEADY_CONDITION = (
     *(replace(column, required=False) for column in (SIZE, COUNT, WRAP)),
     optional("tension_n", "number", "nominal tension", "N", least=0),
@@ -286,10 +286,10 @@ TABLES = {
 }
 
 BUILT_IN = frozenset(TABLES)
-"""Tables with a field of their own in a recording; a rig that is added may bring others."""
+"""Tables with a field of their own in a recording; additional rigs may add others."""
 
 OTHER_NAMES = {"command_rad": "command_m"}
-"""Columns of a rotary axis, and what they are called in a recording."""
+"""Alternative names of columns for a rotary axis, and their names in a recording."""
 
 RIG_KEYS_NEEDED = {
     "gravity_events.csv": ("hall_spacing_m", "magnets_per_revolution", "timer_resolution_s"),

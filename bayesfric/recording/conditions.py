@@ -1,4 +1,4 @@
-"""A table of conditions to ask about: those of a steady run, without its friction."""
+"""A table of conditions at which to predict: those of a steady run, without its friction."""
 
 from pathlib import Path
 
@@ -20,12 +20,12 @@ def read_conditions(path: Path) -> pd.DataFrame:
     Parameters
     ----------
     path : Path
-        With columns of ``steady_friction.csv`` that are conditions, and any numeric covariate.
+        A file with the condition columns of ``steady_friction.csv`` and any numeric covariates.
 
     Returns
     -------
     DataFrame
-        Known columns, and covariates.
+        Known columns and covariates.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Rules that need more than one cell: masses, setups, event trains, two tables."""
+"""Rules that involve more than one cell: masses, setups, event trains, two tables."""
 
 from collections.abc import Mapping
 
@@ -15,11 +15,11 @@ from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE, pushing
 from bayesfric.recording.tables import RigConstants
 
-MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
+MEAN_TOLERANCE_DEG = 0.5  # individual wrap angles may be printed in whole degrees
 LARGEST_WRAP_DEG = 180.0
 
-FEW = 3  # displacements off the spacing, each of which is told
-MINIMUM_EVENTS = 5  # of a trial and sensor
+FEW = 3  # up to this many displacements off the spacing are reported one by one
+MINIMUM_EVENTS = 5  # for each trial and sensor
 SIGNED = ["friction_n", "velocity_m_s"]
 CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 
@@ -27,7 +27,7 @@ CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 def check_across(
     tables: Mapping[str, Table], rig: RigConstants, unreadable: frozenset[str]
 ) -> list[Fault]:
-    """Return the faults that show where rows, or tables, are compared with each other.
+    """Return the faults that show when rows or tables are compared with each other.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def check_across(
     rig : RigConstants
         The constants of the rig.
     unreadable : frozenset of str
-        Tables that are listed but could not be parsed. Nothing is concluded from
-        what they may hold.
+        Tables that are listed but could not be parsed. Nothing is concluded from their
+        possible content.
     """
     faults: list[Fault] = []
     trials, events = tables.get("gravity_trials.csv"), tables.get("gravity_events.csv")
@@ -92,7 +92,7 @@ def _unmeasured(trials: Table, events: Table | None) -> list[Fault]:
         return []
     trial, text = trials.frame["trial"], trials.text.cells
     missing = trial.notna()
-    if "acceleration_m_s2" in text:  # one that is written but wrong is a fault already
+    if "acceleration_m_s2" in text:  # a written but wrong acceleration is already a fault
         missing &= text["acceleration_m_s2"] == ""
     if events:
         missing &= ~stands_in(trial, events.frame["trial"])
@@ -115,7 +115,7 @@ def _moved_after_all(trials: Table, events: Table | None) -> list[Fault]:
 
 
 def _angles(trials: Table) -> list[Fault]:
-    """Faults of individual wrap angles, which must be as many as pulleys and have their mean."""
+    """Faults of individual wrap angles: one for each pulley, with the mean of `wrap_angle_deg`."""
     column = "wrap_angles_deg"
     if not trials.has(column, "n_pulleys", "wrap_angle_deg"):
         return []

@@ -1,9 +1,9 @@
 """Rows and trials that are copies of others: the same measurement under another id.
 
-A measurement that stands in a recording six times is not six measurements. Trials of the gravity
-board and runs of a joint have so many events and samples that two of them are never the same by
-chance. A point or a run of the motor board has one reading, and rounded readings repeat
-honestly: rows are copies where the digits in which readings agree are more than chance gives.
+One measurement that is recorded six times is not six measurements. Trials of the gravity board and
+runs of a joint have so many events and samples that two of them are never equal by chance. A point,
+or a run of the motor board, has one reading, and rounded readings may repeat by chance. Rows then
+count as copies only if their readings agree in more digits than chance explains.
 """
 
 import hashlib
@@ -18,39 +18,39 @@ from bayesfric.recording.cells import Table
 from bayesfric.recording.frames import stands_in
 from bayesfric.recording.tables import Axis, Gravity, Recording
 
-SPREAD = 1e-3  # of a reading, by which honest repeats differ at the least
-SURE = 4.0  # digits by which readings agree: chance does so once in ten thousand
-LEAST_SAMPLES = 5  # of a trial and sensor or a run, that are never alike by chance
-RECENT = 20  # earlier rows of a kind that a row is held against
+SPREAD = 1e-3  # least relative difference between genuine repeats
+SURE = 4.0  # digits in which copies agree: chance does so once in ten thousand
+LEAST_SAMPLES = 5  # samples of a trial and sensor, or of a run, that are never equal by chance
+RECENT = 20  # earlier rows of a kind with which a row is compared
 NAMED = 10  # ids in a note
-OWN = ("trial", "run", "order", "setup", "role")  # of the row, not of what was measured
+OWN = ("trial", "run", "order", "setup", "role")  # columns of the row, not of the measurement
 READINGS = {
     "motor_runs.csv": ("run", "current_a"),
     "steady_friction.csv": ("run", "friction_n"),
     "gravity_trials.csv": ("trial", "acceleration_m_s2"),
 }
 Copies = dict[str, str]
-"""Id of a copy to that of the first of its kind, in the order of the file."""
+"""Id of each copy to the id of its original, in the order of the file."""
 
 
 def without_copies(
     recording: Recording, tables: Mapping[str, Table]
 ) -> tuple[Recording, tuple[str, ...]]:
-    """Return a recording in which each measurement stands once, and what was left out.
+    """Return a recording without copies of measurements, and notes on what was left out.
 
     Parameters
     ----------
     recording : Recording
         As read.
     tables : mapping of str to Table
-        By canonical file name, as written: digits count.
+        Tables by canonical file name, as written, since digits count.
 
     Returns
     -------
     recording : Recording
-        Without the copies.
+        The recording without the copies.
     notes : tuple of str
-        A sentence a table with the ids of copies and of what they are copies of.
+        A sentence for each table, with the ids of copies and of their originals.
     """
     notes: list[str] = []
     if recording.gravity is not None:
@@ -82,7 +82,7 @@ def without_copies(
 
 
 def _counted_once(rows: pd.DataFrame, key: str, copies: Copies) -> pd.DataFrame:
-    """Return the rows that are not copies; all of them where nothing is a copy."""
+    """Return the rows that are not copies."""
     return rows[~rows[key].isin(copies)].reset_index(drop=True) if copies else rows
 
 
@@ -106,7 +106,7 @@ def _unlike(file: str, what: str, pairs: Copies) -> Iterator[str]:
 
 
 def _of_readings(tables: Mapping[str, Table], file: str) -> Copies:
-    """Return the rows of a table that are copies by their one reading."""
+    """Return the rows of a table whose one reading shows that they are copies."""
     table = tables.get(file)
     name, reading = READINGS[file]
     if table is None or not table.has(reading):
@@ -121,7 +121,7 @@ def _of_readings(tables: Mapping[str, Table], file: str) -> Copies:
 
 
 def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
-    """Return which rows have events: these, and not the reading, are what was measured."""
+    """Return which rows have events: the events are then the measurement, not the reading."""
     events = tables.get("gravity_events.csv")
     if events is None or not (events.has("trial") and table.has("trial")):
         return pd.Series(False, index=table.frame.index)
@@ -129,9 +129,9 @@ def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
 
 
 def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
-    """Return how many equal digits of each reading chance would not explain, (N,).
+    """Return how many equal digits of each reading chance does not explain, shape (N,).
 
-    Repeats that differ by a standard deviation s and are written in steps of δ are alike with
+    Repeats that differ by a standard deviation s and are written in steps of δ are equal with
     probability δ / (2 √π s).
     """
     written = [cell.lower().partition("e") for cell in cells]
@@ -143,7 +143,7 @@ def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
 
 
 def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int]:
-    """Return each row of a stretch that repeats earlier rows in order, and the row repeated."""
+    """Return each row of a stretch that repeats earlier rows in order, with the repeated row."""
     earlier: dict[int, list[int]] = {}
     first: dict[int, int] = {}
     agreed_before: dict[
@@ -167,7 +167,7 @@ def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int
 
 
 def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
-    """Return trials whose events equal those of another: of its condition, and of another."""
+    """Return trials with the events of an earlier trial: in the same condition, and in another."""
     events, trials = gravity.events, gravity.trials
     if events.empty:
         return {}, {}
@@ -182,7 +182,7 @@ def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
 
 
 def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
-    """Return runs whose samples equal those of another: of its condition, and of another."""
+    """Return runs with the samples of an earlier run: in the same condition, and in another."""
     samples, runs = axis.samples, axis.runs
     names = [name for name in samples if name != "run"]
     columns = [
@@ -202,22 +202,22 @@ def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
 
 
 def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
-    """Return ids of row groups that equal an earlier group, wherever their clocks begin.
+    """Return ids of row groups that equal an earlier group, apart from the start of their clocks.
 
     Parameters
     ----------
     ids : Series of str
-        Of the group of each row; rows of a group are adjacent.
+        Id of the group of each row; rows of a group are adjacent.
     columns : list of ndarray, shape (N,)
-        What was measured.
+        The measured columns.
     clock : int
-        Which of them is the time [s].
+        Index of the column that is the time [s].
     """
     codes, names = pd.factorize(ids)
     starts = np.flatnonzero(np.diff(codes, prepend=-1))
     ends = np.append(starts[1:], codes.size)
     lasting = np.round(columns[clock][ends - 1] - columns[clock][starts], 9)
-    # What lasts as long, and has as many rows, is looked at.
+    # Only groups of equal duration and number of rows are compared.
     groups = pd.DataFrame({"size": ends - starts, "lasting": lasting})
     chosen = groups.duplicated(keep=False) & (groups["size"] >= LEAST_SAMPLES)
     copies: Copies = {}
@@ -229,7 +229,7 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
         since = np.round(times - times[0], 9)
         measured = [c[begin:end] for place, c in enumerate(columns) if place != clock]
         if all(np.ptp(column) == 0 for column in measured):
-            continue  # a joint at rest has nothing to be told by
+            continue  # a joint at rest shows no difference
         digest = hashlib.sha256()
         for column in (since, *measured):
             digest.update(np.ascontiguousarray(column + 0.0).tobytes())

@@ -20,12 +20,12 @@ from bayesfric.errors import Fault, InputError
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.object_]
 """A column as text."""
 Ragged: TypeAlias = dict[int, list[str]]
-"""Rows of another length than the header, as they were written, by position."""
+"""Rows with a length other than the header's, as written, by position."""
 
-LISTED = 20  # faults of one kind that are told one by one
+LISTED = 20  # most faults of one kind that are listed one by one
 MOST_COLUMNS = 1000
-LONGEST = 100_000  # characters of a line that is read in columns; csv refuses a longer cell
-BLANKS = " \t\v\f\x1c\x1d\x1e\x1f"  # of ASCII, without the ends of a line
+LONGEST = 100_000  # longest line that is read in columns; csv refuses a longer cell
+BLANKS = " \t\v\f\x1c\x1d\x1e\x1f"  # ASCII blanks, without line ends
 COMMENT = "rows of the table alone (a line that begins with # is no comment here: take it out)"
 COMMAS = " (are there commas in numbers? the decimal mark is a point)"
 TRAILING = " (is there a comma too much at the end?)"
@@ -53,13 +53,13 @@ class TextTable:
     lines : ndarray of int64, shape (len(cells),)
         Line of the file on which each row starts; the header is line 1.
     unnamed : int
-        Columns whose header is empty; they are kept out.
+        Number of columns with an empty header; they are ignored.
     ragged : frozenset of int
-        Positions of the rows of the wrong length, and of comments: their fault is told already.
+        Positions of rows of the wrong length and of comments, whose fault is already reported.
     faults : tuple of Fault
         Rows of the wrong length and repeated column names.
     written : mapping of str to str
-        Columns that the file calls otherwise, by the name of the format.
+        Names of columns in the file that differ from the format's, by the format's name.
     """
 
     file: str
@@ -84,9 +84,9 @@ class TextTable:
         expected: str,
         most: int = LISTED,
     ) -> list[Fault]:
-        """List a fault, at `column`, for each of these rows; the last stands for the rest.
+        """List a fault, at `column`, for each of these rows; the last one counts the rest.
 
-        Of a row of the wrong length nothing more is told.
+        Rows of the wrong length get no further fault.
         """
         if self.ragged:
             positions = [position for position in positions if position not in self.ragged]
@@ -116,7 +116,7 @@ def decode_utf8(file: str, data: bytes) -> str:
     Raises
     ------
     InputError
-        If the bytes are not UTF-8, or hold a NUL.
+        If the bytes are not UTF-8, or contain a NUL.
     """
     try:
         text = data.decode("utf-8-sig")
@@ -137,14 +137,14 @@ def decode_utf8(file: str, data: bytes) -> str:
 def parse_csv(file: str, data: bytes) -> TextTable:
     """Split a CSV file into cells.
 
-    Blank lines, and rows whose cells are all empty, are passed over. A row of the
-    wrong length is a fault; it is cut or filled up so that the rest can be checked.
+    Blank lines, and rows whose cells are all empty, are skipped. A row of the wrong
+    length is a fault. It is cut or padded so that the other cells can be checked.
 
     Raises
     ------
     InputError
-        If there is no table to speak of: not UTF-8, empty, header only, bad quotes, cells
-        that commas do not separate, no row of the header's length.
+        If the file is no table: not UTF-8, empty, header only, bad quotes, cells that are not
+        separated by commas, no row of the header's length.
     """
     text = decode_utf8(file, data)
     header, columns, lines, ragged = _in_columns(file, data, text) or _split(file, text)
@@ -213,14 +213,14 @@ def _ragged_faults(file: str, width: int, ragged: Ragged, lines: Sequence[int]) 
 
 
 def _too_many(width: int, ragged: Ragged) -> str:
-    """Return what may have made each of these rows too long, in brackets."""
+    """Return the possible cause why each of these rows is too long, in brackets."""
     if min(map(len, ragged.values())) <= width:
         return ""
     return COMMAS if any(any(row[width:]) for row in ragged.values()) else TRAILING
 
 
 def _check_header(file: str, header: list[str]) -> None:
-    """Refuse a header whose cells are not separated by commas, or that is endless."""
+    """Refuse a header whose cells are not separated by commas, or that is too long."""
     for mark, name in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and mark in header[0]:
             expected = f"commas between cells, not {name}; and a point as the decimal mark"
@@ -239,11 +239,11 @@ def _check_header(file: str, header: list[str]) -> None:
 def _in_columns(
     file: str, data: bytes, text: str
 ) -> tuple[list[str], list[Cells], Sequence[int], Ragged] | None:
-    """Return what :func:`_split` returns, many times faster; None where only that one can read.
+    """Return the result of :func:`_split` many times faster for a plain table; else None.
 
-    A table is plain where there are no quotation marks, each line has as many commas as the
-    header, no line ends within the table but by a line feed, and no first cell is empty or that
-    of the header. All else is for :func:`_split`, which says what is wrong.
+    A table is plain if it has no quotation marks, each line has as many commas as the header,
+    lines end with a line feed only, and no first cell is empty or equal to that of the header. All
+    other tables are left to :func:`_split`, which reports their faults.
     """
     header = [cell.strip() for cell in text[: text.find("\n")].split(",")]
     rows = text.count("\n") - text.endswith("\n")
@@ -260,7 +260,7 @@ def _in_columns(
         return None
     _check_header(file, header)
     try:
-        # All commas together are as many as they should be, and no line has more: none has fewer.
+        # The total of commas is right, and no line has more than it should: so none has fewer.
         table = pd.read_csv(
             io.BytesIO(data),
             header=None,
@@ -291,8 +291,8 @@ def _has_long_line(text: str) -> bool:
 def _split(file: str, text: str) -> tuple[list[str], list[Cells], Sequence[int], Ragged]:
     """Return header, columns, the line on which each row starts, and rows of another length.
 
-    Rows that hold nothing are passed over. Equal cells share one string: ids and
-    displacements repeat, and a table may have a million rows.
+    Empty rows are skipped. Equal cells share one string, since ids and displacements
+    repeat, and a table may have a million rows.
     """
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     header: list[str] | None = None

@@ -1,4 +1,4 @@
-"""What a recording holds, in a few labelled lines of text."""
+"""The content of a recording, in a few labelled lines of text."""
 
 import numpy as np
 import pandas as pd
@@ -13,13 +13,13 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording, as read.
 
     Returns
     -------
     tuple of (str, str)
-        Label and text: the name, the title, one pair for each kind of table that is
-        there and, below a board, one for each of its pulley sizes.
+        Label and text: the name, the title, one pair for each kind of table and, below a
+        board, one for each of its pulley sizes.
     """
     lines = [("name", recording.name), ("title", recording.title)]
     if recording.created is not None:
@@ -55,7 +55,7 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
 
 
 def _log(samples: pd.DataFrame, rotary: bool) -> str:
-    """Return duration, travel and force of a log, in which a wrong unit shows."""
+    """Return duration, travel and force of a log, which reveal a wrong unit."""
     keys = [name for name in ("run", "joint") if name in samples]
     runs = samples.groupby(keys, sort=False)
     longest = (runs["time_s"].last() - runs["time_s"].first()).max()

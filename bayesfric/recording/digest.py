@@ -27,13 +27,13 @@ def tables_sha256(tables: Mapping[str, bytes]) -> str:
     digest = hashlib.sha256()
     for name in sorted(tables):
         digest.update(name.encode() + b"\0")
-        digest.update(tables[name])  # by itself, since it may be large
+        digest.update(tables[name])  # not joined with the rest, since it may be large
         digest.update(b"\0")
     return digest.hexdigest()
 
 
 def rig_sha256(rig: RigConstants) -> str:
-    """Return the fingerprint of the constants of a rig that are not their defaults, 64 digits."""
+    """Return the fingerprint (64 digits) of the constants of a rig that differ from defaults."""
     plain = RigConstants()
     named = {own.name: getattr(rig, own.name) for own in fields(rig)}
     stated = [(name, value) for name, value in named.items() if value != getattr(plain, name)]

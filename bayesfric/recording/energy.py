@@ -1,6 +1,6 @@
-"""Measurements in which friction would drive the motion or a cable would push.
+"""Checks for measurements in which friction would drive the motion or a cable would push.
 
-Noise, an outlier or an effect may do that to a row. Where it happens in many rows a unit, a
+Noise, an outlier or an effect may cause this in single rows. If it happens in many rows, a unit, a
 sign or a constant of the rig is wrong.
 """
 
@@ -12,16 +12,16 @@ from bayesfric.recording.cells import Table
 from bayesfric.recording.steady_signs import SYSTEMATIC_SHARE
 from bayesfric.recording.tables import RigConstants
 
-FRICTIONLESS = 1.25  # times its acceleration: more is no error of a sensor or a clock
-PUSHED = -0.1  # of the weight: a light cable may be slack, and a current has its noise
-HELD = 0.5  # of a weight that is raised: less is no error of a torque constant
+FRICTIONLESS = 1.25  # times the frictionless acceleration: more is no error of a sensor or clock
+PUSHED = -0.1  # of the weight: allows for a slack cable and the noise of a current
+HELD = 0.5  # of a raised weight: a smaller pull is no error of a torque constant
 MASSES = ["mass_drive_kg", "mass_load_kg"]
 
 
 def gains_energy(
     trials: Table, acceleration: "pd.Series[float]", rig: RigConstants, column: str
 ) -> list[Fault]:
-    """Return the fault of trials that are faster than two weights without any friction.
+    """Return the fault of trials that accelerate faster than two weights without friction.
 
     Without friction, the acceleration is ``g (m1 − m2) / (m1 + m2)``.
 
@@ -30,11 +30,11 @@ def gains_energy(
     trials : Table
         ``gravity_trials.csv``.
     acceleration : Series of float
-        Of some of its rows, by their index [m/s²].
+        Acceleration of some of its rows, by their index [m/s²].
     rig : RigConstants
         Local gravity.
     column : str
-        Where the fault is told.
+        Column of the fault.
     """
     if acceleration.empty or not trials.has(*MASSES):
         return []
@@ -65,7 +65,7 @@ def motor_pull(runs: Table, idle: Table, rig: RigConstants) -> "pd.Series[float]
     Returns
     -------
     Series of float or None
-        By the rows of `runs`; None where something that it needs is missing.
+        The force, by the rows of `runs`; None if an input is missing.
     """
     needed = ["velocity_m_s", "current_a"]
     constant, radius = rig.motor_torque_constant_n_m_per_a, rig.capstan_radius_m
@@ -124,7 +124,7 @@ def drops_the_weight(
 
 
 def tears_a_cable(points: Table) -> list[Fault]:
-    """Return the fault of points with more friction than a cable under tension can have.
+    """Return the fault of points with more friction than the tension of a cable allows.
 
     The tension is the mean of both ends and friction their difference: beyond twice the
     tension, one end would push.
@@ -146,7 +146,7 @@ def tears_a_cable(points: Table) -> list[Fault]:
 
 
 def _where_many(table: Table, wrong: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
-    """Return the fault of the first wrong row, where many are."""
+    """Return the fault of the first wrong row, if many rows are wrong."""
     if wrong.mean() <= SYSTEMATIC_SHARE:
         return []
     return table.first_where(wrong, column, expected)

@@ -32,7 +32,7 @@ def _as_words(categories: pd.Series) -> pd.Series:
 
 
 def with_setup(runs: pd.DataFrame) -> pd.DataFrame:
-    """Fill in ``setup``, such as ``medium-9-85``, where the file has none."""
+    """Fill in ``setup``, such as ``medium-9-85``, if the file has none."""
     if "setup" in runs:
         return runs
     setup = [
@@ -55,15 +55,15 @@ def did_not_move(trials: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def stands_in(names: pd.Series, rows: pd.Series) -> "pd.Series[bool]":
-    """Return which names stand in a column of a longer table, in which each may stand often.
+    """Return which names occur in a column of a longer table, in which names repeat.
 
-    pandas makes a list of Python's text of all that it looks among: a second for a million rows.
+    ``Series.isin`` would convert the whole column to Python strings: a second for a million rows.
     """
     return names.isin(rows.unique())
 
 
 def no_events() -> pd.DataFrame:
-    """Event table of a recording that has none."""
+    """Return an empty event table."""
     return pd.DataFrame(
         {
             column.name: pd.Series(dtype="float64" if column.is_numeric else "str")
@@ -77,8 +77,8 @@ def sorted_events(
 ) -> pd.DataFrame:
     """Events by trial, sensor and time, each on its exact multiple of the spacing [m].
 
-    The files print displacements rounded; the rule that they are multiples of the
-    spacing says what was rounded.
+    The files print rounded displacements. Since these are multiples of the spacing, the exact
+    values are known.
     """
     if events.empty or spacing_m is None:
         return events

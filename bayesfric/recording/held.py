@@ -1,29 +1,29 @@
-"""Readings that a log repeats: a slow sensor in a fast log, whose last value is held."""
+"""Held readings: a slow sensor in a fast log, which repeats the last value."""
 
 import numpy as np
 import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 
-MOSTLY = 0.9  # of the times between two new readings, that are one number of samples
-BUSY = 0.9  # of the samples at which the position changes, that the force changes at too
-CAUGHT_UP = 1.5  # usual steps, that a position moves by after a row that was repeated
-COUNTS = 3  # of an encoder, that a position that is held moves by at a time, at the least
-SENSED = frozenset({"motor", "link", "measured"})  # kinds of force that a sensor reads
-ANSWERS = 0.9  # correlation of a force's changes with those of the position, against them
-FEWEST = 10  # new readings, by which a rhythm is told
+MOSTLY = 0.9  # share of the intervals between new readings that have the same length
+BUSY = 0.9  # share of the changes of position at which the force changes too
+CAUGHT_UP = 1.5  # usual steps by which a position moves after a repeated row
+COUNTS = 3  # least number of encoder counts by which a held position moves at a time
+SENSED = frozenset({"motor", "link", "measured"})  # kinds of force that a sensor measures
+ANSWERS = 0.9  # negative correlation of the changes of force with those of position
+FEWEST = 10  # least number of new readings for a regular interval
 
 
 def renewed(values: Array) -> Flags:
-    """Return at which samples a reading differs from the one before, (N,); true at the first."""
+    """Return whether each reading differs from the one before, (N,); true for the first."""
     return np.concatenate([[True], np.diff(values) != 0])
 
 
 def held_for(values: Array) -> int:
-    """Return how many samples each reading is held for; 1 where it is new at each, or irregular.
+    """Return for how many samples each reading is held; 1 if none is held, or irregularly.
 
-    A coarse encoder repeats itself too, where the axis is slow; it has no rhythm. A reading that
-    happens to be the same twice makes a multiple of the rhythm, which counts as it.
+    A coarse encoder also repeats readings if the axis is slow, but at no regular interval. If two
+    readings are equal by chance, the interval is a multiple of the regular one, which counts too.
 
     Parameters
     ----------
@@ -36,17 +36,17 @@ def held_for(values: Array) -> int:
     rhythm = int(np.median(between))
     if rhythm < 2:
         return 1
-    # A rhythm of some samples and a bit is now one more, now one less.
+    # An interval that is no whole number of samples alternates between two lengths.
     off = np.abs(between - rhythm * np.maximum(np.round(between / rhythm), 1))
     steady = (off == 0) if rhythm < 4 else (off <= 1)
     return rhythm if float(np.mean(steady)) >= MOSTLY else 1
 
 
 def stale(position: Array, force: Array) -> Flags:
-    """Return which rows repeat the one before though the axis moved on, shape (N,).
+    """Return which rows repeat the previous one although the axis moved on, shape (N,).
 
-    So telemetry does where a new row is late. A joint that rests repeats its readings too; after
-    that it moves by no more than it does from row to row, and not by what it missed.
+    Telemetry does this if a new row is late. A joint at rest repeats its readings too, but its next
+    step is then no larger than usual, whereas a late row is followed by a larger step.
 
     Parameters
     ----------
@@ -71,17 +71,17 @@ def stale(position: Array, force: Array) -> Flags:
 def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame, str | None]:
     """Return a run's samples without repeated readings, and what was done; None if nothing.
 
-    Where the position is held, the first row of each reading is kept. A measured force that is
-    held goes on in a straight line to its next reading. A commanded one acts as it is held. One
-    that answers each count of the encoder went on answering; see :func:`answering`. Rows that
-    repeat the one before though the axis moved on are left out.
+    If the position is held, the first row of each reading is kept. A measured force that is held is
+    interpolated linearly to its next reading. A commanded force acts as it is held. A force that
+    responds to each count of the encoder is reconstructed by :func:`answering`. Rows that repeat
+    the previous one although the axis moved on are left out.
 
     Parameters
     ----------
     samples : DataFrame
-        Of one run, with columns of ``axis_samples.csv``.
+        Samples of one run, with columns of ``axis_samples.csv``.
     force_is : str or None
-        What kind of force was logged, as ``rig.force_is`` has it; None where nobody says.
+        Kind of the logged force, as in ``rig.force_is``; None if not stated.
     """
     position = samples["position_m"].to_numpy(dtype=np.float64)
     force = samples["force_n"].to_numpy(dtype=np.float64)
@@ -116,10 +116,11 @@ def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame,
 
 
 def answering(position: Array, force: Array) -> Array | None:
-    """Return a held force as it went on, where it answers the encoder's counts; None elsewhere.
+    """Return a held force as it really acted, if it responds to encoder counts; else None.
 
-    A controller's damping kicks at each count. Telemetry that repeats its force for some samples
-    shows a kick too few, or one for too long; the counts, which it does not repeat, tell them all.
+    The damping of a controller gives a pulse of force at each count. Telemetry that holds the force
+    for some samples misses pulses or prolongs them. The counts, which are not held, show all
+    pulses.
 
     Parameters
     ----------
@@ -141,15 +142,15 @@ def answering(position: Array, force: Array) -> Array | None:
 
 
 def _quick(values: Array) -> Array:
-    """Return what changes from reading to reading, second differences, of shape (N − 2,)."""
+    """Return the second differences of readings, shape (N − 2,)."""
     return np.asarray(np.diff(values, 2))
 
 
 def position_held_for(position: Array, force: Array) -> int:
-    """Return how many samples each position is held for; 1 for a coarse encoder, which is not.
+    """Return for how many samples each position is held; 1 for a coarse encoder, which is not held.
 
-    A coarse encoder moves by few counts at a time and may rest at one. It is held if it moves
-    only when the force is read anew: one clock then reads both.
+    A coarse encoder moves by few counts at a time and may rest at one. Its position counts as held
+    if it moves only at new readings of the force: one clock then reads both.
 
     Parameters
     ----------
@@ -168,12 +169,12 @@ def _moves_with(position: Array, force: Array) -> bool:
 
 
 def _readings(position: Array, force: Array) -> Flags:
-    """Return the samples at which a held position is read anew, (N,)."""
+    """Return the samples at which a held position has a new reading, (N,)."""
     return renewed(position) if _jumps(position) else renewed(force)
 
 
 def _jumps(position: Array) -> bool:
-    """Return whether a position moves by many counts at a time: no coarse encoder does."""
+    """Return whether a position moves by many counts at a time, unlike a coarse encoder."""
     steps = np.abs(np.diff(position))
     steps = steps[steps > 0]
     return bool(steps.size and np.median(steps) > COUNTS * steps.min())

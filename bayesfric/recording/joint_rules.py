@@ -1,4 +1,4 @@
-"""Rules of a log of driven joints that need more than one cell."""
+"""Rules for a log of driven joints that involve more than one cell."""
 
 from collections.abc import Mapping
 
@@ -15,12 +15,12 @@ SAMPLES = "axis_samples.csv"
 
 
 def joint_of_run(samples: Table) -> list[str]:
-    """Return the columns that name a clock: the run, and the joint where there are joints."""
+    """Return the columns that identify a clock: the run, and the joint if there are several."""
     return [name for name in ("run", "joint") if samples.has(name)]
 
 
 def faults_of_samples(tables: Mapping[str, Table], rig: RigConstants) -> list[Fault]:
-    """Return the faults of the samples against each other and against the machine.
+    """Return the faults of samples that contradict each other or the machine.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _command_in_rad(samples: Table, rig: RigConstants) -> list[Fault]:
 
 
 def _backwards(samples: Table, column: str) -> list[Fault]:
-    """Return the faults of a channel's clock that goes back; equal times are a held value."""
+    """Return the faults of a channel's clock that goes back; equal times mean a held value."""
     if not samples.has(column):
         return []
     clock = samples.frame[column]

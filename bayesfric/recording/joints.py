@@ -1,4 +1,4 @@
-"""A recording of several joints, as one recording a joint with the other joints beside it."""
+"""Splits a recording of several joints into one for each joint, with the other joints' motion."""
 
 from dataclasses import replace
 
@@ -7,24 +7,24 @@ from bayesfric.recording.tables import Axis, Recording
 
 
 def joints_of(axis: Axis | None) -> tuple[str, ...]:
-    """Return the joints of a log in the order in which they come; empty where none is named."""
+    """Return the joints of a log in order of appearance; empty if none is named."""
     if axis is None or "joint" not in axis.samples:
         return ()
     return tuple(str(name) for name in axis.samples["joint"].unique())
 
 
 def parted_by_joint(recording: Recording) -> dict[str, Recording]:
-    """Return one recording for each joint, with the motion of all others beside it.
+    """Return one recording for each joint, with the motion of all other joints.
 
     Parameters
     ----------
     recording : Recording
-        As read.
+        The recording, as read.
 
     Returns
     -------
     dict of str to Recording
-        By joint, in the order of the log; empty where not several joints are logged.
+        By joint, in the order of the log; empty unless several joints are logged.
     """
     axis, names = recording.axis, joints_of(recording.axis)
     if axis is None or len(names) < 2:

@@ -12,7 +12,7 @@ from bayesfric.recording.csv_text import decode_utf8
 
 CAPITALS = "; true, false and null are written in small letters"
 MEANT = re.compile(r"(true|false|null|none)\b", re.IGNORECASE)
-EMPTY_KEY = '""'  # so that its place can be told
+EMPTY_KEY = '""'  # so that its place can be reported
 
 
 def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Fault]]:
@@ -23,13 +23,13 @@ def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Faul
     dict
         The object.
     list of Fault
-        Repeated keys, NaN and infinities, text that is not Unicode; parsing goes on
-        behind them.
+        Repeated keys, NaN and infinities, text that is not Unicode; parsing continues after
+        them.
 
     Raises
     ------
     InputError
-        If there is no object to speak of.
+        If there is no JSON object.
     """
     text = decode_utf8(file, data)
     repeated: list[str] = []
@@ -85,7 +85,7 @@ def clean(text: str) -> str:
 def _unusable_values(file: str, content: dict[str, Any]) -> list[Fault]:
     faults = []
     waiting: list[tuple[tuple[str | int, ...], Any]] = [((), content)]
-    while waiting:  # a stack of our own: the nesting is the user's
+    while waiting:  # an explicit stack, since the user's nesting may be deep
         place, value = waiting.pop()
         if isinstance(value, dict):
             waiting.extend(((*place, key), item) for key, item in reversed(value.items()))

@@ -1,7 +1,7 @@
-"""The one rule by which text is a number, and what else people write where one belongs.
+"""The rule for numbers as text, and common mistakes in cells that should be numbers.
 
-A number has digits 0 to 9, a point, an exponent. Every pattern here takes a time that grows
-with the length of a cell: a file of one long cell holds nobody up.
+A number has digits 0 to 9, a point, an exponent. Every pattern here takes a time that is linear in
+the length of a cell, so a file with one long cell causes no delay.
 """
 
 import re
@@ -18,9 +18,9 @@ _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _OF_DECIMALS = b"0123456789.eE+-"
 _BLANK = " \N{NO-BREAK SPACE}\N{THIN SPACE}\N{NARROW NO-BREAK SPACE}"
 SAMPLED, REPEATED = 10_000, 0.1
-"""Cells that are looked at for repetition, and the share of different ones below which each is read
-once."""
-LONGEST_CAUSE = 100  # characters of a cell that is looked at for a cause: longer ones have none
+"""Number of cells that are examined for repetition, and the share of distinct ones below which each
+distinct cell is read only once."""
+LONGEST_CAUSE = 100  # longest cell [characters] in which a cause is searched for
 
 
 class _Cause(NamedTuple):
@@ -69,12 +69,12 @@ def is_decimal(cell: str) -> bool:
 
 
 def to_numbers(cells: pd.Series) -> pd.Series:
-    """Return finite decimal numbers; NaN for all else, "nan" and "inf" included.
+    """Return finite decimal numbers; NaN for everything else, including "nan" and "inf".
 
     Parameters
     ----------
     cells : Series of str
-        Text without blanks around it.
+        Texts without surrounding blanks.
     """
     if cells.iloc[:SAMPLED].nunique() < REPEATED * min(SAMPLED, len(cells)):
         code, words = pd.factorize(cells)
@@ -83,7 +83,7 @@ def to_numbers(cells: pd.Series) -> pd.Series:
 
 
 def _numbers(cells: pd.Series) -> pd.Series:
-    # Where no other characters are, what Python reads as numbers are decimal ones.
+    # Without other characters, all numbers that Python reads are decimal.
     if not "".join(cells.tolist()).encode().translate(None, _OF_DECIMALS):
         with suppress(ValueError):
             return _finite(cells)
@@ -97,19 +97,19 @@ def _finite(cells: pd.Series) -> pd.Series:
 
 
 def to_numbers_apart(cell: str) -> Array:
-    """Return the numbers of a cell that blanks separate, shape (N,); NaN where a part is none."""
+    """Return the numbers of a cell, separated by blanks, shape (N,); NaN for other parts."""
     return to_numbers(pd.Series(cell.split(), dtype=object)).to_numpy()
 
 
 def cause_of(cell: str) -> str | None:
-    """Return what to say of a cell that is no number; None where it is not known why."""
+    """Return a hint why a cell is no number; None if the cause is not recognised."""
     if len(cell) > LONGEST_CAUSE:
         return None
     return next((hint for pattern, hint in _CAUSES if pattern.fullmatch(cell)), None)
 
 
 def one_cause(hints: Iterable[str]) -> dict[str, str]:
-    """Return the hint for each cause; an ambiguous ``1,234`` takes that of the cells around it.
+    """Return the hint for each cause; an ambiguous ``1,234`` gets that of the other cells.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, R
 PACKAGE_FILE = "datapackage.json"
 ForceIs = Literal["commanded", "motor", "link", "measured", "unknown"]
 
-# Properties of the Data Package standard, and one of ours, that travel along as written.
+# Properties of the Data Package standard, and one of bayesfric, that are kept as written.
 KEPT = (
     "$schema",
     "id",
@@ -38,7 +38,7 @@ KEPT = (
 
 OWN = ("name", "title", "created", "resources", "rig", *KEPT)
 
-# What pydantic found wrong → what we expected.
+# Error type of pydantic → what was expected.
 EXPECTED = {
     "missing": "this key",
     "string_type": "text",
@@ -64,7 +64,7 @@ Number = TypeVar("Number", int, float)
 
 
 def _whole(value: Any) -> Any:
-    """JSON has one kind of number: 5.0 is an integer."""
+    """Accept 5.0 as an integer, since JSON has one kind of number."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -77,7 +77,7 @@ def _ordered(value: list[Number]) -> list[Number]:
 def _iso8601(value: str) -> str:
     try:
         datetime.fromisoformat(value)
-        if not re.fullmatch(r"[0-9W:+.,TtZz -]+", value):  # Python takes any separator
+        if not re.fullmatch(r"[0-9W:+.,TtZz -]+", value):  # Python accepts any separator
             raise ValueError
     except ValueError:
         raise ValueError("an ISO 8601 date or time such as 2026-11-01T00:00:00Z") from None
@@ -204,11 +204,11 @@ class Resource:
     Parameters
     ----------
     name, path : str
-        As written, the path without needless parts.
+        As written; the path is normalised.
     place : str
         Dotted key of the entry.
     sound : bool
-        False where the path is at fault and must not be opened.
+        False if the path is faulty and must not be opened.
     """
 
     name: str
@@ -226,13 +226,13 @@ class Package:
     name, title, created, metadata
         As in :class:`~bayesfric.recording.tables.Recording`.
     rig : RigConstants
-        Keys at fault are left out.
+        Faulty keys are left out.
     rig_keys : frozenset of str
-        Keys of ``rig`` that were written, right or wrong.
+        Keys of ``rig`` in the file, valid or not.
     resources : tuple of Resource
-        Those that name a table, by name or by path.
+        Resources that name a table, by name or by path.
     faults, notes : tuple
-        What was wrong; what was kept out.
+        Faults, and notes on what is ignored.
     """
 
     name: str
@@ -252,7 +252,7 @@ def parse_package(data: bytes) -> Package:
     Raises
     ------
     InputError
-        If they are no JSON object. All other faults are collected in the result.
+        If the bytes are no JSON object. All other faults are collected in the result.
     """
     content, faults = parse_json_object(PACKAGE_FILE, data)
     header = _checked(_Header, content, (), faults)
@@ -298,13 +298,13 @@ def _notes(unknown: list[str]) -> Iterator[str]:
 def _checked(
     model: type[_Strict], raw: Any, place: tuple[str | int, ...], faults: list[Fault]
 ) -> dict[str, Any]:
-    """Return the keys of `raw` that obey the model; the others are added to `faults`."""
+    """Return the keys of `raw` that obey the model; add a fault for each other key."""
     try:
         return model.model_validate(raw).model_dump(exclude_none=True)
     except ValidationError as error:
         errors = error.errors(include_url=False)
     for problem in errors:
-        if problem["type"] in ("finite_number", "string_unicode"):  # parse_json_object has them
+        if problem["type"] in ("finite_number", "string_unicode"):  # reported by parse_json_object
             continue
         rule = EXPECTED.get(problem["type"])
         expected = rule.format_map(problem.get("ctx", {})) if rule else problem["msg"]
@@ -342,7 +342,7 @@ def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, 
         place = ("resources", index)
         keys = _checked(_Resource, entry, place, faults)
         if isinstance(entry, dict):
-            # One that is at fault still says which table it would be.
+            # A faulty resource still says which table it is.
             name, path = (keys.get(key, entry.get(key)) for key in ("name", "path"))
             sound = "path" in keys
             resources.append(Resource(shown(name), shown(path), dotted(place), sound))

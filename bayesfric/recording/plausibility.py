@@ -1,6 +1,6 @@
-"""What physics forbids, and which mistake of unit it most likely is.
+"""Checks for physically impossible values, with the most likely mistake of unit.
 
-One fault a table and mistake: where one row is in grams, all are.
+Each table gets one fault per mistake: if one row is in grams, all rows are.
 """
 
 from collections.abc import Collection, Mapping
@@ -20,18 +20,18 @@ from bayesfric.recording.energy import (
 from bayesfric.recording.joint_rules import joint_of_run
 from bayesfric.recording.tables import RigConstants
 
-COARSEST_S = 1.0  # between samples: what a drive does in between is not to be seen
-FARTHEST_M = 100.0  # of an axis that slides, unless its limits say more
+COARSEST_S = 1.0  # largest sample interval: a longer one hides the motion in between
+FARTHEST_M = 100.0  # longest travel of a sliding axis, unless its limits say more
 
 
-CABLE_BEARS_N = 311.0  # the paper's 0.61 mm 7×19 stainless cable
-MOST_PULLEYS, LEAST_WRAP_DEG = 19, 45.0  # of the paper; nobody has one for the other in all rows
-RADIANS_BELOW = 3.2  # wrap angles are tens of degrees, and never above π
+CABLE_BEARS_N = 311.0  # strength of the paper's 0.61 mm 7×19 stainless cable
+MOST_PULLEYS, LEAST_WRAP_DEG = 19, 45.0  # of the paper; to find exchanged columns
+RADIANS_BELOW = 3.2  # wrap angles are tens of degrees: all below π means radians
 MINUTE_S = 60.0
 SLOWEST_M_S = 0.5 / MINUTE_S  # half a metre of travel takes seconds, not minutes
-FASTEST_M_S = 50.0  # of a cable on a bench
-TRAIN = 20  # events that make an acceleration of it, and not of its odd intervals
-STRAY = 3.0  # of g: a missed or doubled event makes an interval odd, and is no fault
+FASTEST_M_S = 50.0  # fastest cable on a bench
+TRAIN = 20  # least number of events for an acceleration, so that odd intervals do not matter
+STRAY = 3.0  # times g: tolerance for a missed or doubled event, which is no fault
 
 
 def implausible(
@@ -44,9 +44,9 @@ def implausible(
     tables : mapping of str to Table
         Canonical file name to table; only those that could be parsed.
     rig : RigConstants
-        The constants of the rig; ``limits.tension_n`` says what its cable bears.
+        The constants of the rig; ``limits.tension_n`` is the strength of its cable.
     at_fault : collection of str
-        Files with faults of another kind: of their motions nothing is concluded.
+        Files with faults of another kind; their motions are not checked.
     """
     faults: list[Fault] = []
     for file in ("gravity_trials.csv", "motor_runs.csv", "steady_friction.csv"):
@@ -66,7 +66,7 @@ def implausible(
         faults += _too_fast(runs)
     points = tables.get("steady_friction.csv")
     if points and not rig.rotary:
-        # Without pulleys it may be a slide or a belt, which bears what its limits say.
+        # Without pulleys it may be a slide or a belt, whose strength is in its limits.
         on_pulleys = points.has("n_pulleys") or points.has("pulley_size")
         if points.has("tension_n") and (on_pulleys or "tension_n" in rig.limits):
             tension = points.frame["tension_n"]
@@ -157,7 +157,7 @@ def _too_fast(table: Table) -> list[Fault]:
 
 
 def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fault]:
-    """Faults of whole trains of events, by their first, middle and last one."""
+    """Return faults of whole trains of events, from their first, middle and last event."""
     keys = ["trial", "sensor"]
     if rig.hall_spacing_m is None or not events.has(*keys, "displacement_m", "time_s"):
         return []
@@ -203,14 +203,14 @@ def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fau
 
 
 def axis_in_other_units(samples: Table, rig: RigConstants) -> list[Fault]:
-    """Return the faults of a log whose clock or travel are no axis'.
+    """Return the faults of a log whose clock or travel is impossible for an axis.
 
     Parameters
     ----------
     samples : Table
         ``axis_samples.csv``.
     rig : RigConstants
-        ``limits.travel_m`` says how far it goes, ``rotary`` that it turns.
+        ``limits.travel_m`` is its travel; ``rotary`` says that it turns.
     """
     if not samples.has("run", "time_s", "position_m"):
         return []

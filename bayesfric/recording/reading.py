@@ -30,9 +30,9 @@ WHAT_IT_IS = (
     "it lists the tables and describes the rig; `bayesfric simulate example` writes one to copy"
 )
 
-# A table and the one that it cannot do without.
+# A table and the table that it requires.
 WEIGHED = ("gravity_trials.csv", "motor_runs.csv")
-"""Tables of masses that hang on a cable."""
+"""Tables with masses that hang on a cable."""
 NEEDS = {
     "gravity_events.csv": "gravity_trials.csv",
     "motor_runs.csv": "motor_idle.csv",
@@ -78,14 +78,14 @@ def read_recording(path: str | PathLike[str]) -> Recording:
 
 
 def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
-    """Build a recording from its files, wherever they are.
+    """Build a recording from its files, which may be anywhere.
 
     Parameters
     ----------
     load : callable
         From a path inside the recording to the bytes of that file; raises InputError.
     in_folder : collection of str
-        Files with the name of a table; one that is not listed is worth a note.
+        Files with the name of a table; a note is made if one is not listed.
     """
     package = parse_package(load(PACKAGE_FILE))
     faults = list(package.faults)
@@ -114,7 +114,7 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         if file not in paths
     ]
     faults += _missing_parts(package, listed)
-    with np.errstate(all="ignore"):  # numbers may be as large as floats go
+    with np.errstate(all="ignore"):  # numbers may be as large as a float can be
         faults += check_across(tables, package.rig, frozenset(listed) - frozenset(tables))
         faults += implausible(tables, package.rig, {fault.file for fault in faults})
         if faults:
@@ -165,7 +165,7 @@ def _read_inside(folder: Path, name: str) -> bytes:
 
 
 def _beside(file: Path) -> str:
-    """Return hints at files in the folder that have nearly this name."""
+    """Return a hint at files in the folder with nearly this name."""
     spreadsheets = [file.with_suffix(end) for end in (".xlsx", ".xls", ".ods", ".txt")]
     hints = [f" (is {path.name} meant? save it as CSV)" for path in spreadsheets if path.is_file()]
     folder = sorted(file.parent.iterdir()) if file.parent.is_dir() else []
@@ -174,7 +174,7 @@ def _beside(file: Path) -> str:
 
 
 def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> dict[str, Resource]:
-    """Canonical file name → resource, for the tables of the format."""
+    """Return the resources of the tables of the format, by canonical file name."""
     by_name = {table.resource: file for file, table in TABLES.items()}
     listed: dict[str, Resource] = {}
     for resource in package.resources:
@@ -213,7 +213,7 @@ def _missing_parts(package: Package, listed: dict[str, Resource]) -> list[Fault]
 
 
 def _lacking_gravity(package: Package, listed: Collection[str]) -> list[Fault]:
-    """Return what weighs nothing without gravity: masses on a cable, or a payload on an arm."""
+    """Return faults of data that need gravity: masses on a cable, or a payload on an arm."""
     if package.rig.gravity_m_s2 > 0:
         return []
     weighed = [file for file in WEIGHED if file in listed]
@@ -240,7 +240,7 @@ def _recording(package: Package, tables: dict[str, Table], sha256: str) -> Recor
     frames = {file: table.frame for file, table in tables.items()}
     if "gravity_events.csv" in frames:
         events, trials = frames["gravity_events.csv"], frames["gravity_trials.csv"]
-        # First, since words that are categories are sorted faster.
+        # First, since categories are sorted faster.
         frames["gravity_events.csv"] = sorted_events(events, trials, package.rig.hall_spacing_m)
     frames = {file: typed(frame, tables[file].format) for file, frame in frames.items()}
     gravity = motor = axis = None

@@ -1,4 +1,4 @@
-"""The file of a robot's model: whether it can be read, and has the joints that are named."""
+"""Checks that the file of a robot's model can be read and has the named joints."""
 
 import posixpath
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -10,31 +10,31 @@ from bayesfric.link_shapes import weightless_shapes
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.tables import Robot
 
-LARGEST_MODEL = 16 * 1024**2  # bytes; an arm with its meshes beside it has a few kilobytes
+LARGEST_MODEL = 16 * 1024**2  # bytes; the model of an arm, without meshes, has a few kilobytes
 LARGEST_IN_ALL = 64 * 1024**2  # bytes of all files that a model needs
-MOST_FILES = 200  # that a model needs
-NAMED = 12  # joints that are listed
+MOST_FILES = 200  # most files that a model may need
+NAMED = 12  # most joints that are listed
 
 
 def files_of_model(robot: Robot, load: Callable[[str], bytes]) -> dict[str, bytes]:
-    """Return the files that a model includes, and the meshes from which links have their mass.
+    """Return the files that a model includes, and the meshes that give links their mass.
 
     Parameters
     ----------
     robot : Robot
-        With the content of its file.
+        The robot, with the content of its file.
     load : callable
         From a path in the folder of the recording to the bytes of that file.
 
     Raises
     ------
     InputError
-        A file cannot be read, is outside the folder, or there is too much of them.
+        A file cannot be read or is outside the folder, or the files are too many or too large.
     """
     folder = posixpath.dirname(robot.model)
     files: dict[str, bytes] = {}
     roots = [_parsed(robot.content)]
-    for root in roots:  # grows by what each file includes
+    for root in roots:  # grows with the includes of each file
         if root is None or root.tag == "robot":
             continue
         for element in root.iter("include"):
@@ -56,7 +56,7 @@ def _keep(files: dict[str, bytes], name: str, content: bytes, model: str) -> Non
 
 
 def _parsed(content: bytes) -> Element | None:
-    """Return the first element; None where the file is at fault, which is told elsewhere."""
+    """Return the root element; None if the file is faulty, which is reported elsewhere."""
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:  # an entity may be endless
         return None
     try:
@@ -83,12 +83,12 @@ def _meshes(folder: str, roots: Sequence[Element]) -> Iterator[str]:
 
 
 def faults_of_model(robot: Robot) -> list[Fault]:
-    """Return what is wrong with a model and with the names that are looked for in it.
+    """Return the faults of a model, and of the names that must be in it.
 
     Parameters
     ----------
     robot : Robot
-        With the content of its file, and of those that it includes.
+        The robot, with the content of its file and of those that it includes.
     """
     file, content = robot.model, robot.content
     if len(content) > LARGEST_MODEL:
@@ -108,7 +108,7 @@ def faults_of_model(robot: Robot) -> list[Fault]:
 
 
 def moving_joints(robot: Robot) -> list[str]:
-    """Return the names of the joints of a model that move; none of what is no model."""
+    """Return the names of the moving joints of a model; none if the file is no model."""
     root = _parsed(robot.content)
     places = [] if root is None else _joints(robot, root)
     return [
@@ -117,7 +117,7 @@ def moving_joints(robot: Robot) -> list[str]:
 
 
 def _joints(robot: Robot, root: Element) -> list[Element]:
-    """Return the elements of the joints of a model, those of files that it includes too."""
+    """Return the elements of the joints of a model, including those in included files."""
     if root.tag == "robot":
         return list(root.findall("joint"))
     included = [_parsed(content) for name, content in robot.files.items() if name.endswith(".xml")]
@@ -146,7 +146,7 @@ def faults_of_joints(robot: Robot, joints: Collection[str] | None) -> list[Fault
     robot : Robot
         The model.
     joints : collection of str or None
-        Of ``axis_samples.csv``; None where it has no such column, and so a single joint.
+        Joints of ``axis_samples.csv``; None without such a column, which means a single joint.
     """
     column = "rig.robot.joints"
     if joints is None:

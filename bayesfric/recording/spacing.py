@@ -18,8 +18,8 @@ def spacing_counts(
 def printed_tolerance(cells: pd.Series, spacing_m: float) -> float:
     """Return how far a printed displacement may be from a multiple of the spacing [m].
 
-    1 µm, or half a unit of the last digit that the column prints if that is more; in
-    any case so little that it is clear which multiple was meant.
+    1 µm, or half a unit of the last printed digit if that is more. It is never so large that
+    the multiple becomes ambiguous.
     """
     digits = max(_decimals(cell) for cell in cells.unique())
     half_unit = 0.51 * 10.0 ** -min(max(digits, 0), 300)
@@ -27,7 +27,7 @@ def printed_tolerance(cells: pd.Series, spacing_m: float) -> float:
 
 
 def _decimals(cell: str) -> int:
-    """Decimal places of a printed number, 0 for what is no plain number."""
+    """Return the decimal places of a printed number; 0 for anything else."""
     digits, _, exponent = cell.lower().partition("e")
     shift = exponent.removeprefix("+").removeprefix("-")
     if exponent and not (shift.isascii() and shift.isdigit() and len(shift) < 5):

@@ -1,8 +1,8 @@
-"""Which way friction is counted in ``steady_friction.csv``.
+"""The sign convention of friction in ``steady_friction.csv``.
 
-People write the size of friction, or give it the sign of the speed, as a force that drives
-has, or the opposite sign, as a force that resists has. A table is read by the convention that
-leaves the fewest points pushing.
+Friction may be given as an absolute value, with the sign of the speed (as a driving force has), or
+with the opposite sign (as a resisting force has). A table is read by the convention under which the
+fewest points drive the motion.
 """
 
 import numpy as np
@@ -10,8 +10,8 @@ import pandas as pd
 
 from bayesfric.arrays import Array, Flags
 
-NOISE = 3.0  # standard errors, within which a point does not say that it pushes
-SYSTEMATIC_SHARE = 0.25  # of rows: what is odd in more of them is a convention or a unit
+NOISE = 3.0  # standard errors within which a point does not count as driving
+SYSTEMATIC_SHARE = 0.25  # share of odd rows above which the convention or a unit is wrong
 
 
 def against_motion(table: pd.DataFrame) -> Array:
@@ -20,16 +20,16 @@ def against_motion(table: pd.DataFrame) -> Array:
     Parameters
     ----------
     table : DataFrame
-        N points with ``friction_n`` and, if there is one, ``velocity_m_s``, whose 0 is a point
-        at the brink of motion: its friction counts by its size.
+        N points with ``friction_n`` and, if there is one, ``velocity_m_s``. A speed of 0 is a
+        point at breakaway, whose friction is taken as an absolute value.
 
     Returns
     -------
     ndarray
-        In the unit of the table; negative where a point pushes.
+        In the unit of the table; negative if friction drives the motion.
     """
     friction = table["friction_n"].to_numpy(dtype=np.float64)
-    # Without a speed, a sign that changes only says which way it went.
+    # Without a speed, a changing sign only shows the direction of motion.
     size = np.abs(friction)
     conventions: tuple[Array, ...] = (friction, -friction)
     if (friction < 0).mean() > SYSTEMATIC_SHARE and (friction > 0).mean() > SYSTEMATIC_SHARE:
@@ -45,7 +45,7 @@ def against_motion(table: pd.DataFrame) -> Array:
 
 
 def pushing(table: pd.DataFrame) -> Flags:
-    """Return which points push, by more than their standard error allows, shape (N,)."""
+    """Return which points drive the motion beyond their standard error, shape (N,)."""
     against = against_motion(table)
     if "friction_sd_n" in table:
         against += NOISE * table["friction_sd_n"].fillna(0.0).to_numpy(dtype=np.float64)
@@ -53,7 +53,7 @@ def pushing(table: pd.DataFrame) -> Flags:
 
 
 def notes_on_signs(table: pd.DataFrame) -> list[str]:
-    """Return what a reader should know of points that push, and of points at rest."""
+    """Return notes on points that drive the motion, and on points at rest."""
     notes = []
     if (push := pushing(table)).any():
         notes.append(

@@ -1,8 +1,8 @@
 """The frozen tables of a recording, as the rest of the package sees them.
 
-A table is a :class:`pandas.DataFrame` whose columns are exactly those of the
-recording format (``docs/recording.md``): a column that the user left out and
-that has no default is absent; units are in the names.
+A table is a :class:`pandas.DataFrame` with exactly the columns of the recording format
+(``docs/recording.md``). A column that the user left out is absent if it has no default.
+Units are in the names.
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-STANDARD_GRAVITY = 9.80665  # m/s², used where a recording does not say
+STANDARD_GRAVITY = 9.80665  # m/s², the default of a recording
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,11 @@ class Robot:
     model : str
         Path of the file in the folder of the recording.
     joints : mapping of str to str
-        Joint of the recording to its name in the model.
+        Name in the model by joint of the recording.
     content : bytes
-        The file.
+        Content of the file.
     files : mapping of str to bytes
-        Further files that it includes or takes masses from, by their path in that folder.
+        Further files that it includes or that give masses, by their path in that folder.
     """
 
     model: str
@@ -59,7 +59,7 @@ class RigConstants:
     Parameters
     ----------
     gravity_m_s2 : float
-        Local acceleration of gravity [m/s²]; 0 where none acts along a joint.
+        Local acceleration of gravity [m/s²]; 0 if none acts along a joint.
     hall_spacing_m : float or None
         Cable travel between two Hall events [m].
     magnets_per_revolution : int or None
@@ -67,18 +67,18 @@ class RigConstants:
     timer_resolution_s : float or None
         Resolution of the event clock [s].
     sensor_clock_sd_s : float or None
-        By how much the clocks of a trial's two sensors may differ: the standard deviation of a
-        normal prior around 0 [s]; None is what a cable explains.
+        Standard deviation of the normal prior, around 0, of the offset between the clocks of a
+        trial's two sensors [s]; None: the offset that a cable explains.
     motor_torque_constant_n_m_per_a : float or None
         Specified torque constant of the motor [N·m/A].
     capstan_radius_m : float or None
         Capstan radius at the cable centre line [m].
     pulleys : mapping of str to Pulley
-        Sizes that are not the paper's.
+        Pulley sizes other than the paper's.
     limits : mapping
-        What the rig can do, as written.
+        Limits of the rig, as written.
     moving_mass_kg, mass_sd_kg, encoder_resolution : float or None
-        Of a driven joint; kg and m, or kg·m² and rad where `rotary`.
+        For a driven joint, in kg and m, or kg·m² and rad if `rotary`.
     force_is : str or None
         ``"commanded"``, ``"motor"``, ``"link"``, ``"measured"`` or ``"unknown"``.
     robot : Robot or None
@@ -90,13 +90,13 @@ class RigConstants:
     known_force_sd, force_limit_n : float or None
         Standard error of ``known_force_n``, and the largest drive force [N or N·m].
     command_gain : float or None
-        Drive force by how far the joint is from its command [N/m or N·m/rad].
+        Drive force per deviation of the joint from its command [N/m or N·m/rad].
     payload_arm_m : float or None
-        From the axis of a joint that turns to the payloads of ``axis_runs.csv`` [m].
+        Distance from the axis of a joint that turns to the payloads of ``axis_runs.csv`` [m].
     sample_hold_s, latency_s : float or None
-        How long telemetry holds a value, and by how much it is late [s].
+        Time for which telemetry holds a value, and its delay [s].
     rotary : bool
-        Radians, N·m and kg·m² take the place of m, N and kg in kinds 3 and 4.
+        Whether radians, N·m and kg·m² replace m, N and kg in kinds 3 and 4.
     """
 
     gravity_m_s2: float = STANDARD_GRAVITY
@@ -131,11 +131,10 @@ class Gravity:
     Parameters
     ----------
     trials : DataFrame
-        One row a trial, in the order of the file, index 0, 1, …. ``setup`` is
-        always there: where the file has none, one setup for each
-        (pulley_size, n_pulleys, wrap_angle_deg).
+        One row for each trial, in the order of the file, index 0, 1, …. ``setup`` is always
+        present: by default one setup for each (pulley_size, n_pulleys, wrap_angle_deg).
     events : DataFrame
-        One row a Hall event, sorted by trial (order of `trials`), sensor
+        One row for each Hall event, sorted by trial (order of `trials`), sensor
         (``drive`` before ``load``) and time. May be empty.
     """
 
@@ -150,7 +149,7 @@ class Motor:
     Parameters
     ----------
     runs : DataFrame
-        One row a constant-speed run.
+        One row for each constant-speed run.
     idle : DataFrame
         ``velocity_m_s`` and ``current_a`` of the motor alone.
     """
@@ -166,13 +165,14 @@ class Axis:
     Parameters
     ----------
     runs, samples : DataFrame
-        One row a run; one row a sample. ``force_n`` is absent where only commands were logged.
+        One row for each run; one row for each sample. ``force_n`` is absent if only commands
+        were logged.
     joint : str or None
-        The joint that `samples` are of, where those of several were logged and parted.
+        The joint of `samples`, if the log had several joints and was split.
     others : mapping of str to DataFrame
         Samples of the other joints of that log, by joint, in the order of the log.
     place : int
-        Of `joint` among all joints of the log.
+        Index of `joint` among all joints of the log.
     """
 
     runs: pd.DataFrame
@@ -184,7 +184,7 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A data set: what one rig recorded. It equals itself alone, by which it is cached.
+    """A data set, recorded on one rig. It equals only itself, so results are cached by identity.
 
     Parameters
     ----------
@@ -193,19 +193,19 @@ class Recording:
     rig : RigConstants
         The board's constants.
     gravity, motor, steady, axis : tables or None
-        The four kinds; at least one is there.
+        The four kinds; at least one is not None.
     further : mapping of str to DataFrame
-        Tables that a rig brought into :data:`bayesfric.recording.columns.TABLES`, by file.
+        Tables that a rig added to :data:`bayesfric.recording.columns.TABLES`, by file.
     created : str or None
         As written in ``datapackage.json``.
     metadata : mapping
-        Further properties of ``datapackage.json`` kept as written
+        Further properties of ``datapackage.json``, as written
         (``licenses``, ``sources``, ``simulation``).
     sha256 : str
-        Of the tables sorted by name; see :func:`tables_sha256`.
+        SHA-256 of the tables, sorted by name; see :func:`tables_sha256`.
     notes : tuple of str
-        What a reader should know: columns kept out, kinds not used,
-        conditions outside the paper's Table II.
+        Remarks: columns that are ignored, kinds that are not used, conditions outside the
+        paper's Table II.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Conditions outside those that the paper tested: worth a note, never an error.
+"""Notes on conditions outside those that the paper tested; never an error.
 
 References
 ----------
@@ -20,17 +20,17 @@ PULLEYS = 19
 INDIVIDUAL_WRAP_DEG = (15.0, 180.0)
 AVERAGE_WRAP_DEG = (45.0, 150.0)
 NAMED = 5
-PULLEYS_ARE = ("pulley_size", "n_pulleys", "wrap_angle_deg")  # else Table II says nothing
-WINDOW = 4  # intervals over which a speed is taken, so that one odd interval does not count
+PULLEYS_ARE = ("pulley_size", "n_pulleys", "wrap_angle_deg")  # needed for Table II
+WINDOW = 4  # intervals for a speed, so that one odd interval does not matter
 
 
 def notes_on_range(recording: Recording) -> tuple[str, ...]:
-    """One sentence a table, on the bounds of Table II that are passed and where."""
+    """Return a sentence for each table on the bounds of Table II that it exceeds, and where."""
     notes: list[str] = []
     g = recording.rig.gravity_m_s2
     if recording.gravity is not None:
         trials = recording.gravity.trials
-        # The nominal tension of a moving trial is lower: this is its bound, at rest.
+        # The nominal tension of a moving trial is lower than this, the tension at rest.
         tension = (trials["mass_drive_kg"] + trials["mass_load_kg"]) * g / 2
         fastest = trials["trial"].map(_top_speeds(recording.gravity))
         notes += _notes(trials.assign(tension_n=tension, velocity_m_s=fastest), "trial")
@@ -55,7 +55,7 @@ def _notes(table: pd.DataFrame, key: str) -> Iterator[str]:
 
 
 def _folded(ids: "pd.Series[str]") -> str:
-    """Return the first ids, and how many more there are."""
+    """Return the first ids, and the number of others."""
     more = len(ids) - NAMED
     return ", ".join(ids[:NAMED]) + (f" and {more:,} more" if more > 0 else "")
 
@@ -76,13 +76,13 @@ def _outside(table: pd.DataFrame) -> Iterator[tuple[str, "pd.Series[bool]"]]:
 
 
 def _top_speeds(gravity: Gravity) -> "pd.Series[float]":
-    """Highest mean speed over a few Hall intervals of each trial [m/s]."""
+    """Return the highest mean speed over a few Hall intervals of each trial [m/s]."""
     events = gravity.events
     travel = events["displacement_m"].to_numpy(float)
     time = events["time_s"].to_numpy(float)
     trial, ids = pd.factorize(events["trial"])
     sensor, _ = pd.factorize(events["sensor"])
-    # Events are sorted, so that a train ends where the next row is of another.
+    # Events are sorted, so a train ends if the next row belongs to another one.
     ends = (trial[1:] != trial[:-1]) | (sensor[1:] != sensor[:-1])
     train = np.concatenate([[0], np.cumsum(ends)])[: len(trial)]
     within = train[WINDOW:] == train[:-WINDOW]

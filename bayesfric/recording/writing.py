@@ -1,4 +1,4 @@
-"""A :class:`~bayesfric.recording.tables.Recording` → a folder, whole or not at all."""
+"""Writes a :class:`~bayesfric.recording.tables.Recording` to a folder, atomically."""
 
 import csv
 import io
@@ -22,13 +22,13 @@ from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
 from bayesfric.recording.tables import Recording, RigConstants
 
-# Of kinds 3 and 4 on a rotary rig.
+# For kinds 3 and 4 on a rotary rig.
 ROTARY_UNITS = {"m": "rad", "N": "N·m", "kg": "kg·m²", "m/s": "rad/s"}
 ROTARY_TABLES = ("steady_friction.csv", "axis_samples.csv")
 
 
 def check_free(folder: str | PathLike[str]) -> None:
-    """Refuse a place where no recording can be written, since something is there.
+    """Refuse a path at which no recording can be written, since something exists there.
 
     Raises
     ------
@@ -44,15 +44,15 @@ def write_recording(recording: Recording, folder: str | PathLike[str]) -> None:
     """Write a recording so that :func:`read_recording` gives it back.
 
     The same recording gives the same bytes on every platform. It is checked by the
-    reader's own rules before anything is written, and appears under its name only when
-    it is complete.
+    reader's own rules before anything is written. The folder gets its name only when it
+    is complete.
 
     Parameters
     ----------
     recording : Recording
         Tables with the columns of the format only; ``sha256`` and ``notes`` are not written.
     folder : str or path-like
-        A folder that is empty, or does not exist yet.
+        A folder that is empty or does not exist.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def write_recording(recording: Recording, folder: str | PathLike[str]) -> None:
 
 
 def _contents(recording: Recording) -> dict[str, bytes]:
-    """File name → bytes, ``datapackage.json`` first."""
+    """Return bytes by file name, ``datapackage.json`` first."""
     frames: dict[str, pd.DataFrame] = {}
     if recording.gravity is not None:
         frames["gravity_trials.csv"] = recording.gravity.trials
@@ -114,7 +114,7 @@ def _in_order(frame: pd.DataFrame, table: TableFormat) -> pd.DataFrame:
 
 
 def _printed_events(events: pd.DataFrame, rig: RigConstants) -> pd.DataFrame:
-    """Displacements with the digits of the spacing, times with those of the clock."""
+    """Return displacements with the digits of the spacing, and times with those of the clock."""
     printed = events.copy()
     if rig.hall_spacing_m is not None:
         decimals = min(max(4, _decimals(rig.hall_spacing_m)), 10)
@@ -122,7 +122,7 @@ def _printed_events(events: pd.DataFrame, rig: RigConstants) -> pd.DataFrame:
     if rig.timer_resolution_s is not None:
         decimals = min(_decimals(rig.timer_resolution_s), 12)
         times = events["time_s"].to_numpy(dtype=float)
-        # Times that are finer than the clock keep their digits: nothing is lost in a file.
+        # Times that are finer than the clock keep their digits, so that nothing is lost.
         if np.abs(np.round(times, decimals) - times).max() < 1e-3 * rig.timer_resolution_s:
             printed["time_s"] = _fixed(times, decimals)
     return printed
@@ -133,7 +133,7 @@ def _fixed(values: npt.NDArray[np.float64], decimals: int) -> list[str]:
 
 
 def _decimals(value: float) -> int:
-    """Decimal places of the shortest decimal that is this float."""
+    """Return the decimal places of the shortest decimal that equals this float."""
     exponent = Decimal(repr(float(value))).normalize().as_tuple().exponent
     return max(0, -int(exponent))
 
@@ -176,7 +176,7 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
     keys["limits"] = dict(rig.limits)
     if rig.robot is not None:
         keys["robot"] = {"model": rig.robot.model, "joints": dict(rig.robot.joints)}
-    # A zero is written: `0.0 == False`, so that values are not looked up in a tuple.
+    # A zero must be written; since `0.0 == False`, values are not tested with `in`.
     return {
         key: value
         for key, value in keys.items()

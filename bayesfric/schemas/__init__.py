@@ -1,7 +1,7 @@
 """The models of the JSON files that the commands write.
 
-``docs/schemas/`` holds the JSON Schemas generated from them. A version, such as
-``bayesfric.fit/1``, only ever gains keys. Numbers are SI, never NaN or infinite.
+``docs/schemas/`` holds the JSON Schemas generated from them. A schema, such as
+``bayesfric.fit/1``, only gains keys. Numbers are SI, never NaN or infinite.
 """
 
 from pydantic import BaseModel
@@ -25,4 +25,4 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "timings": TimingsFile,
     "comparison": ComparisonFile,
 }
-"""The models by the name of the file that they describe."""
+"""The models, by the name of the file that they describe."""

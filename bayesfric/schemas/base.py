@@ -1,4 +1,4 @@
-"""What every JSON file has, and the pieces that several share."""
+"""The keys that every JSON file has, and records that several files share."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -11,15 +11,15 @@ from bayesfric.docstrings import Documented
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
-"""Of a key ``x_why``: the reason where ``x`` is null or empty, null where there is an ``x``."""
+"""Value of a key ``x_why``: the reason if ``x`` is null or empty, else null."""
 LEVELS = (0.05, 0.5, 0.95)
 NORMAL_REACH = 1.6448536269514722
-"""Standard deviations of a normal from its middle to 95 %."""
+"""95 % quantile of the standard normal."""
 
 
 @dataclass(frozen=True)
 class Because:
-    """Of a ``Why``: the one reason for which its key is null."""
+    """Marks a ``Why`` whose key is null for one reason only."""
 
     reason: str
 
@@ -29,7 +29,7 @@ def _missing(value: Any) -> bool:
 
 
 class Record(Documented):
-    """Frozen, without unknown keys, and with a reason for what is null."""
+    """A frozen record that refuses unknown keys and has a reason for each null."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
@@ -69,29 +69,29 @@ class Interval(Record):
 
     @classmethod
     def of(cls, mean: float, sd: float, quantiles: Array) -> "Interval":
-        """Return the interval of numbers that are known, the quantiles of 5, 50 and 95 %."""
+        """Return the interval with these numbers; `quantiles` are those of 5, 50 and 95 %."""
         low, middle, high = map(float, quantiles)
         return cls(mean=float(mean), sd=float(sd), q05=low, q50=middle, q95=high)
 
     @classmethod
     def of_draws(cls, draws: Array, *, ddof: int = 0) -> "Interval":
-        """Return the interval of draws, in any shape; `ddof` is that of NumPy's deviation."""
+        """Return the interval of draws of any shape; `ddof` is as in ``numpy.std``."""
         return cls.of(draws.mean(), draws.std(ddof=ddof), np.quantile(draws, LEVELS))
 
     @classmethod
     def of_normal(cls, mean: float, sd: float) -> "Interval":
-        """Return the interval of a normal number."""
+        """Return the interval of a normal distribution."""
         return cls.of(mean, sd, mean + sd * np.array([-NORMAL_REACH, 0.0, NORMAL_REACH]))
 
 
 class Check(Record):
-    """What must hold of every result, and whether it does.
+    """A rule that every result obeys, and whether this one does.
 
     Fields
     ------
-    check: Its name, of docs/results.md.
-    holds: False is a fault of the computation, and no finding.
-    detail: What breaks it, with the numbers.
+    check: Name of the rule, as in docs/results.md.
+    holds: Whether the rule holds. False means a fault of the computation, not a finding.
+    detail: What breaks the rule, with the numbers.
     """
 
     check: str
@@ -101,14 +101,15 @@ class Check(Record):
 
 
 class RecordingId(Record):
-    """Which recording a result rests on.
+    """The recording that a result rests on.
 
     Fields
     ------
     name: Name in datapackage.json.
     title: Title in datapackage.json.
-    sha256: Over its tables, sorted by name.
-    rig_sha256: Over what its datapackage.json says of the rig; empty in files of earlier versions.
+    sha256: SHA-256 over its tables, sorted by name.
+    rig_sha256: SHA-256 over the description of the rig in its datapackage.json; empty in files of
+        earlier versions.
     """
 
     name: str
@@ -123,19 +124,19 @@ class RecordingId(Record):
 
 
 class Provenance(Record):
-    """What every file carries, so that it can be made again.
+    """What every file carries so that it can be reproduced.
 
     Fields
     ------
-    seed: Seed of everything random.
-    versions: Python and packages.
-    recording: The data.
-    analysis_sha256: Over the analysis, defaults filled in.
-    analysis: Every setting, as in analysis.toml; one that is null there is chosen by what is
-        analysed. Null in files of earlier versions.
-    created: SOURCE_DATE_EPOCH, else the recording's own date, else null.
-    run_id: Hash of all else in this file, carried by the files written with it; empty in files of
-        earlier versions.
+    seed: Seed of all random numbers.
+    versions: Versions of Python and of packages.
+    recording: The recording that the result rests on.
+    analysis_sha256: SHA-256 of the analysis, with its defaults.
+    analysis: Every setting, as in analysis.toml. A null setting is chosen by the command. Null in
+        files of earlier versions.
+    created: SOURCE_DATE_EPOCH; else the recording's own date; else null.
+    run_id: Hash of the rest of this file. The files that were written with it carry the same hash.
+        Empty in files of earlier versions.
     """
 
     seed: int

@@ -12,10 +12,10 @@ class CalibrationCase(Record):
 
     Fields
     ------
-    ranks: By quantity: posterior draws below the truth.
-    r_hat: The largest of its fit, walkers pooled by ensemble.
-    stalled: Trials that could not be recorded.
-    trials: Trials of the protocol.
+    ranks: Number of posterior draws below the truth, by quantity.
+    r_hat: Largest R-hat of its fit, walkers pooled by ensemble.
+    stalled: Number of trials that stalled and could not be recorded.
+    trials: Number of trials of the protocol.
     """
 
     ranks: dict[str, int]
@@ -25,14 +25,14 @@ class CalibrationCase(Record):
 
 
 class CalibratedQuantity(Record):
-    """Whether the ranks of one quantity are uniform.
+    """The ranks of one quantity, compared with uniform ranks.
 
     Fields
     ------
     name: A parameter, c1 + c2/T, or the log likelihood.
-    difference: Share of ranks below each place less the expected one.
-    p_value: How often uniform ranks are as far out somewhere.
-    inside: Whether the difference stays in the band everywhere.
+    difference: Share of ranks below each place, less the expected share.
+    p_value: Probability that uniform ranks deviate as far at some place.
+    inside: Whether the difference is inside the band at every place.
     """
 
     name: str
@@ -46,26 +46,28 @@ class CalibrationFile(Record):
 
     Fields
     ------
-    seed: Of the campaign.
-    versions: Python and packages.
-    recording: None: recordings are simulated.
-    analysis_sha256: Over the analysis, defaults filled in.
+    seed: Seed of the campaign.
+    versions: Versions of Python and of packages.
+    recording: Null, since the recordings are simulated.
+    analysis_sha256: SHA-256 of the analysis, with its defaults.
     created: SOURCE_DATE_EPOCH, else null.
-    protocol: Of each recording.
+    protocol: Protocol of each recording.
     priors: The generating prior of each parameter.
-    tension_n: The T of c1 + c2/T [N].
-    draws: Of each posterior, among which the truth is ranked.
-    planned: Cases of the campaign; fewer may be done.
-    level: Of each quantity's band, such that all are inside with probability 0.95.
-    probability: Expected share of ranks below a place.
+    tension_n: Tension T in the quantity c1 + c2/T [N].
+    draws: Number of draws of each posterior among which the truth is ranked.
+    planned: Number of cases of the campaign; fewer may be done.
+    level: Level of each quantity's band, chosen such that all quantities are inside with
+        probability 0.95.
+    probability: Expected share of ranks below each place.
     low: Lower end of the band at each place.
-    high: Upper end.
-    quantities: Everything that is ranked.
-    stalled_share: Of the trials; below 0.01 the prior is one of moving boards.
-    r_hat: The largest of all fits.
-    calibrated: Every quantity is inside its band, boards move, and fits converged.
-    attention: What a reader must know.
-    cases: In the order of the campaign.
+    high: Upper end of the band at each place.
+    quantities: Every quantity that is ranked.
+    stalled_share: Share of the trials that stalled. Below 0.01, the prior describes boards that
+        move.
+    r_hat: Largest R-hat of all fits.
+    calibrated: Whether every quantity is inside its band, boards move, and fits converged.
+    attention: Warnings.
+    cases: The cases, in the order of the campaign.
     """
 
     schema_: Literal["bayesfric.calibration/1"] = Field("bayesfric.calibration/1", alias="schema")

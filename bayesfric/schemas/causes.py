@@ -1,4 +1,4 @@
-"""Of a diagnosis: what it says of effects and of the law."""
+"""The part of a diagnosis on effects and on the law."""
 
 from typing import Annotated, Literal
 
@@ -6,13 +6,13 @@ from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
 IMPLAUSIBLE = "larger or smaller than is plausible"
-"""Words of a reason why an effect that fits is no cause, which held-out data did not give."""
+"""The reason, other than held-out data, why an effect that fits the data is no cause."""
 LEFT_OVER = "no smooth force explains it"
-"""Words of the reason why causes that held-out data confirm are not all that acts."""
+"""The reason why the causes that held-out data confirm do not explain everything."""
 INERTIAS = ("inertia", "armature", "mass")
-"""What the number of a joint's law may be called that its acceleration is multiplied by."""
+"""Names that the factor of the acceleration may have in the law of a joint."""
 SIGNED = frozenset({"viscous"})
-"""Numbers of a joint's law that may be below 0."""
+"""Numbers of a joint's law that may be negative."""
 
 
 class EffectNumber(Interval):
@@ -20,9 +20,9 @@ class EffectNumber(Interval):
 
     Fields
     ------
-    unit: SI, degrees for angles.
-    prior: What was assumed before the data.
-    prior_density: The same in numbers; null in files of earlier versions.
+    unit: SI unit; degrees for angles.
+    prior: Prior density, in words.
+    prior_density: Prior density, in numbers; null in files of earlier versions.
     """
 
     unit: str
@@ -31,24 +31,26 @@ class EffectNumber(Interval):
 
 
 class Cause(Record):
-    """An effect that acts, or may act: of ``causes``, ``present`` or ``possible``.
+    """An effect that acts or may act, listed in ``causes``, ``present`` or ``possible``.
 
     Fields
     ------
     effect: Name of the effect.
-    sentence: What the board does.
-    inclusion_probability: Of all hypotheses with this effect.
-    log10_bayes_factor: The hypothesis against the same without this effect.
-    log10_bayes_factor_se: Its standard error: how far importance draws of the noise of both
-        hypotheses are from the closed form, and how sure they are of it.
+    sentence: What the effect does, in words.
+    inclusion_probability: Total posterior probability of all hypotheses with this effect.
+    log10_bayes_factor: Bayes factor of the hypothesis against the same hypothesis without this
+        effect.
+    log10_bayes_factor_se: Its standard error, from the difference between importance draws of the
+        noise of both hypotheses and the closed form, and from the Monte Carlo error of these draws.
     log10_bayes_factor_se_why: Why there is none.
-    law: Most probable variant.
-    parameters: Amplitude, and shape if any; TWIN.NAME where the law is a twin's.
+    law: Most probable variant of the effect.
+    parameters: Amplitude, and shape if any. The name is TWIN.NAME if the law is that of a twin:
+        another effect that is identical here.
     plausible: Whether the amplitude's median is physically plausible.
-    plausible_range: Of the amplitude.
-    plausible_reference: Where that range comes from.
-    strength: Rms of its force over that of friction, median.
-    makes_a_gap: Whether a recalibrated law leaves a practical part of its force.
+    plausible_range: Plausible range of the amplitude.
+    plausible_reference: Source of that range.
+    strength: Rms of its force over rms friction, median.
+    makes_a_gap: Whether a practical part of its force remains after the law is recalibrated.
     below_floor: Whether its force is below the floor.
     """
 
@@ -69,16 +71,17 @@ class Cause(Record):
 
 
 class Inclusion(Record):
-    """What is known of one effect, over all hypotheses.
+    """The posterior of one effect, over all hypotheses.
 
     Fields
     ------
     effect: Name of the effect.
-    probability: That it acts.
-    strength: If it acts: rms of its force, or its equivalent, over rms friction.
+    probability: Probability that it acts.
+    strength: Rms of its force, or of its equivalent force, over rms friction, if it acts.
     strength_why: Why there is none.
-    probability_above_practical: That it acts and its strength is above the practical share.
-    makes_a_gap: Whether a recalibrated law leaves a practical part of its force.
+    probability_above_practical: Probability that it acts and that its strength is above the
+        practical share.
+    makes_a_gap: Whether a practical part of its force remains after the law is recalibrated.
     """
 
     effect: str
@@ -94,11 +97,12 @@ class LawNumber(Record):
 
     Fields
     ------
-    unit: SI, degrees for angles.
-    before: Of the law alone.
-    after: Averaged over all hypotheses, what acts beside the law taken apart; by the instrument
-        where that alarms. Of a joint, as wide as data held out show its errors to be.
-    least_squares: The same by least squares, where `after` is by the instrument.
+    unit: SI unit; degrees for angles.
+    before: Estimate of the law without effects.
+    after: Estimate beside the effects, averaged over all hypotheses. If the instrument alarms, it
+        is the instrumental estimate. For a joint, the interval is as wide as the errors on held-out
+        data.
+    least_squares: Least-squares estimate, if `after` is instrumental.
     """
 
     unit: str
@@ -109,18 +113,18 @@ class LawNumber(Record):
 
 
 class ModelError(Record):
-    """By how much a number of the machine's model is off: of links, seen by its joints.
+    """The error of a number of a link in the machine's model, estimated from the joints.
 
     Fields
     ------
-    link: Name in the model.
-    number: mass, hx to hz (mass times centre of mass), or ixx to iyz (inertia about the link's
+    link: Name of the link in the model.
+    number: mass; hx to hz (mass times centre of mass); or ixx to iyz (inertia about the link's
         frame).
-    unit: SI.
-    in_your_model: As the model has it.
-    error: What it is in truth, less that.
-    believed_sd: Standard deviation of that before the data.
-    significant: Whether it surely is off by more than is usual.
+    unit: SI unit.
+    in_your_model: Value in the model.
+    error: True value less the value in the model.
+    believed_sd: Prior standard deviation of the error.
+    significant: Whether the data show an error larger than is usual.
     """
 
     link: str
@@ -137,8 +141,8 @@ class Unseparated(Record):
 
     Fields
     ------
-    effects: Names of hypotheses.
-    reason: Why.
+    effects: Names of the hypotheses.
+    reason: Why they cannot be told apart.
     """
 
     effects: tuple[str, ...]
@@ -146,14 +150,14 @@ class Unseparated(Record):
 
 
 class Absorbed(Record):
-    """An effect that does nothing but move parameters of the baseline.
+    """An effect whose only consequence is that parameters of the baseline move.
 
     Fields
     ------
     effect: Name of the effect.
-    by: The parameter that moves most, by its prior's width.
-    bias: By how much at one standard deviation of the amplitude.
-    unit: Of the bias.
+    by: The parameter of the baseline that moves most, relative to the width of its prior.
+    bias: How far it moves for one standard deviation of the amplitude.
+    unit: Unit of the bias.
     """
 
     effect: str
@@ -163,15 +167,15 @@ class Absorbed(Record):
 
 
 class Remainder(Record):
-    """What the named causes leave.
+    """The force that the named causes leave.
 
     Fields
     ------
-    significant: Whether the evidence asks for a further, smooth force.
-    log10_bayes_factor: Of a further force against none.
+    significant: Whether the evidence supports a further smooth force.
+    log10_bayes_factor: Bayes factor of a further force against none.
     share_of_gap: Mean square of the further force over that of the systematic gap.
     share_of_gap_why: Why there is none.
-    axis: Where it is largest.
+    axis: Axis along which it is largest.
     axis_why: Why there is none.
     """
 
@@ -188,10 +192,10 @@ class Shape(Record):
 
     Fields
     ------
-    grid: Of the covariate.
+    grid: Grid of the covariate.
     gap_n: Systematic residual force [N].
     low_n: Lower edge of the simultaneous 95 % band [N].
-    high_n: Upper edge [N].
+    high_n: Upper edge of that band [N].
     """
 
     grid: tuple[Number, ...]

@@ -14,7 +14,7 @@ class PulleyEvidence(Record):
 
     Fields
     ------
-    log10_bayes_factor: In favour of the claim.
+    log10_bayes_factor: log10 Bayes factor in favour of the claim.
     log10_bayes_factor_se: Its standard error.
     """
 
@@ -25,25 +25,25 @@ class PulleyEvidence(Record):
 
 
 class ClaimResult(Record):
-    """What a recording says of one claim of the paper.
+    """The verdict on one claim of the paper.
 
     Fields
     ------
     id: Name of the claim.
     statement: What is claimed.
     paper: What the paper states, and where.
-    about_these_data: Whether these data could speak for or against it; false where it rests on the
-        paper's numbers or on priors.
-    verdict: By the rules under `rules`.
-    reason: The verdict in a sentence.
-    log10_bayes_factor: In favour of the claim, against the best of its rivals; `figures` has it
-        against each.
+    about_these_data: Whether these data can support or refute the claim; false if the judgement
+        rests on the paper's numbers or on priors.
+    verdict: Verdict by the thresholds in `rules`.
+    reason: The verdict, explained in a sentence.
+    log10_bayes_factor: log10 Bayes factor in favour of the claim against the best of its rivals;
+        `figures` has it against each rival.
     log10_bayes_factor_se: Its standard error.
-    elpd_difference: Assemblies left out one at a time: positive where the claim predicts them
-        better than its best rival [nat].
+    elpd_difference: Expected log predictive density of the claim less that of its best rival, by
+        leaving out one assembly at a time; positive if the claim predicts better [nat].
     elpd_difference_se: Its standard error.
-    figures: Numbers that the verdict rests on.
-    by_pulley: From each size's data alone.
+    figures: Numbers on which the verdict rests.
+    by_pulley: Bayes factor from the data of each size alone.
     """
 
     id: str
@@ -65,13 +65,13 @@ class ClaimResult(Record):
 
 
 class SelfContradiction(Record):
-    """Two statements of the paper that do not go together.
+    """Two statements of the paper that contradict each other.
 
     Fields
     ------
-    topic: In a word or two.
-    statement: With its numbers.
-    figures: These numbers.
+    topic: Topic in a word or two.
+    statement: The contradiction in words, with its numbers.
+    figures: These numbers by name.
     """
 
     topic: str
@@ -84,12 +84,12 @@ class ClaimsFile(Provenance):
 
     Fields
     ------
-    rigs: Rigs whose data entered.
+    rigs: Rigs whose data were used.
     baseline: The friction law that the claims are about.
     attention: Every check that failed.
     rules: Thresholds of the verdicts.
-    claims: In the order of the report.
-    self_contradictions: Where the paper contradicts itself.
+    claims: The claims, in the order of the report.
+    self_contradictions: Statements of the paper that contradict each other.
     """
 
     schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")

@@ -8,14 +8,14 @@ from bayesfric.schemas.base import Because, Number, Record, Why
 
 
 class Setting(Record):
-    """Something that went into both runs and is not the same.
+    """An input or setting that differs between the runs.
 
     Fields
     ------
-    file: Result that says so, such as fit.json.
-    key: Dotted key, such as analysis.priors.c1.scale.
-    a: In the first run; null where it has none.
-    b: In the second run; null where it has none.
+    file: The result file that has it, such as fit.json.
+    key: Its dotted key, such as analysis.priors.c1.scale.
+    a: Value in the first run; null if it has none.
+    b: Value in the second run; null if it has none.
     """
 
     file: str
@@ -27,18 +27,18 @@ class Setting(Record):
 
 
 class Shift(Record):
-    """A number with an uncertainty, in both runs.
+    """A number with an uncertainty that both runs have.
 
     Fields
     ------
-    file: Result that it is of.
-    name: Such as pulleys.small.c1.
-    unit: SI, degrees for angles; 1 for none.
+    file: The result file that has it.
+    name: Name of the number, such as pulleys.small.c1.
+    unit: SI unit; degrees for angles; 1 for a ratio.
     a: Mean in the first run.
-    b: Likewise in the second.
-    sd_a: Standard deviation in the first run; of a Bayes factor, its standard error.
-    sd_b: Likewise in the second.
-    shift: b less a, in standard deviations (the root of their mean square).
+    b: Mean in the second run.
+    sd_a: Standard deviation in the first run; for a Bayes factor, its standard error.
+    sd_b: The same in the second run.
+    shift: b less a, over the root mean square of the two standard deviations.
     """
 
     file: str
@@ -53,14 +53,14 @@ class Shift(Record):
 
 
 class Flip(Record):
-    """A verdict that is not the same.
+    """A verdict that differs between the runs.
 
     Fields
     ------
-    file: Result that it is of.
-    name: Id of a claim, or what the verdict is about.
-    a: In the first run.
-    b: In the second run.
+    file: The result file that has it.
+    name: Name of a claim, or of what the verdict is about.
+    a: Verdict in the first run.
+    b: Verdict in the second run.
     """
 
     file: str
@@ -70,19 +70,19 @@ class Flip(Record):
 
 
 class ComparisonFile(Record):
-    """``comparison.json``: two folders of results, by their stored files.
+    """``comparison.json``: two folders of results, compared by their files.
 
     Fields
     ------
-    run_ids: Of each result that is in both; equal where nothing at all differs.
+    run_ids: Run id of each result that both folders have; equal if the results are identical.
     only_in_a: Results that the second folder lacks.
     only_in_b: Results that the first folder lacks.
-    same: Whether no result differs in anything.
-    settings: What went in.
-    flips: What is concluded.
-    shifts: Every number that is in both, largest first.
-    keys_only_in_a: Numbers and verdicts, each behind its file, that the second run lacks.
-    keys_only_in_b: Likewise that the first run lacks.
+    same: Whether all results are identical.
+    settings: Inputs and settings that differ.
+    flips: Verdicts that differ.
+    shifts: Every number that both runs have, the largest shift first.
+    keys_only_in_a: Numbers and verdicts, each after its file, that the second run lacks.
+    keys_only_in_b: Numbers and verdicts, each after its file, that the first run lacks.
     """
 
     schema_: Literal["bayesfric.comparison/1"] = Field("bayesfric.comparison/1", alias="schema")

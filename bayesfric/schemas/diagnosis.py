@@ -21,15 +21,16 @@ from bayesfric.schemas.instrument import Instrument
 
 
 class ExaminedEffect(Record):
-    """An effect that was weighed, or why it was not.
+    """An effect that was examined, or why it was not.
 
     Fields
     ------
     effect: Name of the effect.
-    log10_bayes_factor: Alone, against the baseline, around the baseline's own law.
+    log10_bayes_factor: log10 Bayes factor of the effect alone against the baseline, linearised
+        around the baseline's own law.
     log10_bayes_factor_why: Why there is none.
-    bound: Whether it is a lower bound: the noise was not climbed to its mode.
-    needs: What it needs that no rig here has.
+    bound: Whether it is a lower bound, because the noise was not optimised to its mode.
+    needs: What the effect needs and no rig here has.
     """
 
     effect: str
@@ -40,13 +41,13 @@ class ExaminedEffect(Record):
 
 
 class NextExperiment(Record):
-    """A condition that would tell hypotheses apart.
+    """A condition whose measurement would tell hypotheses apart.
 
     Fields
     ------
     condition: What to set.
-    separates: Hypotheses.
-    log10_bayes_factor: Expected.
+    separates: The hypotheses that it separates.
+    log10_bayes_factor: Expected log10 Bayes factor between them.
     """
 
     condition: dict[str, Number | str]
@@ -59,11 +60,12 @@ class ConditionAsked(Record):
 
     Fields
     ------
-    condition: As it was asked.
-    friction: By the law and all effects on friction, over all hypotheses.
-    gap_without_causes: That friction less the law's, fitted alone: what the fit absorbed is in it.
-    gap_with_causes: That friction less the mean of the law's and the causes', fitted together.
-    outside: Columns beyond what was recorded.
+    condition: The condition, as it was asked.
+    friction: Friction by the law and all effects on friction, averaged over all hypotheses.
+    gap_without_causes: That friction less that of the law fitted alone, which has absorbed part of
+        the effects.
+    gap_with_causes: That friction less the mean of the law and the causes, fitted together.
+    outside: Columns in which the condition is outside of the recorded range.
     """
 
     condition: dict[str, Number | str]
@@ -73,7 +75,7 @@ class ConditionAsked(Record):
     outside: tuple[str, ...]
 
     def written(self, value: float) -> str:
-        """Write a force with as many decimals as the friction is known to."""
+        """Write a force with as many decimals as the error of friction allows."""
         sd = self.friction.sd
         decimals = max(0, 1 - math.floor(math.log10(sd))) if sd > 0 else 3
         return f"{round(value, decimals) + 0.0:.{decimals}f}"  # no minus before a zero
@@ -84,10 +86,11 @@ class FrictionAsked(Record):
 
     Fields
     ------
-    unit: Of friction and gaps.
-    rows: As they were asked, in that order.
-    stays_behind: Causes that do not come along to other conditions, and why.
-    unknown_probability: Of an unknown force, which is carried to no other condition.
+    unit: Unit of friction and gaps.
+    rows: The conditions, in the order in which they were asked.
+    stays_behind: Causes that cannot be predicted at other conditions, and why.
+    unknown_probability: Probability of an unknown force, which cannot be predicted at other
+        conditions.
     """
 
     unit: str
@@ -97,12 +100,12 @@ class FrictionAsked(Record):
 
 
 class SimulatorField(Record):
-    """Where a number goes in a simulator.
+    """The field of a simulator that takes a number.
 
     Fields
     ------
     field: Name of the field, with its element.
-    factor: By which the number is multiplied before it is entered.
+    factor: Factor by which the number is multiplied before it is entered.
     """
 
     field: str
@@ -116,11 +119,11 @@ class Enter(Record):
     ------
     parameter: Name of the number.
     unit: SI, degrees for angles.
-    in_your_simulator: What it has now.
-    value: From the refit with the causes.
-    fields: Simulator to its field; null where it has none.
-    lost_without: Rms force that stays wrong in a simulator without a field for it.
-    snippet: Name of the callback that `export` writes in the place of a field.
+    in_your_simulator: Value that the simulator has now.
+    value: Estimate from the refit with the causes.
+    fields: Field by simulator; null for a simulator without a field.
+    lost_without: Rms force by which a simulator without a field for it is wrong.
+    snippet: Name of the callback that `export` writes instead of a field.
     """
 
     parameter: str
@@ -136,13 +139,13 @@ class Enter(Record):
 
 
 class ReplayedError(Record):
-    """An error of a replay with the user's values and with those that are proposed.
+    """An error of a replay, with the user's values and with the proposed values.
 
     Fields
     ------
-    as_is: Rms error over the rms of what was measured.
+    as_is: Rms error with the user's values over the rms of the measured quantity.
     proposed: The same with the proposed values.
-    difference: Proposed less as is, of stretches drawn anew.
+    difference: `proposed` less `as_is`, over stretches that are resampled.
     """
 
     as_is: Number
@@ -151,15 +154,15 @@ class ReplayedError(Record):
 
 
 class Replay(Record):
-    """Runs that were held out, in MuJoCo.
+    """Held-out runs, replayed in MuJoCo.
 
     Fields
     ------
     held_out: Which data these are.
     windows: Short trajectories that were replayed.
-    torque: Of the drive force that the model asks for along the measured motion.
-    trajectory: Of the motion from a measured state on, over the motion in that time.
-    promoted: Whether the proposed values are surely better.
+    torque: Error of the drive force that the model needs along the measured motion.
+    trajectory: Error of the motion from a measured state on, over the motion in that time.
+    promoted: Whether the proposed values are better with high probability.
     sentence: The same in words.
     """
 
@@ -172,13 +175,13 @@ class Replay(Record):
 
 
 class SimulatorUsed(Record):
-    """A simulator of the user's own, which had the place of the law.
+    """A simulator of the user's own that replaced the law.
 
     Fields
     ------
-    name: module:object, or the columns that it left in the recording.
-    calls: Of the simulator; 0 where its output was recorded.
-    parameters: Free in it, given the data and the most probable hypothesis.
+    name: Its module:object, or the columns with its output in the recording.
+    calls: Number of calls of the simulator; 0 if its output was recorded.
+    parameters: Its free parameters, given the data and the most probable hypothesis.
     """
 
     name: str
@@ -187,61 +190,62 @@ class SimulatorUsed(Record):
 
 
 class DiagnosisFile(Provenance):
-    """``diagnosis.json``: where the simulation misses, why, and how far that shrinks.
+    """``diagnosis.json``: where simulation and reality differ, why, and how far the gap shrinks.
 
     Fields
     ------
-    rigs: Rigs whose data entered.
+    rigs: Rigs whose data were used.
     baseline: Friction law that was examined.
-    simulator: In the place of the law; null where a law of the package is examined.
-    fixed: Parameters that were held, as they were asked for.
-    fixed_at: Values at which they were held, by name: those that were shipped, else those of the
-        robot's model, or of Table I.
-    shipped: Shipped values as they were given, by name; null where nobody gave any.
-    stray_trials: Trials left out: each lies far from the others of its own assembly.
-    attention: Every check that failed, and settings that a diagnosis does not follow; usually none.
-    checks: What must hold of every diagnosis, and whether it does.
-    practical_share: Share of rms friction below which none cares.
-    verdict: By the rules of the contract.
-    verdict_probability: Of what the verdict says.
+    simulator: Simulator that replaces the law; null if a law of the package is examined.
+    fixed: Parameters that were held fixed, as they were asked for.
+    fixed_at: Values at which they were held, by name: the shipped values, else those of the robot's
+        model, or of Table I.
+    shipped: Shipped values as they were given, by name; null if none were given.
+    stray_trials: Trials left out because each lies far from the others of its own assembly.
+    attention: Every check that failed, and settings that the diagnosis does not use; usually empty.
+    checks: Rules that every diagnosis obeys, and whether this one does.
+    practical_share: Share of rms friction below which a gap does not matter.
+    verdict: The verdict: named, unseparated, unknown, no-gap or undecided.
+    verdict_probability: Probability of what the verdict states.
     sentence: The verdict in words.
-    probabilities: Hypothesis to posterior probability.
-    hypothesis_prior: As used, by number of effects.
-    prior_sensitivity: Probabilities where the prior of none is 0.1 and 0.9.
-    unvisited_probability: Of hypotheses that were screened only, together.
+    probabilities: Posterior probability by hypothesis.
+    hypothesis_prior: Prior probability by number of effects, as used.
+    prior_sensitivity: Posterior probabilities if the prior of none is 0.1, and 0.9.
+    unvisited_probability: Total probability of the hypotheses that were only screened.
     inclusion: Every effect that was weighed, the most probable first.
-    causes: Effects that act with probability 0.9 at least, and matter.
-    present: Effects that act likewise, below the practical share, and errors of measuring that make
-        no gap.
-    possible: Effects that act with a probability from 0.1 on and are no cause.
-    considered: Effects that fit what was recorded, and that held-out data, or an instrument,
-        contradict.
-    overruled_by: By which rule held-out data contradict them, with its figures; or what an
-        instrument tells of them.
-    enter: Numbers to enter in a simulator, of a driven joint.
+    causes: Effects that act with probability 0.9 or more, and matter.
+    present: Effects that act with probability 0.9 or more and are below the practical share, and
+        errors of measurement that make no gap.
+    possible: Effects that act with probability 0.1 or more and are no cause.
+    considered: Effects that fit the recorded data, and are contradicted by held-out data or by an
+        instrument.
+    overruled_by: Rule by which held-out data contradict them, with its figures; or the instrument's
+        estimates of them.
+    enter: Numbers to enter in a simulator of a driven joint.
     enter_why: Why there are none.
-    untold: Numbers of the law that such data cannot tell: name and reason.
-    replay: Held-out runs with the numbers to enter and with those of the model.
-    joint: Joint that all keys are of but `joints`, `attention`, `model_error` and `sentence`: of
-        several, the first whose verdict is the verdict of all.
-    joint_in_model: Its name in the model that the recording has of the machine.
-    joints: A diagnosis a joint, of several.
-    other_joints: What the other joints of the machine did, as far as anybody says.
-    model_error: Numbers of the machine's model of which data tell something.
-    instrument: The law by an instrument, which errors in a loop do not move.
-    scatter: Noise of every rig at its most probable, by name.
-    law: Numbers of the law, by name, without and with what acts beside it.
-    unseparated: What cannot be told apart.
-    absorbed: Effects that only move the baseline.
-    remainder: What the causes leave.
-    where: Largest share first.
-    unexplained: Share of the systematic force that functions of no axis explain.
-    all_unexplained_because: Why no axis has a share, in words; empty where axes have.
-    gap: How far, before and after.
-    effects: Every effect examined.
+    untold: Numbers of the law that such data cannot determine: name and reason.
+    replay: Replay of held-out runs with the numbers to enter and with those of the model.
+    joint: Joint to which all keys refer, except `joints`, `attention`, `model_error` and
+        `sentence`. If there are several joints, it is the first whose verdict is the overall
+        verdict.
+    joint_in_model: Its name in the recording's model of the machine.
+    joints: A diagnosis for each joint, if there are several.
+    other_joints: What the other joints of the machine did, as far as it is recorded.
+    model_error: Numbers of the machine's model about which the data are informative.
+    instrument: Instrumental estimate of the law, which errors in a control loop do not bias.
+    scatter: Most probable noise of every rig, by name.
+    law: Numbers of the law, by name, without and with the effects.
+    unseparated: Effects that cannot be told apart.
+    absorbed: Effects that only move parameters of the baseline.
+    remainder: The force that the causes leave.
+    where: Axes along which the force lies, the largest share first.
+    unexplained: Share of the systematic force that no axis explains.
+    all_unexplained_because: Why no axis has a share; empty if axes have shares.
+    gap: The gap before and after the causes.
+    effects: Every effect that was examined.
     next_experiment: What to measure next.
     next_experiment_why: Why there is none.
-    target: Conditions that were asked about, if any.
+    target: Friction at conditions that were asked about, if any.
     """
 
     schema_: Literal["bayesfric.diagnosis/2"] = Field("bayesfric.diagnosis/2", alias="schema")

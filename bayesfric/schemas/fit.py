@@ -16,14 +16,15 @@ class SamplerSummary(Record):
 
     Fields
     ------
-    ensembles: Independent ensembles.
-    walkers: Walkers an ensemble.
-    steps: Steps an ensemble after burn-in.
-    thin: Each thin-th step is kept.
-    extensions: Times the ensembles were run on because draws had not converged.
-    draws: Draws kept in all.
-    acceptance: Share of proposals accepted.
-    autocorrelation_time: Largest over parameters: steps a walker makes for one effective draw.
+    ensembles: Number of independent ensembles.
+    walkers: Number of walkers in each ensemble.
+    steps: Number of steps of each ensemble after burn-in.
+    thin: Every `thin`-th step is kept.
+    extensions: How often the ensembles were extended because the draws had not converged.
+    draws: Total number of draws kept.
+    acceptance: Share of proposals that were accepted.
+    autocorrelation_time: Largest autocorrelation time of the parameters: steps of a walker for one
+        effective draw.
     """
 
     ensembles: int
@@ -37,15 +38,15 @@ class SamplerSummary(Record):
 
 
 class PointEstimate(Record):
-    """Coefficients of a size without uncertainty; null where the design does not allow one.
+    """Coefficients of a size without uncertainty; null if the design does not determine one.
 
     Fields
     ------
     c1: Friction per tension and pulley [-].
     c1_why: Why there is no c1.
-    c2: Constant friction a pulley [N].
+    c2: Constant friction of a pulley [N].
     c2_why: Why there is no c2.
-    c3: Change of c1 with wrap [1/deg].
+    c3: Change of c1 with the wrap angle [1/deg].
     c3_why: Why there is no c3.
     """
 
@@ -58,11 +59,11 @@ class PointEstimate(Record):
 
 
 class Excluded(Record):
-    """A trial that does not enter the fit.
+    """A trial that is excluded from the fit.
 
     Fields
     ------
-    trial: Its id.
+    trial: Id of the trial.
     rule: Name of the rule.
     reason: The rule in words.
     selects_on: What the rule selects on, and how that may bias.
@@ -79,13 +80,13 @@ class Repaired(Record):
 
     Fields
     ------
-    trial: Its id.
+    trial: Id of the trial.
     sensor: drive or load.
     missed: Events that the recorder missed.
     doubled: Events that it counted twice.
-    removed: Events taken out: doubled, stray, or all of them.
-    used: Whether the repaired events enter, unless a rule excludes the trial; false: beyond repair,
-        all of this sensor's left.
+    removed: Events that were removed: doubled, stray, or all of them.
+    used: Whether the repaired events are used, unless a rule excludes the trial. If false, the
+        events are beyond repair, and all events of this sensor are left out.
     """
 
     trial: str
@@ -97,13 +98,13 @@ class Repaired(Record):
 
 
 class Agreement(Record):
-    """How the two sensors of a trial agree on its acceleration.
+    """Agreement of the two sensors of a trial on its acceleration.
 
     Fields
     ------
     trials: Trials whose two sensors can be compared.
     largest_z: Largest |z|, the difference over its standard error; null without trials.
-    z_q95: 95 % quantile of |z|, 1.96 by noise alone.
+    z_q95: 95 % quantile of |z|; 1.96 if there is only noise.
     limit_z: A trial disagrees beyond this |z| ...
     limit_friction_share: ... if its frictions by either sensor also differ by more than this share.
     disagreeing: Ids of the trials that disagree.
@@ -121,13 +122,13 @@ class Agreement(Record):
 
 
 class Clocks(Record):
-    """By how much the clocks of the two sensors of a trial differ.
+    """Offset between the clocks of the two sensors of a trial.
 
     Fields
     ------
-    trials: Trials whose two sensors tell it.
-    late_s: By how much the load sensor's clock is late, of all trials together; negative where the
-        drive sensor's is [s].
+    trials: Trials whose two sensors determine it.
+    late_s: Delay of the load sensor's clock, from all trials together; negative if the drive
+        sensor's clock is late [s].
     sd_s: Its standard error [s].
     allowed_sd_s: Prior standard deviation of each trial's offset, which the likelihood integrates
         out [s].
@@ -142,25 +143,25 @@ class Clocks(Record):
 
 
 class DataQuality(Record):
-    """What the fit used.
+    """The data that the fit used.
 
     Fields
     ------
     trials: Gravity trials recorded.
-    trials_used: Trials that enter.
-    setups: Assemblies that enter.
-    events: Hall events that enter.
-    points: Steady friction points that enter.
-    motor_runs: Motor runs that enter.
-    replicated_cells: (size, n, angle) cells assembled more than once; without any, setup scatter
-        rests on its prior.
+    trials_used: Trials that are used.
+    setups: Assemblies that are used.
+    events: Hall events that are used.
+    points: Steady friction points that are used.
+    motor_runs: Motor runs that are used.
+    replicated_cells: (size, n, angle) cells that were assembled more than once. Without any, the
+        setup scatter is that of its prior.
     excluded: Trials left out, with the rule.
-    notes: What the reader of the recording remarked.
+    notes: Remarks from reading the recording.
     repaired: Missed and doubled Hall events.
-    agreement: Of the sensors; null where no gravity trial was recorded.
-    clocks: Of the sensors; null where no gravity trial was recorded.
-    stalled: Trials that stop on their way, left out or not.
-    did_not_move: Trials that stayed at rest, and enter as a bound on friction.
+    agreement: Agreement of the sensors; null if no gravity trial was recorded.
+    clocks: Clock offset of the sensors; null if no gravity trial was recorded.
+    stalled: Trials that stop on their way, whether left out or not.
+    did_not_move: Trials that stayed at rest. They are used as a bound on friction.
     """
 
     trials: int
@@ -182,18 +183,18 @@ class DataQuality(Record):
 
 
 class Prediction(Record):
-    """How well a board's trials or assemblies are predicted, each left out in turn.
+    """Leave-one-out prediction of the trials or assemblies of a board.
 
     Fields
     ------
     rig: gravity or motor.
-    left_out: One trial (or run) at a time, or one assembly.
-    groups: How many were left out, one at a time.
+    left_out: What is left out at a time: one trial (or run), or one assembly.
+    groups: Number of groups that were left out, one at a time.
     elpd: Sum of log p(group | all others), a density of raw data [nat].
     elpd_se: Standard error over other groups of the kind.
-    pareto_k_limit: Above it the weights of draws that saw the group are not relied on.
+    pareto_k_limit: Limit of Pareto k, above which the importance weights of a group are unreliable.
     bad: Groups whose Pareto k is above the limit.
-    refitted: Of these, how many were refitted without the group.
+    refitted: Number of these that were refitted without the group.
     """
 
     rig: str
@@ -210,17 +211,17 @@ class Prediction(Record):
 
 
 class Uniformity(Record):
-    """Whether leave-one-trial-out probabilities of a board are uniform, as they should be.
+    """Test whether the leave-one-trial-out probabilities of a board are uniform, as they should be.
 
     Fields
     ------
     rig: gravity or motor.
-    trials: Trials or runs.
-    p_value: Share of recordings made again that are as far from uniform somewhere.
-    spread: Root mean square of the normal scores: how many times as far as the model says trials
-        lie from their prediction.
-    spread_q05: 5 % quantile of it, of recordings made again.
-    spread_q95: 95 % quantile of it, of recordings made again.
+    trials: Number of trials or runs.
+    p_value: Share of simulated recordings that deviate as far from uniform at some place.
+    spread: Root mean square of the normal scores; 1 if trials scatter around their predictions as
+        the model says.
+    spread_q05: 5 % quantile of `spread` in simulated recordings.
+    spread_q95: 95 % quantile of `spread` in simulated recordings.
     """
 
     rig: str
@@ -232,13 +233,13 @@ class Uniformity(Record):
 
 
 class OutlyingAssembly(Record):
-    """An assembly that is far from what all others say of it.
+    """An assembly that is far from its prediction by all others.
 
     Fields
     ------
-    setup: Its name.
-    z: Standard deviations by which its friction is more.
-    chance: Probability that a recording that obeys the model has one as far out.
+    setup: Name of the assembly.
+    z: Standard deviations by which its friction exceeds the prediction.
+    chance: Probability that a recording that obeys the model has an assembly as far out.
     without: Posterior mean of each coefficient without this assembly, in its unit; empty in files
         of earlier versions.
     """
@@ -250,18 +251,19 @@ class OutlyingAssembly(Record):
 
 
 class AssemblyCheck(Record):
-    """Whether assemblies, left out one at a time, lie where the others put them.
+    """Test whether assemblies, left out one at a time, lie where the others predict them.
 
     Fields
     ------
-    rig: Its rig.
-    assemblies: How many there are.
-    p_value: Share of sets of as many independent ones as far from uniform somewhere.
-    spread: Root mean square of the normal scores: how many times as far as the model says
-        assemblies lie from their prediction.
-    spread_q05: 5 % quantile of it, of independent ones.
-    spread_q95: 95 % quantile of it, of independent ones.
-    outlying: Those beyond 3 standard deviations, the farthest first.
+    rig: Rig of the assemblies.
+    assemblies: Number of assemblies.
+    p_value: Share of sets of as many independent scores that deviate as far from uniform at some
+        place.
+    spread: Root mean square of the normal scores; 1 if assemblies scatter around their predictions
+        as the model says.
+    spread_q05: 5 % quantile of `spread` for independent scores.
+    spread_q95: 95 % quantile of `spread` for independent scores.
+    outlying: Assemblies beyond 3 standard deviations, the farthest first.
     """
 
     rig: str
@@ -274,11 +276,11 @@ class AssemblyCheck(Record):
 
 
 class WithoutExclusions(Record):
-    """What a second fit, to other trials, makes of the coefficients.
+    """Coefficients from a second fit, to other trials.
 
     Fields
     ------
-    trials_used: Gravity trials that enter it.
+    trials_used: Gravity trials that this fit uses.
     converged: Whether every diagnostic is within its bound.
     pulleys: c1, c2, c3 of each pulley size, in the units of the fit.
     """
@@ -310,7 +312,7 @@ class FitFile(Provenance):
 
     Fields
     ------
-    rigs: Rigs whose data entered.
+    rigs: Rigs whose data were used.
     baseline: Friction law, as for `--baseline`.
     converged: Whether every diagnostic is within its bound.
     attention: Every check that failed; may be empty.
@@ -318,21 +320,22 @@ class FitFile(Provenance):
     scatter: Relative scatter of friction.
     noise: Noise of the sensors.
     parameters: Further parameters; empty for the paper's law.
-    joint: Joint that all keys are of but `joints`, `converged` and `attention`: of several, the
-        first.
-    joints: A fit a joint, of several; empty of one.
-    paper_estimator: The paper's own estimator, eqs (6) to (15), by size; the gravity board only.
-    without_exclusions: A second fit, with the same seed, that no rule kept a trial from.
+    joint: Joint to which all keys refer, except `joints`, `converged` and `attention`. If there are
+        several joints, it is the first.
+    joints: A fit for each joint, if there are several; else empty.
+    paper_estimator: Estimates by the paper's own method, eqs (6) to (15), by size; gravity board
+        only.
+    without_exclusions: A second fit, with the same seed, to all trials, without exclusion rules.
     without_exclusions_why: Why there is no second fit.
     without_stalls: A second fit, with the same seed, to trials that moved all the way.
     without_stalls_why: Why there is no such fit.
-    prediction: Of what is left out; empty in files of earlier versions.
-    uniformity: Of leave-one-trial-out probabilities, by board.
-    assemblies: Of leave-one-assembly-out probabilities, by rig with five of them.
+    prediction: Leave-one-out predictive densities; empty in files of earlier versions.
+    uniformity: Uniformity of leave-one-trial-out probabilities, by board.
+    assemblies: Check of leave-one-assembly-out probabilities, by rig with at least five assemblies.
     sampler: How the draws were made.
     data_quality: What the fit used.
-    pooled: Of several recordings: their boards, whose population `pulleys` describes; scatter and
-        noise are in the fit of each.
+    pooled: If several recordings were fitted together: their boards. `pulleys` then describes the
+        population; scatter and noise are in the fit of each board.
     """
 
     schema_: Literal["bayesfric.fit/1"] = Field("bayesfric.fit/1", alias="schema")
@@ -366,9 +369,9 @@ class TimingsFile(Record):
 
     Fields
     ------
-    seconds: Wall seconds by stage.
-    run_id: Of the fit; empty in files of earlier versions.
-    inputs: Paths of the recording and the loop files, as `bayesfric rerun` finds them.
+    seconds: Wall-clock seconds by stage.
+    run_id: Run id of the fit; empty in files of earlier versions.
+    inputs: Paths of the recording and the loop files, for `bayesfric rerun`.
     """
 
     schema_: Literal["bayesfric.timings/1"] = Field("bayesfric.timings/1", alias="schema")

@@ -1,11 +1,11 @@
-"""How large a gap is, before and after, and along which axes it lies."""
+"""The size of a gap, before and after the causes, and the axes along which it lies."""
 
 from typing import Annotated
 
 from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 from bayesfric.schemas.causes import Shape
 
-LEAST_TOLD = 0.2  # of the force: an axis that explains less is no answer to where it lies
+LEAST_TOLD = 0.2  # share of the force: an axis that explains less is not reported as its place
 
 
 class Axis(Record):
@@ -15,18 +15,18 @@ class Axis(Record):
     ------
     axis: Name of the covariate.
     unit: Of the covariate.
-    blind: True where the covariate did not vary.
-    share: Of the mean square of the systematic force, its posterior averaged over hypotheses: what
-        the axis adds in the mean over all orders in which axes can come in (Shapley, LMG). All
-        shares and `unexplained` sum to 1.
+    blind: Whether the covariate did not vary.
+    share: Share of the mean square of the systematic force: its posterior, averaged over
+        hypotheses. It is the mean of what the axis adds over all orders in which axes can enter
+        (Shapley, LMG). All shares and `unexplained` sum to 1.
     share_why: Why there is none.
-    alone: What functions of this axis explain by themselves, beside a refitted law.
+    alone: Share that functions of this axis explain by themselves, beside a refitted law.
     alone_why: Why there is none.
-    leads: Whether the 5 % quantile of its share is above the next one's median.
-    confounded_with: Axes whose smooths look alike here.
-    p_value: Of held-out residuals, adjusted by the largest statistic of all axes.
+    leads: Whether the 5 % quantile of its share is above the median of the next axis.
+    confounded_with: Axes whose smooth functions are nearly the same in these data.
+    p_value: p-value of held-out residuals, adjusted by the largest statistic of all axes.
     p_value_why: Why there is none.
-    shape: On a grid; null where it did not vary.
+    shape: The force on a grid of the covariate; null if the covariate did not vary.
     shape_why: Why there is none.
     """
 
@@ -46,7 +46,7 @@ class Axis(Record):
 
     @property
     def answers(self) -> bool:
-        """Whether it may be said that the force lies along this axis."""
+        """Whether the force may be reported to lie along this axis."""
         return self.leads and self.share is not None and self.share.q50 >= LEAST_TOLD
 
 
@@ -56,13 +56,14 @@ class GapRow(Record):
     Fields
     ------
     name: What was held out.
-    as_shipped: Published values, nothing refitted.
+    as_shipped: Gap with the published values, nothing refitted.
     as_shipped_why: Why there is none.
-    before: Baseline, every parameter refitted.
-    after: With the causes, every parameter refitted.
-    floor: What a perfect law would leave.
-    below_floor: Share of resampled assemblies in which before is below the floor.
-    shrink: (before² − after²) / (before² − floor²), resampled where before is above.
+    before: Gap of the baseline, with every parameter refitted.
+    after: Gap with the causes, with every parameter refitted.
+    floor: The floor: what a perfect law would leave.
+    below_floor: Share of resampled assemblies in which `before` is below the floor.
+    shrink: (before² − after²) / (before² − floor²), over the resamples with `before` above the
+        floor.
     shrink_why: Why there is none.
     """
 
@@ -78,13 +79,13 @@ class GapRow(Record):
 
 
 class HeldOutDensity(Record):
-    """How much better the causes predict what the fit has not seen.
+    """How much better the law with the causes predicts held-out data.
 
     Fields
     ------
     difference: Log predictive density with the causes less that of the law alone [nat].
-    error: Standard error of it, from how far blocks differ.
-    blocks: Assemblies, or runs, that were held out, one or some at a time.
+    error: Its standard error, from the scatter between blocks.
+    blocks: Number of blocks (assemblies or runs) that were held out, one or a few at a time.
     """
 
     difference: Number
@@ -93,36 +94,37 @@ class HeldOutDensity(Record):
 
 
 class Gap(Record):
-    """How far simulation and reality are apart.
+    """The gap between simulation and reality.
 
     Fields
     ------
-    unit: Of everything but the trajectory.
-    as_shipped: Published values, nothing refitted.
+    unit: Unit of everything except the trajectory.
+    as_shipped: Gap with the published values, nothing refitted.
     as_shipped_why: Why there is none.
-    before: Recalibrated baseline, over folds of setups.
-    after: With the causes.
-    floor: What a perfect law would leave.
-    systematic: Rms of the systematic force over the conditions, the law recalibrated: its
+    before: Gap of the recalibrated baseline, over folds of setups.
+    after: Gap with the causes.
+    floor: The floor: what a perfect law would leave.
+    systematic: Rms of the systematic force over the conditions after the law is recalibrated: its
         posterior, averaged over hypotheses.
-    probability_above_practical: That the systematic gap is the practical share of friction or more.
-    floor_agrees: Whether what held-out data leave once the causes act is what scatter (the floor)
-        and the systematic gap that is left would make, by chance too; or both are below half of the
-        practical share of friction.
-    floor_disagreement: How held-out data and the model contradict each other; null if not.
-    shrink: (before² − after²) / (before² − floor²) of data held out; null where the gap before is
-        above the floor with less than 0.95.
+    probability_above_practical: Probability that the systematic gap is the practical share of
+        friction or more.
+    floor_agrees: Whether the held-out gap with the causes agrees, up to chance, with the floor and
+        the remaining systematic gap together; or both are below half of the practical share of
+        friction.
+    floor_disagreement: How held-out data and the model contradict each other; null if they agree.
+    shrink: (before² − after²) / (before² − floor²) of held-out data; null if the gap before is
+        above the floor with a probability below 0.95.
     shrink_why: Why there is none.
-    shrink_of_model: Part of the squared systematic gap that the causes take away: its posterior.
-    friction_rms: Of the baseline's friction, same weights [N].
-    no_share: Why no share of friction is told, where friction is within its error of zero: forces
-        stand alone.
-    held_out: Folds over setups, and extrapolations [N].
-    held_out_log_density: Of data held out, with the causes against the law alone.
-    held_out_excess: Rms force that data held out leave beyond what friction's scatter and the gap
-        that is left make; 0 where chance makes as much.
-    in_sample: On the data of the fit [N].
-    trajectory: From the first five events to the end of travel, held out [m].
+    shrink_of_model: Share of the squared systematic gap that the causes remove: its posterior.
+    friction_rms: Rms of the baseline's friction, with the same weights [N].
+    no_share: Why nothing is given as a share of friction: friction is within its error of zero, so
+        only forces are given.
+    held_out: Gaps of folds over setups, and of extrapolations [N].
+    held_out_log_density: Log density of held-out data, with the causes against the law alone.
+    held_out_excess: Rms force that held-out data leave beyond the scatter of friction and the
+        remaining gap; 0 if chance explains it.
+    in_sample: Gap on the data of the fit [N].
+    trajectory: Gap of held-out trajectories, from the first five events to the end of travel [m].
     trajectory_why: Why there is none.
     """
 

@@ -1,4 +1,4 @@
-"""What an instrument says of a law that was found inside of a controller's loop."""
+"""Instrumental-variable estimates of a law that was recorded in a closed loop."""
 
 from typing import Literal
 
@@ -8,14 +8,14 @@ from bayesfric.schemas.base import Number, Record
 
 
 class InstrumentNumber(Record):
-    """A number of the law by least squares, and by the instrument.
+    """A number of the law: least-squares and instrumental estimates.
 
     Fields
     ------
-    unit: Of both.
-    ordinary: By least squares of the windows that enter here.
+    unit: Unit of both.
+    ordinary: Least-squares estimate from the windows that are used here.
     ordinary_se: Its standard error.
-    instrumental: By the instrument.
+    instrumental: Instrumental-variable estimate.
     instrumental_se: Its standard error.
     """
 
@@ -27,24 +27,24 @@ class InstrumentNumber(Record):
 
 
 class Instrument(Record):
-    """Least squares beside an instrument, which errors of encoders and of loops do not move.
+    """Least squares compared with an instrument, which errors of encoders and of loops do not bias.
 
     Fields
     ------
-    kind: The reference's path where it was logged, or the motion in windows before.
-    statistic: F statistic of Durbin, Wu and Hausman.
-    p_value: Of it, were least squares right.
-    strength: F statistic by which the instruments tell acceleration and speed, the smaller one;
-        below 10 they tell too little.
-    windows: That both are of.
-    agreement: p-value that the instruments contradict each other by chance alone. Below 0.001
-        they are no instruments: what the law lacks goes with them. 1 where there are no more of
-        them than needed.
-    alarms: Whether the two differ by more than chance, and by what matters, and the instruments
-        agree.
-    numbers: Of the law, by name.
-    effects: Amplitudes of the effects of the likeliest hypothesis, by name; none that the law and
-        the effects before it make.
+    kind: The instrument: the reference's path if it was logged, else the motion in earlier windows.
+    statistic: F statistic of the Durbin–Wu–Hausman test.
+    p_value: Its p-value, if least squares is unbiased.
+    strength: First-stage F statistic of the instruments for acceleration and for speed, the smaller
+        one. Below 10 the instruments are weak.
+    windows: Number of windows that both estimates use.
+    agreement: p-value of the test that the instruments agree with each other (overidentification).
+        Below 0.001 they are invalid, since they correlate with what the law lacks. 1 if there are
+        no more instruments than needed.
+    alarms: Whether the two estimates differ by more than chance and by an amount that matters, and
+        the instruments agree.
+    numbers: Numbers of the law, by name.
+    effects: Amplitudes of the effects of the most probable hypothesis, by name. Effects that are
+        combinations of the law and of earlier effects are left out.
     """
 
     kind: Literal["reference", "earlier motion"]

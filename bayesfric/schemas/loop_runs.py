@@ -1,4 +1,4 @@
-"""What simulations of a loop show: where it hunts, whether figures hold, how it follows."""
+"""Simulations of a loop: where it hunts, whether metrics agree, how it follows a reference."""
 
 from typing import Annotated, Literal, TypeAlias
 
@@ -6,16 +6,16 @@ from bayesfric.schemas.base import Because, Interval, Number, Record, Why
 
 
 class HuntingMap(Record):
-    """Where on reference speed and γ the loop hunts, over some of the draws.
+    """Where the loop hunts, over reference speed and γ, for some of the draws.
 
     Fields
     ------
-    draws: Draws behind each cell.
-    gamma: γ, a row each.
-    speed_rad_s: Reference speed at the motor, a column each; the first is rest.
+    draws: Number of draws in each cell.
+    gamma: γ of each row.
+    speed_rad_s: Reference speed of each column, at the motor; the first is rest.
     speed_tip_m_s: The same at the tool tip.
     probability: P(limit cycle) after the file's kick.
-    rms_error_m: Root mean square error at the tool tip in the last half, median of the draws.
+    rms_error_m: Rms error at the tool tip in the last half of the simulation, median of the draws.
     """
 
     draws: int
@@ -27,17 +27,18 @@ class HuntingMap(Record):
 
 
 class VerifiedDraw(Record):
-    """One draw: what was found of it, and on the elastic cable.
+    """One draw: reported γ, and γ on the elastic cable.
 
     Fields
     ------
     draw: Number of the draw.
-    inside_conditions: Whether the formula claims to hold there.
-    predicted: γ that hunts, as reported; null: none.
-    simulated: γ that hunts on the elastic cable, between two that were tried; null: none.
-    agrees: Both none, or within the tolerance.
-    stays_within: Without compensation and integral, the simulated loop comes to rest inside the
-        band of the steady error, one encoder count added.
+    inside_conditions: Whether the draw satisfies the conditions of the formula.
+    predicted: Smallest γ that hunts, as reported; null: none.
+    simulated: Smallest γ that hunts on the elastic cable, between two values that were simulated;
+        null: none.
+    agrees: Whether both are null, or agree within the tolerance.
+    stays_within: Whether, without compensation and integral action, the simulated loop comes to
+        rest inside the band of the steady error plus one encoder count.
     """
 
     draw: int
@@ -51,16 +52,16 @@ class VerifiedDraw(Record):
 
 
 class Held(Record):
-    """How often a figure holds where motor and joint are simulated on the elastic cable.
+    """How often a metric agrees with a simulation of motor and joint on the elastic cable.
 
     Fields
     ------
-    what: The figure.
-    draws: In which it was looked at.
-    share: Of them in which it holds.
+    what: The metric.
+    draws: Number of draws in which it was compared.
+    share: Share of them in which it agrees.
     low: Lower end of the share's 95 % interval (Jeffreys).
     high: Upper end.
-    ratio: Simulated over reported; of a bound, how near it the farthest came.
+    ratio: Simulated over reported value; for a bound, the largest simulated value over the bound.
     """
 
     what: str
@@ -74,19 +75,19 @@ class Held(Record):
 
 
 class Verification(Record):
-    """The figures against motor and joint on an elastic cable with friction, draw by draw.
+    """Metrics compared with simulations of an elastic cable with friction, draw by draw.
 
     Fields
     ------
-    draws: Draws that were simulated.
-    tolerance: Relative, of γ.
-    inside_conditions: Draws inside the formula's conditions.
+    draws: Number of draws that were simulated.
+    tolerance: Relative tolerance of γ.
+    inside_conditions: Number of draws inside the formula's conditions.
     agreement: Share of the draws whose γ agrees.
     steady_error_agreement: Share of the draws that come to rest within the steady error.
-    held: Each figure; empty in earlier versions.
-    kick: At the motor [rad].
-    reference_speed: At the motor [rad/s].
-    by_draw: Each draw.
+    held: Agreement of each metric; empty in files of earlier versions.
+    kick: Size of the kick at the motor [rad].
+    reference_speed: Reference speed at the motor [rad/s].
+    by_draw: The comparison of each draw.
     """
 
     draws: int
@@ -107,18 +108,18 @@ Compensator: TypeAlias = Literal[
 
 
 class FollowedWith(Record):
-    """The error at the tool tip on one trajectory with one compensator, joint behind reference.
+    """Tracking error at the tool tip (reference less joint), for one trajectory and compensator.
 
     Fields
     ------
-    compensator: Whose sign it takes, or which observer estimates friction; γ, F̂ and what it does
-        at rest are the file's.
-    rms_m: Root mean square in the judged time, over the draws.
-    peak_m: Largest size in the judged time, over the draws.
-    least: Share of the draws in which its rms error is within 2 % of the least of all.
-    q05_m: 5 % of the draws over `time_s`.
-    q50_m: Their median.
-    q95_m: 95 % of them.
+    compensator: The signal whose sign the compensator uses, or the observer that estimates
+        friction. γ, F̂ and the behaviour at rest are those of the file.
+    rms_m: Rms error in the judged time, over the draws.
+    peak_m: Largest absolute error in the judged time, over the draws.
+    least: Share of the draws in which its rms error is within 2 % of that of the best compensator.
+    q05_m: 5 % quantile of the error over the draws, at each `time_s`.
+    q50_m: Median of the same.
+    q95_m: 95 % quantile of the same.
     """
 
     compensator: Compensator
@@ -131,14 +132,14 @@ class FollowedWith(Record):
 
 
 class Trajectory(Record):
-    """One reference that moves.
+    """One moving reference.
 
     Fields
     ------
-    name: Its kind.
-    sentence: Speeds and amplitudes at the motor and at the tool tip.
-    best: Compensators with the largest `least`, or less than 5 % of the draws below it.
-    compensators: Each of them.
+    name: Kind of the trajectory.
+    sentence: Its speeds and amplitudes at the motor and at the tool tip, in words.
+    best: Compensators with the largest `least`, and those less than 5 % of the draws below it.
+    compensators: The errors with each compensator.
     """
 
     name: Literal["ramp", "reversal", "sine", "step"]
@@ -152,14 +153,14 @@ class Following(Record):
 
     Fields
     ------
-    draws: Draws that were simulated.
-    settling_s: Time of rest, after which the reference sets off, and goes on for twice that: errors
-        are judged in the second half, from the turn of a reversal on.
-    time_s: Of the bands, since setting off.
+    draws: Number of draws that were simulated.
+    settling_s: Time at rest before the reference starts to move. It moves for twice that time, and
+        errors are judged in the second half; for a reversal, from its turn on.
+    time_s: Times of the error bands, from the start of the motion.
     answer: Which compensator follows best, in a sentence.
-    error_band_rad: Half width of the band of the error's sign, at the motor; the LuGre observer
-        stretches over it, or over 2γF̂/kp where that is wider; median.
-    disturbance_cutoff_rad_s: Corner of the disturbance observer's low-pass; median.
+    error_band_rad: Half width of the band that smooths the sign of the error, at the motor; median.
+        The LuGre observer's length is the same, or 2γF̂/kp if that is larger.
+    disturbance_cutoff_rad_s: Corner frequency of the disturbance observer's low-pass; median.
     trajectories: Ramp, reversal, sine, step.
     """
 

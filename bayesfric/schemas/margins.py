@@ -11,21 +11,22 @@ NO_WAY = Because("only an open run is driven or overhauled")
 
 
 class Metric(Record):
-    """One figure of a loop, over draws of new assemblies.
+    """One metric of a loop, over draws of new assemblies.
 
     Fields
     ------
     name: Name of the metric.
-    unit: SI; 1 for a ratio.
-    place: Where it is counted: cable, motor, tool tip, loop.
-    direction: Of an open run: the motor pulls the load, or the load the motor.
-    interval: Over the draws.
-    quantiles: At 0.01, 0.05, 0.10, … 0.95, 0.99; empty without an interval.
-    spec: What is asked for; null where nothing is.
-    sense: Which way the spec bounds it.
-    probability_of_violation: Of the spec.
-    monte_carlo_se: Of that probability where there is one, else of the mean.
-    note: What a reader must know of it.
+    unit: SI unit; 1 for a ratio.
+    place: Where it is measured: cable, motor, tool tip, loop.
+    direction: Direction of an open run: the motor pulls the load, or the load the motor.
+    interval: Its distribution over the draws.
+    quantiles: Quantiles at 0.01, 0.05, 0.10, … 0.95, 0.99; empty without an interval.
+    spec: The specified bound; null if there is none.
+    sense: Whether the spec is an upper or a lower bound.
+    probability_of_violation: Probability that the spec is violated.
+    monte_carlo_se: Monte Carlo standard error of that probability, or of the mean if there is no
+        spec.
+    note: A remark.
     """
 
     name: str
@@ -47,7 +48,7 @@ class Metric(Record):
 
 
 class GammaProbability(Record):
-    """How probable a limit cycle is at one compensation gain.
+    """Probability of a limit cycle at one compensation gain.
 
     Fields
     ------
@@ -66,10 +67,10 @@ class NyquistFan(Record):
 
     Fields
     ------
-    what: L(jω); or motor speed per friction torque, times √(kp J).
-    direction: As above.
-    real: A row for each draw.
-    imag: Likewise.
+    what: The response: L(jω), or motor speed per friction torque, times √(kp J).
+    direction: Direction of an open run, as for a metric.
+    real: Real part, a row for each draw.
+    imag: Imaginary part, a row for each draw.
     """
 
     what: Literal["loop", "seen-by-friction"]
@@ -84,10 +85,10 @@ class Bode(Record):
 
     Fields
     ------
-    direction: As above.
-    frequency_hz: The frequencies.
-    gain_db: |L|.
-    phase_deg: arg L, not wrapped.
+    direction: Direction of an open run, as for a metric.
+    frequency_hz: Frequencies.
+    gain_db: Magnitude |L|.
+    phase_deg: Phase arg L, unwrapped.
     """
 
     direction: Literal["driving", "overhauling"] | None = None
@@ -98,18 +99,19 @@ class Bode(Record):
 
 
 class Plant(Record):
-    """What the file comes to at the motor's shaft; medians of the draws, a stiff cable.
+    """The loop referred to the motor's shaft: medians of the draws, stiff cable.
 
     Fields
     ------
     natural_frequency_hz: √(kp/J)/2π.
-    damping_ratio: Delay taken off: below 0 only friction damps.
-    resonance_hz: At which both ends ring on the cable.
-    motor_inertia_kg_m2: At the shaft.
-    load_inertia_kg_m2: Seen from the shaft.
-    cable_m_per_rad: Cable per angle of the motor.
-    tip_m_per_rad: Tool tip per angle of the motor.
-    sentence: All that in words.
+    damping_ratio: Damping ratio, reduced by the delay. If it is negative, only friction damps the
+        loop.
+    resonance_hz: Frequency at which motor and joint ring on the cable.
+    motor_inertia_kg_m2: Inertia of the motor at the shaft.
+    load_inertia_kg_m2: Inertia of the load, seen from the shaft.
+    cable_m_per_rad: Travel of the cable per angle of the motor.
+    tip_m_per_rad: Travel of the tool tip per angle of the motor.
+    sentence: The same in words.
     """
 
     natural_frequency_hz: Number
@@ -127,12 +129,13 @@ class Tuning(Record):
 
     Fields
     ------
-    kp_scale: Over the file's; null where none will do.
-    kd_scale: Likewise.
-    compensation_gain: γ; the file's where it cannot hunt.
-    probability: That all specs are met at once, at this setting.
+    kp_scale: kp over that of the file; null if no setting meets the specs.
+    kd_scale: kd over that of the file; null if no setting meets the specs.
+    compensation_gain: γ; that of the file if the compensator cannot cause hunting.
+    probability: Probability that all specs are met at once, at this setting.
     probability_se: Its Monte Carlo standard error.
-    stiffest_looked_at: Whether no spec stands against more than the largest kp of the search.
+    stiffest_looked_at: Whether kp is the largest of the search, so that an even larger kp may meet
+        the specs.
     why: Why there is no such setting.
     """
 
@@ -149,17 +152,17 @@ class Tuning(Record):
 
 
 class Certificate(Record):
-    """In which draws a criterion excludes hunting, of the loop's continuous stand-in.
+    """The draws in which a criterion excludes hunting of the continuous approximation of the loop.
 
     Fields
     ------
-    draws: Draws that were looked at.
+    draws: Number of draws that were examined.
     probability: Share of them certified at the γ of the file.
     low: Lower end of its 95 % Monte Carlo interval (Jeffreys).
     high: Upper end.
-    gamma: Largest certified γ over the draws; 0 where none is.
-    covers: What it covers, and what not.
-    sentence: All that, beside the γ that hunts.
+    gamma: Largest certified γ, over the draws; 0 in draws without one.
+    covers: What the certificate covers, and what it does not.
+    sentence: The result in words, with the γ that hunts for comparison.
     """
 
     draws: int
@@ -177,11 +180,12 @@ class WithEffects(Record):
 
     Fields
     ------
-    effects: Added to the law, each in the draws of the hypotheses that have it.
-    left_out: Those that stay with the board, and why; the law was fitted beside them.
+    effects: Effects that are added to the law, each in the draws of the hypotheses that have it.
+    left_out: Effects that belong to the measured board and are left out, and why. The law was
+        fitted beside them.
     answer: Which compensation gain to set, in a sentence.
-    metrics: As without the effects.
-    missed_specs: As without the effects; null in files of earlier versions.
+    metrics: Metrics, as without the effects.
+    missed_specs: Missed specs, as without the effects; null in files of earlier versions.
     largest_safe_compensation_gain: The largest γ with P(limit cycle) within the spec.
     """
 
@@ -199,9 +203,9 @@ class AtSafeGain(Record):
 
     Fields
     ------
-    gamma: That γ, rounded down to two decimals.
-    missed_specs: As at the γ of the file.
-    metrics: Those that have a spec, but `gamma_hunting`.
+    gamma: The largest safe γ, rounded down to two decimals.
+    missed_specs: Missed specs, as for the γ of the file.
+    metrics: The metrics that have a spec, except `gamma_hunting`.
     """
 
     gamma: Number
@@ -210,16 +214,18 @@ class AtSafeGain(Record):
 
 
 class LawUsed(Record):
-    """Which law the margins are of.
+    """The law that the margins use.
 
     Fields
     ------
-    used: As it was fitted, or refitted with what the diagnosis names.
-    causes: That the diagnosis names.
-    effects: Added to the refitted law, each in the draws of hypotheses with it.
-    left_out: Effects that stay with the board, and why; the law was fitted beside them.
+    used: The law as it was fitted, or as it was refitted with the causes of the diagnosis.
+    causes: Causes that the diagnosis names.
+    effects: Effects that are added to the refitted law, each in the draws of the hypotheses that
+        have it.
+    left_out: Effects that belong to the measured board and are left out, and why. The law was
+        fitted beside them.
     sentence: The same in words.
-    warning: What speaks against this law.
+    warning: Reason to doubt this law.
     """
 
     used: Literal["fitted", "refitted"]
@@ -232,42 +238,43 @@ class LawUsed(Record):
 
 
 class LoopMargins(Record):
-    """What the uncertainty does to one loop.
+    """The margins of one loop under uncertainty.
 
     Fields
     ------
-    name: Of the loop.
-    title: What it is.
-    loop_sha256: Over the loop's file, defaults filled in.
-    answer: Whether it meets its spec, and which compensation gain to set, in sentences.
-    plant: Null in files of earlier versions.
-    compensation_signal: What the compensator follows.
+    name: Name of the loop.
+    title: Title of the loop.
+    loop_sha256: SHA-256 of the loop's file, with its defaults.
+    answer: Whether the loop meets its spec, and which compensation gain to set, in sentences.
+    plant: The plant at the motor's shaft; null in files of earlier versions.
+    compensation_signal: The signal that the compensator follows.
     compensation_gain: γ of the file; the median if uncertain.
-    metrics: In the order of the contract.
+    metrics: The metrics of the loop, in a fixed order.
     missed_specs: Metrics, and `limit_cycle_probability`, that miss their spec with a probability
         above the file's limit; null in files of earlier versions.
     violation_probability_max: That limit for the metrics; null in files of earlier versions.
-    limit_cycle_probability: Over γ; empty where the compensator cannot cause one.
-    limit_cycle_probability_max: The spec.
-    limit_cycle_method: How thresholds were found; `none` is of earlier versions.
+    limit_cycle_probability: P(limit cycle) over γ; empty if the compensator cannot cause a limit
+        cycle.
+    limit_cycle_probability_max: Largest allowed P(limit cycle).
+    limit_cycle_method: How the thresholds of γ were found; `none` is of earlier versions.
     largest_safe_compensation_gain: The largest γ with P(limit cycle) within the spec.
     largest_safe_compensation_gain_se: Its Monte Carlo standard error.
-    at_safe_gain: Its specs at that γ, where the file's is larger.
-    hunting_map: Over speed and γ.
-    not_examined: What could make the loop hunt and was not looked at.
-    variance_share: Metric to share of its variance by group, first order; c1, c2 and c3 are one
-        group, being correlated. A metric without spread has none.
-    verification: Against the simulator.
-    with_effects: After: with the effects of a diagnosed gap.
-    meets_all: P(all specs are met at once, without hunting), at the file's setting; null in files
-        of earlier versions.
-    tuning: What meets them with the asked probability.
-    certificate: By the circle criterion, of the law that `law` says.
-    following: Errors on references that move, of the law that `law` says.
-    nyquist: What the figures draw.
-    bode: Likewise.
+    at_safe_gain: The specs at that γ, if the file's γ is larger.
+    hunting_map: Where the loop hunts, over reference speed and γ.
+    not_examined: Possible causes of hunting that were not examined.
+    variance_share: By metric: share of its variance due to each group of inputs, first order. c1,
+        c2 and c3 are one group, since they are correlated. A metric without spread has none.
+    verification: Comparison with simulations of an elastic cable.
+    with_effects: The loop with the effects of a diagnosed gap.
+    meets_all: Probability that all specs are met at once, without hunting, at the file's setting;
+        null in files of earlier versions.
+    tuning: The setting that meets all specs with the required probability.
+    certificate: Certificate by the circle criterion, with the law in `law`.
+    following: Errors on references that move, with the law in `law`.
+    nyquist: Data of the Nyquist figures.
+    bode: Data of the Bode figures.
     warnings: Assumptions and doubts; read them first.
-    beyond: What of the loop lies outside of what was measured; also in `warnings`.
+    beyond: Parts of the loop outside of the measured conditions; also in `warnings`.
     """
 
     name: str
@@ -320,14 +327,14 @@ class MarginsFile(Provenance):
 
     Fields
     ------
-    draws: Draws used.
-    effective_draws: Independent draws behind them.
-    draws_analysis_sha256: Over the settings of the fit.
+    draws: Number of draws used.
+    effective_draws: Number of independent draws that these are worth.
+    draws_analysis_sha256: SHA-256 of the settings of the fit.
     rig_discrepancy: Relative standard deviation of friction between rigs.
-    rig_discrepancy_source: Where that comes from.
-    law: Null in files of earlier versions.
+    rig_discrepancy_source: Source of that value.
+    law: The law that was used; null in files of earlier versions.
     attention: Every check that failed.
-    loops: In the order given.
+    loops: The loops, in the order given.
     """
 
     schema_: Literal["bayesfric.margins/1"] = Field("bayesfric.margins/1", alias="schema")

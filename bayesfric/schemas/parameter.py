@@ -15,7 +15,7 @@ def _finite(r_hat: float) -> float:
 
 
 class StoredDraws(Record):
-    """What ArviZ says of the draws of a parameter that are kept in ``draws.nc``.
+    """ArviZ diagnostics of the draws of a parameter that are kept in ``draws.nc``.
 
     Fields
     ------
@@ -28,7 +28,7 @@ class StoredDraws(Record):
 
 
 class ParameterSummary(Interval):
-    """The posterior of a parameter and how well it is known.
+    """The posterior of a parameter, with its diagnostics.
 
     Fields
     ------
@@ -38,12 +38,12 @@ class ParameterSummary(Interval):
     ess_bulk: Effective draws for the mean.
     ess_tail: Effective draws for the 5 and 95 % quantiles.
     r_hat: Rank-normalised split R-hat, walkers pooled by ensemble.
-    stored: Of the draws in draws.nc; all else is of every draw.
+    stored: Diagnostics of the draws in draws.nc; all else is computed from every draw.
     contraction: 1 - posterior sd / prior sd.
-    informed: Whether the data say more than the prior.
-    prior_sensitivity: Of a coefficient: how far its cumulative distribution moves for a doubling of
-        the power to which all priors are raised; above 0.05 they matter.
-    likelihood_sensitivity: The same for the power of the likelihood.
+    informed: Whether the data are informative beyond the prior.
+    prior_sensitivity: For a coefficient: how far its cumulative distribution moves if all priors
+        are raised to a power, per doubling of the power. Above 0.05 the priors matter.
+    likelihood_sensitivity: The same for a power of the likelihood.
     """
 
     unit: str

@@ -10,8 +10,8 @@ class PooledBoard(Record):
     Fields
     ------
     recording: The data.
-    folder: Of its own fit, beside this file.
-    converged: Whether its own fit is.
+    folder: Folder of its own fit, beside this file.
+    converged: Whether its own fit has converged.
     """
 
     recording: RecordingId
@@ -24,10 +24,11 @@ class BoardCoefficient(Record):
 
     Fields
     ------
-    alone: By its own recording and the prior.
-    pooled: By all recordings.
-    shrinkage: How far the population draws it: variance of its own estimate over that plus the
-        variance between boards; 0 where it speaks for itself, 1 where it is as the others.
+    alone: From its own recording and the prior.
+    pooled: From all recordings.
+    shrinkage: How far its estimate moves towards the population mean: variance of its own estimate
+        over that plus the variance between boards. 0: its own estimate is kept; 1: it equals the
+        population mean.
     """
 
     alone: Interval
@@ -41,8 +42,8 @@ class PooledCoefficient(Record):
     Fields
     ------
     between: Standard deviation from board to board, over the population's mean [-].
-    new_board: Of a board that was not measured.
-    boards: By the name of the board.
+    new_board: Predicted for a board that was not measured.
+    boards: Coefficient of each board, by its name.
     """
 
     between: ParameterSummary
@@ -56,11 +57,11 @@ class Pooled(Record):
     Fields
     ------
     shared: What the boards share.
-    own: What each has for itself.
-    boards: By name: that of the recording's folder.
-    pulleys: c1, c2, c3 of each pulley size; their means stand in `pulleys` of the file.
-    pareto_k: Tail of the weights by which the boards' own densities correct their normal
-        approximations; above 0.7 the draws are not to be relied on.
+    own: What each board has of its own.
+    boards: The boards, by the name of the recording's folder.
+    pulleys: c1, c2, c3 of each pulley size. Their population means are in `pulleys` of the file.
+    pareto_k: Pareto tail index of the importance weights that correct the normal approximations of
+        the boards' densities. Above 0.7 the draws are unreliable.
     pareto_k_why: Why there is none.
     """
 

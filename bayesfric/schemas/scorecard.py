@@ -10,15 +10,15 @@ Kind = Literal["none", "effect", "pair", "outsider"]
 
 
 class Rate(Record):
-    """How many of how many, with a 95 % interval of Clopper and Pearson.
+    """A rate with its 95 % interval by Clopper and Pearson.
 
     Fields
     ------
     rate: Share; null where there was no case.
     low: Lower end of the 95 % interval.
     high: Upper end.
-    hits: Cases of which it is true.
-    cases: Cases that count.
+    hits: Number of cases in which it is true.
+    cases: Number of cases that count.
     """
 
     rate: Number | None
@@ -30,14 +30,14 @@ class Rate(Record):
 
 
 class Estimate(Record):
-    """A figure over cases, with a 95 % interval from drawing cases anew.
+    """A figure over cases, with a 95 % bootstrap interval over the cases.
 
     Fields
     ------
     value: The figure; null where there is none.
     low: Lower end of the 95 % interval.
     high: Upper end.
-    cases: Cases that count.
+    cases: Number of cases that count.
     """
 
     value: Number | None
@@ -50,23 +50,23 @@ class Estimate(Record):
 
 
 class Detected(Estimate):
-    """The smallest strength that is named in 80 % of the cases, rates growing with it.
+    """The smallest strength that is named in 80 % of the cases, if rates grow with strength.
 
     Fields
     ------
-    tried: Strength to how often it was named.
+    tried: By strength: how often the effect was named.
     """
 
     tried: dict[str, Rate]
 
 
 class Oracle(Record):
-    """An effect that setups limit, beside the best test that knows it.
+    """An effect that shows only between setups, compared with the best test that knows it.
 
     Fields
     ------
     effect: Name.
-    strength: 1 is 10 % of friction, rms.
+    strength: Strength; 1 is 10 % of friction, rms.
     named: How often the diagnosis named it.
     power: Mean power of the likelihood ratio test that knows the effect's exact force, at 2 % false
         alarms.
@@ -79,17 +79,17 @@ class Oracle(Record):
 
 
 class ReliabilityBin(Record):
-    """Cases whose verdicts had about one probability.
+    """Cases whose verdicts report similar probabilities.
 
     Fields
     ------
-    lower: Of the probabilities in this bin.
-    upper: Likewise.
-    cases: In this bin, at least one.
-    probability: Mean of what was reported.
+    lower: Lower edge of the probabilities in this bin.
+    upper: Upper edge of the probabilities in this bin.
+    cases: Number of cases in this bin, at least one.
+    probability: Mean of the reported probabilities.
     correct: How often the verdict was correct.
-    band: Where 95 % of such rates lie if the probabilities are true.
-    inside: Whether the rate lies there.
+    band: Range of 95 % of such rates if the probabilities are correct.
+    inside: Whether the rate is inside the band.
     """
 
     lower: Number
@@ -102,13 +102,14 @@ class ReliabilityBin(Record):
 
 
 class Confusion(Record):
-    """What was withheld against what was said.
+    """Withheld effects against the effects that the diagnosis named.
 
     Fields
     ------
-    rows: Withheld: none, an effect, pair or outsider.
-    columns: Said: none, an effect, pair, other-combination, unknown or unseparated.
-    counts: Cases, a tuple a row.
+    rows: What was withheld, a row each: none, below practical share, an effect, pair or outsider.
+    columns: What the diagnosis said, a column each: none, an effect, pair, other-combination,
+        unknown, unseparated or undecided.
+    counts: Number of cases, a tuple for each row.
     """
 
     rows: tuple[str, ...]
@@ -121,11 +122,11 @@ class Target(Record):
 
     Fields
     ------
-    name: In words.
-    rate: What was measured.
+    name: The promise in words.
+    rate: The measured rate.
     at_least: The rate must not be below.
     at_most: The rate must not be above.
-    met: By the point estimate; null where too few cases count.
+    met: Whether the point estimate keeps the promise; null if too few cases count.
     met_why: Why it is null.
     """
 
@@ -140,7 +141,7 @@ class Target(Record):
 
     @property
     def outcome(self) -> str:
-        """Whether it is kept or missed, in words: surely by its interval, or so far."""
+        """Whether it is kept or missed, in words, and whether its interval makes this certain."""
         rate, least = self.rate, self.at_least or 0.0
         if self.met is None:
             return self.met_why or "not tried"
@@ -156,33 +157,35 @@ class ScoredCase(Record):
 
     Fields
     ------
-    name: Within the campaign.
-    seed: The case's own.
-    engine: Who made the recording.
-    design: After which protocol.
-    envelope_sha256: Of the truth, sealed before the verdict.
+    name: Name within the campaign.
+    seed: Seed of the case.
+    engine: The engine that made the recording.
+    design: The protocol.
+    envelope_sha256: SHA-256 of the truth, which was sealed before the verdict.
     kind: What is withheld.
-    withheld: Names of what is withheld.
+    withheld: Names of the effects that are withheld.
     form: Functional form of each.
-    own: Whether all forms are the diagnosis's own.
-    strength: Of each; 1 is 10 % of friction, rms.
-    noise_free_gap: Without noise, baseline refitted: rms over rms friction.
-    oracle_power: Of the best test that knows the force that is withheld.
-    counts_as_none: Nothing is withheld, or that gap is below the practical share.
+    own: Whether all forms are those that the diagnosis assumes.
+    strength: Strength of each; 1 is 10 % of friction, rms.
+    noise_free_gap: Gap without noise after the baseline is refitted: rms over rms friction.
+    oracle_power: Power of the best test that knows the withheld force.
+    counts_as_none: Whether nothing is withheld, or the noise-free gap is below the practical share.
     verdict: Written before the envelope was opened.
-    causes: Named.
+    causes: The causes that it names.
     outcome: Column of the confusion matrix.
-    correct: By the rules of scoring.
-    probability: The verdict's own.
-    came_true: Whether what has that probability is true.
-    truth_probability: Of the hypothesis that is true.
-    falsely_named: Named, and not what is there.
-    flagged: Unknown, or a significant remainder on a true axis.
-    remainder_significant: Whether the causes leave a further force.
-    shrink: As reported.
-    true_shrink: What the causes take of the noise-free gap.
-    shrink_covered: Whether the 90 % interval holds the true shrink, where rightly named.
-    parameters_covered: Likewise each parameter of an own form, where the law told is that form.
+    correct: Whether the verdict is correct, by the rules of scoring.
+    probability: Probability that the verdict reports.
+    came_true: Whether the statement with that probability is true.
+    truth_probability: Posterior probability of the true hypothesis.
+    falsely_named: Whether the verdict names a cause that is absent.
+    flagged: Whether the verdict is `unknown`, or the remainder is significant on a true axis.
+    remainder_significant: Whether the causes leave a significant force.
+    shrink: The shrink that the diagnosis reports.
+    true_shrink: Share of the squared noise-free gap that the causes remove.
+    shrink_covered: Whether the 90 % interval contains the true shrink, if the effect is named
+        correctly.
+    parameters_covered: The same for each parameter of an own form, if the diagnosis reports that
+        form.
     """
 
     name: str
@@ -227,40 +230,44 @@ class ScoredCase(Record):
 
 
 class ScorecardFile(Record):
-    """``scorecard.json``: how well the diagnosis does where it is not told the effect.
+    """``scorecard.json``: how well the diagnosis finds effects that are withheld from it.
 
     Fields
     ------
-    seed: Of the first case; each further case has the next.
-    versions: Python and packages.
-    recording: The user's; null for a campaign.
-    analysis_sha256: Over the analysis, defaults filled in.
+    seed: Seed of the first case; each further case has the next.
+    versions: Versions of Python and of packages.
+    recording: The user's recording; null for a campaign.
+    analysis_sha256: SHA-256 of the analysis, with its defaults.
     created: SOURCE_DATE_EPOCH, else null.
     engine: Who made the recordings: an engine, or the user.
-    design: After which protocol.
-    hypotheses: Whether kinds were laid out, drawn from the prior, or a user's.
-    scoring: Whether the seeds are of scoring, not of tuning.
-    planned: Cases of the campaign; fewer may be done.
-    practical_share: Share of rms friction below which none cares.
-    cases: In the order of the campaign.
-    confusion: What was withheld against what was said.
-    accuracy: Correct verdicts of all.
-    accuracy_by_kind: Kind of case to the same.
-    named_rate: Strength and form, as in 0.3/own, to how often an effect is named; cases that count
+    design: The protocol.
+    hypotheses: Whether the kinds of case follow a fixed design, are drawn from the prior, or are a
+        user's.
+    scoring: Whether the seeds are for scoring, not for tuning.
+    planned: Number of cases of the campaign; fewer may be done.
+    practical_share: Share of rms friction below which a gap does not matter.
+    cases: The cases, in the order of the campaign.
+    confusion: Confusion matrix: what was withheld against what the diagnosis said.
+    accuracy: Share of all verdicts that are correct.
+    accuracy_by_kind: The same by kind of case.
+    named_rate: How often an effect is named, by strength and form, as in 0.3/own. Cases that count
         as none are left out.
-    false_naming_rate: Named, and not what is there, of what counts as none.
-    false_alarm_rate: Any gap of cases without an effect.
-    unknown_detection_rate: Outsiders flagged.
-    remainder_rate: Significant remainder of single effects that the diagnosis knows.
-    pair_rate: Both of a pair named.
-    shrink_coverage: 90 % intervals that hold the true shrink.
-    parameter_coverage: 90 % intervals of parameters of own forms, where the law told is that form.
-    reliability: By the verdict's probability: how often what it is of is so.
-    reliability_by_verdict: The same of each verdict apart, at any probability.
-    brier: Mean square of probability less whether it came true.
-    log_score: Mean log of the probability that the verdict gave to what came true [nat].
-    smallest_detected: By effect.
-    oracle: Effects that show between setups only, beside the best test possible.
+    false_naming_rate: Share of the cases that count as none in which an absent effect is named.
+    false_alarm_rate: Share of the cases without an effect in which any gap is reported.
+    unknown_detection_rate: Share of the outsiders that are flagged.
+    remainder_rate: Share of the cases with a single effect, known to the diagnosis, in which the
+        remainder is significant.
+    pair_rate: Share of the pairs of which both effects are named.
+    shrink_coverage: Share of the 90 % intervals that contain the true shrink.
+    parameter_coverage: Share of the 90 % intervals of parameters that contain the truth, for own
+        forms that the diagnosis reports.
+    reliability: How often the statement of a verdict is true, by the probability that the verdict
+        reports.
+    reliability_by_verdict: The same for each kind of verdict, at any probability.
+    brier: Brier score: mean square of the probability less whether the statement is true.
+    log_score: Mean log of the probability that the verdict gave to what is true [nat].
+    smallest_detected: The smallest strength that is named in 80 % of the cases, by effect.
+    oracle: Effects that show only between setups, compared with the best possible test.
     targets: Promises, and whether they are kept.
     """
 

@@ -15,13 +15,14 @@ process of its own. It writes this page from `reports/evidence/benchmark.json`.
 - **Draws** are effective draws of the worst coefficient of the law. "From cold" is the time to
   4,000 of these, including imports, compilation and tuning.
 - **The limit** is a sampler whose draws are independent: weighted draws from the Laplace fit. In
-  its rows, "peer" means this sampler, and the ratio is our share of its speed.
+  its rows, "peer" means this sampler, and the ratio is the speed of `fit` over that of this
+  sampler.
 - **Peers** get the same sufficient statistics. Their settings are their defaults; their authors
   did not tune them. Their density is written in JAX by this project and is not optimised. So a
   ratio above 1 is a result of this measurement, and not a bound on the peer. A peer whose chains
   have an R-hat above 1.05 is shown but not compared.
-- **Ours** takes `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default `fit` has
-  40 walkers with longer chains.
+- **Ours** is `fit` with `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default
+  `fit` has 40 walkers with longer chains.
 - **Agreement** compares means and standard deviations of all parameters with those of each peer
   and of the limit, from the draws of all repeats together. The table has the largest difference.
   Each repeat has its own seed; the event-level posterior is run once.

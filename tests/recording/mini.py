@@ -88,7 +88,7 @@ r2,q1,0.01,0.001,2.2,5.01,0.8,0.002,0.01,22.0,2.1,0.001
 """,
 }
 
-UNUSED = "axis_samples.csv: command_time_s is read and checked, and not used yet"
+UNUSED = "axis_samples.csv: command_time_s is read and checked, and not used"
 """What is noted of it."""
 
 

@@ -45,8 +45,8 @@ RULES = {
 
 SELECTS_ON = {
     "unrepairable-events": "the sensors, whatever the friction was",
-    "stalled": "friction: of trials that are close to a stop, those with much friction leave, and "
-    "the friction that is found is too low",
+    "stalled": "friction: trials with high friction are excluded, and the estimated friction is "
+    "too low",
     "size-at-rest": "friction: nothing but a lower bound is known of this size",
     "sensors-disagree": "the sensors, and a cable that slips or stretches on one side",
 }

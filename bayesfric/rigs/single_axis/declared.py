@@ -1,4 +1,4 @@
-"""What somebody wrote down of an axis: how well it holds, and whether the data contradict it."""
+"""What the user declared of an axis: its accuracy, and whether the data contradict it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -14,22 +14,23 @@ MEASURED = frozenset({"motor", "link", "measured"})
 """Kinds of force that act as they were logged, whatever was commanded."""
 OF_MASS = 0.05  # relative error of a mass, or an inertia, that was weighed or computed
 OF_GAIN = {"link": 0.02, "measured": 0.02}  # of a force sensor's scale
-OF_CONSTANT = 0.1  # of a torque constant, by which currents and commands are a force
-LITTLE_BEYOND = 0.05  # of a limit, that a sensor may read beyond it
-MOSTLY = 0.5  # of the commands beyond a limit: nobody drives a joint like that
+OF_CONSTANT = 0.1  # of a torque constant, which converts currents and commands to a force
+LITTLE_BEYOND = 0.05  # share of a limit by which a sensor may read beyond it
+MOSTLY = 0.5  # share of the commands beyond a limit: no joint is driven like that
 
 
 def gain_sd(constants: RigConstants) -> float:
-    """Return the relative standard error of the drive force's scale, stated or usual."""
+    """Return the relative standard error of the drive force's scale: declared, or the default."""
     if constants.force_gain_sd is not None:
         return constants.force_gain_sd
     return OF_GAIN.get(constants.force_is or "", OF_CONSTANT)
 
 
 def mass_sd_kg(constants: RigConstants) -> float | None:
-    """Return the standard error of the mass as the force shows it; None where none is declared.
+    """Return the standard error of the mass in units of the force; None if no mass is declared.
 
-    One axis cannot tell an error of its mass from one of its force's scale: both are in it.
+    The data of one axis cannot tell an error of its mass from an error of the force's scale, so
+    both are included.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def mass_sd_kg(constants: RigConstants) -> float | None:
 
 
 def contradicts(constants: RigConstants, mass: float) -> bool:
-    """Return whether a mass is out of reach of what was declared."""
+    """Return whether a mass is too far from the declared one."""
     sd = mass_sd_kg(constants)
     if constants.moving_mass_kg is None or sd is None:
         return False
@@ -54,25 +55,25 @@ def contradicts(constants: RigConstants, mass: float) -> bool:
 def doubts(
     constants: RigConstants, law: Mapping[str, LawNumber], rough_mass: float
 ) -> Iterator[str]:
-    """Yield what a reader must know of what was declared, a sentence each; the worst first.
+    """Yield what a reader must know of the declared values, a sentence each, the worst first.
 
     Parameters
     ----------
     constants : RigConstants
         What was written down.
     law : mapping of str to LawNumber
-        As a diagnosis found it.
+        As estimated in a diagnosis.
     rough_mass : float
-        By least squares, beside friction and whatever goes with the place.
+        Least-squares estimate beside friction and forces that depend on position.
     """
     mass, sd = constants.moving_mass_kg, mass_sd_kg(constants)
     if mass is not None and sd is not None and "inertia" in law:
         number = law["inertia"]
-        # An effect that goes with the acceleration may take the place of a mass: the law alone
-        # counts too, where what it leaves out has not bent it.
+        # An effect that depends on the acceleration may stand for a mass. So the law without
+        # effects counts too, if the rough mass shows that it is not biased.
         alone = [number.before] if contradicts(constants, rough_mass) else []
         by_data = [_by_the_data(interval, mass, sd) for interval in (number.after, *alone)]
-        if number.least_squares is not None:  # an instrument's number has no prior in it
+        if number.least_squares is not None:  # an instrumental estimate contains no prior
             by_data[0] = number.after.mean, number.after.sd
         yield from _contradicted(
             mass, sd, [estimate for estimate in by_data if estimate], number.unit
@@ -85,18 +86,18 @@ def doubts(
 
 
 def beyond_limit(constants: RigConstants, drive: Array, unit: str) -> Iterator[str]:
-    """Yield that forces were recorded which a declared limit does not let the drive give.
+    """Yield a sentence if recorded forces exceed the declared limit of the drive.
 
-    Commands may lie beyond it: what is beyond it then does not act.
+    Commands may exceed it: the part beyond the limit then does not act.
 
     Parameters
     ----------
     constants : RigConstants
         What was written down.
     drive : ndarray
-        Forces that were recorded [N or N·m].
+        Recorded forces [N or N·m].
     unit : str
-        Theirs.
+        Unit of the forces.
     """
     limit, measured = constants.force_limit_n, constants.force_is in MEASURED
     if limit is None:
@@ -121,13 +122,13 @@ def _contradicted(
             yield (
                 f"The data contradict what is declared: rig.moving_mass_kg is {declared:.4g} ± "
                 f"{sd:.2g} {unit}, and they say {value:.4g} ± {error:.2g} {unit}, {apart:.0f} "
-                "standard errors apart. The mass, or the scale of the force, is another"
+                "standard errors apart. The declared mass or the scale of the force is wrong"
             )
             return
 
 
 def _by_the_data(posterior: Interval, declared: float, sd: float) -> tuple[float, float] | None:
-    """Return what the data alone say, the declared value taken off; None where that is nothing."""
+    """Return the estimate of the data without the declared value's prior; None if uninformed."""
     if posterior.sd > AXIS_RULES.own_number * sd:
         return None
     precision = posterior.sd**-2 - sd**-2
