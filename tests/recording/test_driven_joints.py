@@ -141,7 +141,7 @@ def test_an_include_is_a_file_of_the_recording_and_has_the_joints(
             URDF,
             "found 'joint_3', expected a joint of arm.urdf (joint_1, joint_2",
         ),
-        ({"q2": "joint_2"}, URDF, "rig.robot.joints.q1: expected its name in the model"),
+        ({"q2": "joint_2"}, URDF, "rig.robot.joints.q1: expected this joint's name in the model"),
         ({"q1": "joint_1"}, "<robot", "XML that parses"),
         ({"q1": "joint_1"}, "<sdf/>", "found 'sdf', expected URDF"),
         ({"q1": "joint_1"}, '<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "entities"),
