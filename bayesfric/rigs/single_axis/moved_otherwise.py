@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
@@ -134,7 +134,7 @@ def _errors(weights: Array, numbers: Array, covariance: Array) -> float:
     return float(weights @ numbers) / variance**0.5 if variance > 0 else 0.0
 
 
-def _by_stretches(columns: Array, left: Array, stretch: Array) -> Array:
+def _by_stretches(columns: Array, left: Array, stretch: Whole) -> Array:
     """Return the covariance of least squares whose errors go together within a stretch.
 
     References
