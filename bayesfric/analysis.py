@@ -74,9 +74,9 @@ class Sampler(Section):
 
     ensembles: Annotated[int, Field(ge=4, le=64)] = 4
     walkers: Annotated[int, Field(ge=8, le=1024)] | None = None
-    burn: Annotated[int, Field(ge=10, le=100_000)] = 40
-    steps: Annotated[int, Field(ge=50, le=1_000_000)] = 240
-    thin: Annotated[int, Field(ge=1, le=1000)] = 2
+    burn: Annotated[int, Field(ge=10, le=100_000)] = 20
+    steps: Annotated[int, Field(ge=50, le=1_000_000)] = 140
+    thin: Annotated[int, Field(ge=1, le=1000)] = 1
     extensions: Annotated[int, Field(ge=0, le=100)] = 4
     independence_share: Annotated[float, Field(ge=0, le=1)] = 0.9
 
