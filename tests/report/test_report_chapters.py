@@ -119,7 +119,7 @@ def test_a_far_assembly_is_named_beside_its_chance(stored):
         left_out(changed(stored, assemblies=(check.model_copy(update={"outlying": (far,)}),)))
     )
     said = [str(block) for block in blocks if "12 assemblies" in str(block)]
-    assert "s007 3.4 sd below (by chance, 1 recording in 133 has one this far out)" in said[0]
+    assert "s007 3.4 sd below (by chance, 1 recording in 133 has one as far away)" in said[0]
     (drawn,) = [one for one in blocks if getattr(one, "label", None) == "assemblies"]
     assert b"<svg" in drawn.svg
 

@@ -87,7 +87,7 @@ def test_page_one_says_which_claims_fell(stored):
     listed = fallen(stored.record.model_copy(update={"claims": tuple((many * 5)[:5])}))
     assert words(listed.points[0]).startswith("Undecided: linear in tension, ")
     lacking = fallen(stored.record, "viscous")
-    assert "The claims are judged by laws that lack viscous" in words(lacking.text)
+    assert "These verdicts rest on laws without viscous" in words(lacking.text)
     assert "The reason of" not in words(lacking.points[0])
 
 
