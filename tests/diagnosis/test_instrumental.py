@@ -149,7 +149,7 @@ def test_a_joint_that_is_pushed_in_its_loop_is_told_by_the_instrument():
         number, told = found.instrument.numbers[name], entered[name]
         assert told == found.law[name].after
         assert abs(number.instrumental - value) < 3 * number.instrumental_se
-        # What held-out data leave widens the interval around the instrument's number, and 0 cuts it.
+        # Held-out residuals widen the interval around the instrument's number, and 0 cuts it.
         assert told.q05 <= value <= told.q95
         assert abs(told.q50 - number.instrumental) < told.sd
         assert found.law[name].least_squares is not None
