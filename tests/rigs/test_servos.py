@@ -17,6 +17,7 @@ from bayesfric.results import read_json
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.rotary import is_relative, over_stiffness, turns
 from bayesfric.rigs.single_axis.run_rows import rows_of_run
+from bayesfric.rigs.single_axis.servo import with_open_delay
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import test_function as window_function
 from bayesfric.schemas import DiagnosisFile
@@ -93,6 +94,16 @@ def test_a_declared_delay_is_held():
     taken = opened(latency_s=0.015).servo
     assert taken.late_sd_s < 0.01
     assert taken.constants.latency_s == pytest.approx(0.015, abs=0.005)
+
+
+def test_the_delay_is_as_open_as_the_pilot_fit_left_it():
+    """A servo at 30 Hz whose delay was 16 ms off had an inertia of a third, by 2.7 sd."""
+    runs = opened()
+    rows, servo = runs.readings, runs.servo
+    assert 0 < servo.late_error_s < 0.01
+    least = with_open_delay(rows, servo._replace(late_error_s=0.0)).beside[:, -1]
+    wide = with_open_delay(rows, servo._replace(late_error_s=0.004)).beside[:, -1]
+    np.testing.assert_allclose(wide, 4.0 * least)
 
 
 def test_an_error_of_the_position_is_one_of_the_force_too():

@@ -160,7 +160,7 @@ def entering(
 
 def _of_servo(readings: Readings, servo: Servo) -> Readings:
     """Return rows beside which the delay and the stiffness of a servo's loop are open."""
-    return with_open_stiffness(with_open_delay(readings), servo)
+    return with_open_stiffness(with_open_delay(readings, servo), servo)
 
 
 def _table_of(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

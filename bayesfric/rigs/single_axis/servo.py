@@ -56,7 +56,9 @@ class Servo(NamedTuple):
     open_by : float
         Relative prior standard deviation of the stiffness in the rows.
     late_sd_s : float
-        Standard deviation of the delay [s].
+        Prior standard deviation of the delay [s].
+    late_error_s : float
+        Standard error of the delay that the pilot fit found, by whole stretches [s].
     samples_a_period : float
         Samples per period of the motion.
     """
@@ -67,6 +69,7 @@ class Servo(NamedTuple):
     stiffness_sd: float = 0.0
     open_by: float = 0.0
     late_sd_s: float = 0.0
+    late_error_s: float = 0.0
     samples_a_period: float = np.inf
 
     @property
@@ -177,7 +180,7 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
             return Servo(_relative(constants, late_s), late_sd_s=sd_s)
         late_s = max(late_s + float(pilot.numbers[DELAY]), 0.0)
     assert pilot is not None
-    period = pilot.samples_a_period
+    period, error_s = pilot.samples_a_period, float(pilot.errors[DELAY])
     settled = replace(constants, latency_s=late_s)
     for stiffness in _stiffnesses(axis, constants, pilot, period):
         if stiffness.value > SURE * stiffness.error:
@@ -185,26 +188,30 @@ def servo_of(axis: Axis, constants: RigConstants) -> Servo | None:
             share = share if stiffness.open_by is None else stiffness.open_by
             # The uncertainty of the stiffness is in the rows, so a mass does not contain it again.
             settled = replace(settled, command_gain=stiffness.value, force_gain_sd=0.0)
-            return Servo(settled, *stiffness[:3], share, sd_s, period)
-    return Servo(_relative(constants, late_s), late_sd_s=sd_s, samples_a_period=period)
+            return Servo(settled, *stiffness[:3], share, sd_s, error_s, period)
+    return Servo(_relative(constants, late_s), "", 1.0, 0.0, 0.0, sd_s, error_s, period)
 
 
-def with_open_delay(readings: Readings) -> Readings:
-    """Return rows with a small uncertainty of the delay, together with damping and inertia.
+def with_open_delay(readings: Readings, servo: Servo) -> Readings:
+    """Return rows with an uncertainty of the delay, together with damping and inertia.
 
     Only a small part of the rows distinguishes a delay from damping. The response of the loop to
     friction that varies along the path is an error of this part, and the rows do not contain it.
+    The scatter of whole stretches around the pilot fit shows how large it is.
 
     Parameters
     ----------
     readings : Readings
         W rows.
+    servo : Servo
+        Gives the error of the delay.
     """
     law = _law(readings)
     damping = np.linalg.lstsq(law, readings.force, rcond=1e-9)[0][VISCOUS]
     stiffness = float(np.linalg.norm(law[:, DELAY]) / (np.linalg.norm(law[:, VISCOUS]) or 1.0))
     later = law[:, VISCOUS] + damping / (stiffness or 1.0) * law[:, MASS]
-    return _with_beside(readings, OPEN_S * (stiffness * later - law[:, DELAY])[:, None])
+    error_s = max(OPEN_S, servo.late_error_s)
+    return _with_beside(readings, error_s * (stiffness * later - law[:, DELAY])[:, None])
 
 
 def pull_beside_payloads(readings: Readings) -> float:
