@@ -67,9 +67,9 @@ class Priors(Section):
     - Motor board: a torque constant is as good as its data sheet, about 5 %. Currents of a few
       ampere are known to 20 mA, plus 2 % of the part of the current that carries the load. With an
       idle current of 1 A, a motor would use most of its current for its own friction.
-    - rig_difference: two rigs built to one drawing hardly differ by 20 % in friction. The causes of
-      a difference (weights, motor, axles) are the same for all sizes, apart from differences
-      between assemblies.
+    - rig_difference: two rigs built to one drawing seldom differ by as much as 20 % in friction.
+      The causes of a difference (weights, motor, axles) are the same for all sizes, apart from
+      differences between assemblies.
     - boards: boards of one experiment, assembled in other weeks or by other people, differ by as
       much as assemblies of one board do.
 

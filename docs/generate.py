@@ -238,9 +238,9 @@ NEEDED = {
     "test": "runs whose `role` is `test`",
     "turns": "at least 4 reversals",
     "warmth": (
-        "a driven axis with a logged temperature that varies (without one, the diagnosis uses the "
-        "work done by friction, unless it only grows with the order of the runs), or friction "
-        "points without pulleys and without a temperature column (the diagnosis uses their order)"
+        "either a driven axis with a logged temperature that varies, or whose work done by "
+        "friction does not only grow with the order of the runs; or friction points without "
+        "pulleys and without a temperature column, of which the diagnosis uses the order"
     ),
 }
 """What an effect needs (`Effect.needs`), in words."""

@@ -32,7 +32,7 @@ NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a
 FEW_BOARDS = 5
 UNAFFECTED = "no coefficient of the law is affected"  # in a remark that asks for nothing
 WITHIN = "in no trial does this reach"  # the same, of sensors that disagree
-STAY = "The numbers to use stay"  # the same, of an assembly that is far from all others
+STAY = "The numbers to use hardly change"  # the same, of an assembly that is far from all others
 NARROW = "narrow: reckon with more scatter than they say"
 CAUTIOUS = "wide: they err on the safe side"  # the same, of intervals
 
@@ -272,8 +272,8 @@ def _outlying(
             yield (
                 f"Friction of assembly {assembly.setup} of the {rig} is {abs(assembly.z):.1f} "
                 f"standard deviations {'above' if assembly.z > 0 else 'below'} its prediction "
-                "from all other assemblies (by chance in one of "
-                f"{max(round(1 / assembly.chance), 1):,} recordings). "
+                "from all other assemblies (by chance, one of "
+                f"{max(round(1 / assembly.chance), 1):,} recordings has an assembly this far off). "
                 f"{_weight_of(assembly, entries)}"
             )
         if check.p_value < NOT_UNIFORM:

@@ -92,8 +92,8 @@ def decide(
         Coefficients that rest on their priors.
     """
     within = (
-        f"friction by Table I is within {share(rules.table1_tolerance)} of these data's over "
-        f"Table II with probability {stated(probability)}"
+        f"in the range of Table II, friction by Table I is within {share(rules.table1_tolerance)} "
+        f"of the posterior's with probability {stated(probability)}"
     )
     if tail < rules.refute_tail_probability:
         out = f"Table I is far out in the tail (joint tail probability {tail:.1g}); {within}."

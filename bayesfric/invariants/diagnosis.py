@@ -88,8 +88,9 @@ def _share_along(record: Mapping[str, Any], name: str) -> float:
 
 @rule(
     DIAGNOSIS,
-    "A shrink is reported only where the gap is above its floor with probability 0.95. The shrink "
-    "is at most 1.2.",
+    "A shrink (the part of the gap that the causes remove) is reported only where the gap is "
+    "above the error of a perfect law (the floor) with probability 0.95. The shrink is at most "
+    "1.2.",
 )
 def _shrink_of_a_gap(record: Mapping[str, Any]) -> list[str]:
     gap = record["gap"]

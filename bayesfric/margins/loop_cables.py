@@ -113,7 +113,7 @@ class SecondStage(Section):
 
 
 class OtherJoint(Section):
-    """A joint that shares motors with this one; `[[coupling.others]]`, in the matrix's order.
+    """A joint that shares motors with this one; `[[coupling.others]]`, in the order of the rows.
 
     Fields
     ------

@@ -102,7 +102,7 @@ class Drive(Section):
 
 
 class Controller(Section):
-    """A sampled PD or PI·D loop on one encoder.
+    """A sampled loop on one encoder: PD, or PI in series with D.
 
     Fields
     ------

@@ -78,8 +78,8 @@ def test_sensors_that_are_far_apart_are_told():
         ({}, "Its trials are in the fit, with the scatter of assemblies: look at how"),
         (
             {"c1[small]": 1.009, "c2[small]": 1.0},
-            "The numbers to use stay: without it c1[small] is 1.01, not 1.00, and no coefficient "
-            "leaves its 90% interval",
+            "The numbers to use hardly change: without it c1[small] is 1.01, not 1.00, and no "
+            "coefficient leaves its 90% interval",
         ),
         (
             {"c1[small]": 1.0, "c2[small]": 0.979},

@@ -14,13 +14,13 @@ process of its own. It writes this page from `reports/evidence/benchmark.json`.
   by pytest-benchmark (median).
 - **Draws** are effective draws of the worst coefficient of the law. "From cold" is the time to
   4,000 of these, including imports, compilation and tuning.
-- **The limit** is a sampler whose draws are independent: weighted draws from the Laplace fit. In
-  its rows, "peer" means this sampler, and the ratio is the speed of `fit` over that of this
-  sampler.
+- **The limit** on the speed of a sampler is importance sampling from the Laplace fit, whose
+  draws are independent. In its rows, "peer" means this sampler, and the ratio is the speed of
+  `fit` over that of this sampler.
 - **Peers** get the same sufficient statistics. Their settings are their defaults; their authors
-  did not tune them. Their density is written in JAX by this project and is not optimised. So a
-  ratio above 1 is a result of this measurement, and not a bound on the peer. A peer whose chains
-  have an R-hat above 1.05 is shown but not compared.
+  did not tune them. Their density is written in JAX by this project and is not optimised. A
+  faster implementation of the peer may exist. A peer whose chains have an R-hat above 1.05 is
+  shown but not compared.
 - **Ours** is `fit` with `walkers = 1024`, `burn = 10`, `steps = 50` and `thin = 1`. By default
   `fit` has 40 walkers with longer chains.
 - **Agreement** compares means and standard deviations of all parameters with those of each peer

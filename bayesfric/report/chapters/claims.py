@@ -138,8 +138,8 @@ def _verdicts(judged: ClaimsFile) -> Table:
         note="Log₁₀ Bayes factors are of the claim against the best of its rivals. Δelpd: "
         "log predictive density of assemblies left out, by the claim minus by that rival [nat]. "
         "Its error is in brackets where it is not reliable (a difference below 4 nat, fewer than "
-        "20 assemblies, or a bad Pareto k). A claim without rivals "
-        "rests on a probability or on arithmetic.",
+        "20 assemblies, or a bad Pareto k). A claim without rivals has "
+        "neither: its verdict is a probability, or follows from the paper's own numbers.",
     )
 
 
@@ -220,15 +220,15 @@ def _rules(judged: ClaimsFile) -> list[str]:
     return [
         "A claim is supported where its log₁₀ Bayes factor against the best of its "
         f"rivals is at least {support:g} and the 95 % upper bound of "
-        f"the effect is below {rule['region_of_equivalence']:.0%} of friction, at 1.3 m/s or at "
-        "the edge of the paper's Table II. It is refuted where the factor is at most "
+        f"the effect is below {rule['region_of_equivalence']:.0%} of friction at the edge of "
+        "the paper's Table II (for a speed, at 1.3 m/s). It is refuted where the factor is at most "
         f"{format_fixed(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share "
         f"with probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
         f"better by more than {rule['refute_elpd_errors']:g} standard errors. Either verdict must "
-        "stand while the width of the rivals' priors changes tenfold; for support the factor "
-        f"must then stay at {over_width:g} or more. A claim without rivals is supported "
+        "stand while the width of the rivals' priors changes tenfold; for support log₁₀ of "
+        f"the factor must then stay at {over_width:g} or more. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
-        f"{rule['refute_probability']:g}. To refute the coefficients, the joint tail "
+        f"{rule['refute_probability']:g}. To refute `coefficients`, the joint tail "
         f"probability of Table I must also be below {rule['refute_tail_probability']:g}. Otherwise "
         "it is undecided."
     ]

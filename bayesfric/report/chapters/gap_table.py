@@ -24,7 +24,7 @@ def gap_words() -> Paragraph:
             " has the error on held-out data, which includes scatter. All parameters are refitted "
             "without these data, with and without the causes. The systematic gap of ",
             Reference("glance"),
-            " is the part at the recorded conditions that the model does not ascribe to scatter. "
+            " is the part of the error at the recorded conditions that scatter does not explain. "
             "Its interval is narrower, since it does not depend on which data are held out.",
         ]
     )

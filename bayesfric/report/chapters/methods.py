@@ -106,7 +106,7 @@ def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
         "as Student-t."
     )
     yield Paragraph(
-        "The held-out error is the rms of the residual friction force, resolved along the travel, "
+        "The held-out error is the rms of the residual friction force as a function of travel, "
         "on conditions that are held out of the fit; all parameters are refitted with and without "
         "the effects. Its floor is the error of a perfect law there, from the scatter between "
         f"trials and {groups}. Shrink on held-out data is (before² − after²) / (before² − floor²); "
@@ -169,8 +169,8 @@ def _law() -> Iterator[Block]:
             Math("κ_i"),
             ", of standard deviation ",
             Math("ω_2"),
-            ", lets the constant part scatter by itself. A second trial on the same assembly thus "
-            "informs the law less than a new assembly does.",
+            ", is additional scatter of the constant part c₂. A second trial on the same assembly "
+            "thus informs the law less than a new assembly does.",
         ]
     )
 

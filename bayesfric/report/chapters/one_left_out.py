@@ -48,8 +48,8 @@ def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> I
         [
             "Each trial is left out in turn, and the model is fitted to all others, those of the "
             f"same {group_words(stored.fit.rigs)[0]} included. The leave-one-out probability of "
-            "the trial is that of less friction than it had (LOO-PIT). If the model is right, "
-            "these probabilities are uniform. ",
+            "a trial (LOO-PIT) is the predictive probability of less friction than measured. If "
+            "the model is right, these probabilities are uniform. ",
             " ".join(map(_uniform, uniformities)),
         ]
     )
@@ -110,11 +110,11 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
         from_file(
             "predictive.nc",
             f"{groups.capitalize()}, each compared with its prediction from all others. Above, "
-            "left: distribution of their probabilities minus the uniform distribution; by chance "
-            "95 % of such curves stay inside the band. Beside it: a normal Q–Q plot of the same "
-            "probabilities; then one of single trials, each predicted from the others of its "
-            f"{group}. Below: the normal scores by condition. If all {groups} of a condition lie "
-            "on one side, the law is biased at that condition.",
+            "left: distribution of the predictive probabilities of less friction than measured, "
+            "minus the uniform distribution; by chance 95 % of such curves stay inside the band. "
+            "Beside it: a Q–Q plot of their normal scores; then one of single trials, each "
+            f"predicted from the others of its {group}. Below: the normal scores by condition. If "
+            f"all {groups} of a condition lie on one side, the law is biased at that condition.",
         ),
         "Of each rig a step line around zero inside a band, points along a diagonal, and points by "
         "condition about zero, most of them within a shaded band of the 90 percent interval.",

@@ -79,10 +79,10 @@ def _of_pulleys(fit: FitFile) -> Table:
         ],
         rows,
         label="coefficients",
-        note="Paper's estimator: its least squares, slope by slope, on these trials; it gives no "
-        "uncertainty. Paper: as printed in its Table I. Inside: whether the paper's value lies in "
-        "the 90 % interval; “prior”: the recording does not inform the number, its prior decides "
-        "it.",
+        note="Paper's estimator: the paper's least-squares fits of straight lines, on these "
+        "trials; they give no uncertainty. Paper: as printed in its Table I. Inside: whether the "
+        "paper's value lies in the 90 % interval; “prior”: the recording does not inform the "
+        "number, its prior decides it.",
     )
 
 
