@@ -68,7 +68,7 @@ def test_the_sentence_begins_with_the_spec_and_says_how_probable_a_miss_is(draws
         return compute_margins([loop(changes)], draws).summary.loops[0].answer
 
     met = {"spec.steady_error_max_m": 2 * errors[0.95], "compensation.gain": 0.1}
-    assert answer(met).startswith("Meets its spec: each of 3 figures with a probability of 95 %")
+    assert answer(met).startswith("Meets its spec: each of 3 metrics with a probability of 95 %")
     half = {"spec.steady_error_max_m": errors[0.5], "compensation.gain": 3.0}
     assert answer(half).startswith(
         "Misses 2 of 3 specs, each with a probability P: steady error of the servo (P = 0.50), "
