@@ -6,7 +6,7 @@ quantity is known in newtons: the force of a model of the machine, a payload of 
 of known length, or a declared inertia. Otherwise all values are relative to K.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ from bayesfric.rigs.single_axis.other_joints import Machine, machine_of
 from bayesfric.rigs.single_axis.payloads import payload_masses
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.rough import pull_columns
-from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S
+from bayesfric.rigs.single_axis.servo_log import DELAY_S, DELAY_SD_S, samples_a_period
 from bayesfric.rigs.single_axis.simulated import log_of
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
@@ -32,7 +32,6 @@ SURE = 5.0  # least standard errors above zero of a stiffness that is used
 OPEN_S = 0.001  # least standard deviation of a delay
 OPEN = 0.3  # relative prior sd of a stiffness that the rows estimate again
 A_PERIOD = 30.0  # least samples per period of the motion to estimate inertia
-IN_BAND = 0.9  # part of the squared speed that lies in the band of a motion
 MASS, COULOMB, VISCOUS, DELAY, OFFSET = range(5)
 NEVER = frozenset({"spring", "commanded-force", "known-load"})
 """Needs of effects that a log of commands does not meet: curvatures of a force that contains the
@@ -293,20 +292,6 @@ def _interval_s(axis: Axis) -> float:
     return float(steps.median()) if len(steps) else 1.0
 
 
-def _samples_a_period(logs: Sequence[EvenLog]) -> float:
-    """Return samples per period of the frequency below which most of the speed lies."""
-    rates, powers = [], []
-    for log in logs:
-        speed = np.diff(log.position)
-        spectrum = np.abs(np.fft.rfft(speed * np.hanning(speed.size))) ** 2
-        rates.append(np.fft.rfftfreq(speed.size))  # per sample
-        powers.append(spectrum)
-    rate, power = np.concatenate(rates), np.concatenate(powers)
-    order = np.argsort(rate)
-    share = np.cumsum(power[order]) / power.sum()
-    return float(1 / max(rate[order][np.searchsorted(share, IN_BAND)], 1e-12))
-
-
 def _law(rows: Readings) -> Array:
     """Return the law's columns: acceleration, 1, speed, delay and offset, (W, 5)."""
     speed = rows.speed @ rows.weights
@@ -329,7 +314,7 @@ def _pilot(axis: Axis, constants: RigConstants, delay: tuple[float, float]) -> _
         return None
     columns = [_law(rows), rows.simulated, _pulls(rows, constants, machine)]
     numbers, errors = _fitted(rows, np.column_stack(columns), delay)
-    return _Pilot(rows, numbers, errors, _samples_a_period(logs))
+    return _Pilot(rows, numbers, errors, samples_a_period(logs))
 
 
 def _known_forces(

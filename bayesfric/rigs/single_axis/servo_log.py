@@ -5,8 +5,10 @@ nobody logged. Of unknown stiffness K everything is told over K: the force is th
 the position, and friction is how far the joint stays behind its command.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 import pandas as pd
 
 from bayesfric.recording.tables import RigConstants
@@ -15,6 +17,7 @@ from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 DELAY_S, DELAY_SD_S = 0.02, 0.015
 """From a command to what the servo makes of it, where nobody says: a bus and a loop."""
+IN_BAND = 0.9  # part of the squared speed that lies in the band of a motion
 
 
 def force_of_commands(samples: pd.DataFrame, constants: RigConstants) -> pd.DataFrame:
@@ -48,3 +51,23 @@ def commanded(log: EvenLog, constants: RigConstants) -> EvenLog:
     moment = None if log.moment is None else -stiffness * log.moment
     whole = WeakForce(sent, curvature=log.interval_s**2 / 24 * sent, momentum=moment)
     return replace(log, force=sent - stiffness * log.position, sent=whole, stiffness=stiffness)
+
+
+def samples_a_period(logs: Sequence[EvenLog]) -> float:
+    """Return samples per period of the frequency below which most of the speed lies.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        Runs.
+    """
+    rates, powers = [], []
+    for log in logs:
+        speed = np.diff(log.position)
+        spectrum = np.abs(np.fft.rfft(speed * np.hanning(speed.size))) ** 2
+        rates.append(np.fft.rfftfreq(speed.size))  # per sample
+        powers.append(spectrum)
+    rate, power = np.concatenate(rates), np.concatenate(powers)
+    order = np.argsort(rate)
+    share = np.cumsum(power[order]) / power.sum()
+    return float(1 / max(rate[order][np.searchsorted(share, IN_BAND)], 1e-12))
