@@ -83,7 +83,7 @@ def side_by_side(name, peers_python, folder):
     return compare.targets(name, figures, z), figures
 
 
-def told(targets):
+def printed(targets):
     """Print targets in a line each, as soon as they are there, and return them."""
     for row in targets:
         sys.stdout.write(page.line(row) + "\n")
@@ -103,7 +103,7 @@ def without_peers():
         "sizes": sizes.targets,
     }.items():
         targets, figures[name] = own()
-        rows += told(targets)
+        rows += printed(targets)
     return rows, figures
 
 
@@ -113,7 +113,7 @@ def main(peers_python, names):
     with tempfile.TemporaryDirectory() as folder, one_core():
         for name in names:
             targets, cases[name] = side_by_side(name, peers_python, Path(folder))
-            rows += told(targets)
+            rows += printed(targets)
     own, figures = without_peers()
     gathered = evidence.Gathered(
         seeds=[1, REPEATS],

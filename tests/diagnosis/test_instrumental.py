@@ -141,18 +141,18 @@ def test_numbers_that_are_bent_are_no_proof_of_no_gap():
 @pytest.mark.nightly
 def test_a_joint_that_is_pushed_in_its_loop_is_told_by_the_instrument():
     joint = LoopedJoint(pushed=0.3, gravity=0.0, amplitude=0.3, waits=3)
-    found = bf.diagnose(joint.recording()).summary
-    assert found.instrument.alarms
+    diagnosis = bf.diagnose(joint.recording()).summary
+    assert diagnosis.instrument.alarms
     truth = {"inertia": joint.inertia, "coulomb": joint.coulomb, "viscous": joint.viscous}
-    entered = {number.parameter: number.value for number in found.enter}
+    entered = {number.parameter: number.value for number in diagnosis.enter}
     for name, value in truth.items():
-        number, told = found.instrument.numbers[name], entered[name]
-        assert told == found.law[name].after
+        number, proposed = diagnosis.instrument.numbers[name], entered[name]
+        assert proposed == diagnosis.law[name].after
         assert abs(number.instrumental - value) < 3 * number.instrumental_se
         # Held-out residuals widen the interval around the instrument's number, and 0 cuts it.
-        assert told.q05 <= value <= told.q95
-        assert abs(told.q50 - number.instrumental) < told.sd
-        assert found.law[name].least_squares is not None
+        assert proposed.q05 <= value <= proposed.q95
+        assert abs(proposed.q50 - number.instrumental) < proposed.sd
+        assert diagnosis.law[name].least_squares is not None
 
 
 @pytest.mark.parametrize(("alarms", "expected"), [(True, (0.489, 0.0146)), (False, (0.461, 0.013))])

@@ -207,13 +207,13 @@ def test_the_sentence_says_what_was_overruled_and_by_which_rule(effects, words):
 
 
 def test_a_cause_that_held_out_data_confirm_is_said_to_miss_a_part():
-    """Gravity that took 98 % of a public joint's held-out gap was said to miss all of it."""
+    """Gravity that took 98 % of a public joint's held-out gap was sentence to miss all of it."""
     why = f"held-out data leave 2.7 N·m rms, and {LEFT_OVER}"
-    told = Statement(
+    statement = Statement(
         "unknown", 0.95, gap_of(), PRACTICAL, considered=[cause("viscous")], overruled_by=why
     )
-    said = sentence_of(told)
-    assert f"but only part of the held-out data: {why}. Something else acts too (" in said
+    sentence = sentence_of(statement)
+    assert f"but only part of the held-out data: {why}. Something else acts too (" in sentence
 
 
 def test_what_is_implausible_is_not_said_to_miss_what_was_held_out():

@@ -44,11 +44,11 @@ def slope_of(found):
     "stray", [0, *(pytest.param(n, marks=pytest.mark.nightly) for n in (1, 9)), 15]
 )
 def test_points_with_one_stray_are_named_as_without_it(tmp_path, clean, stray):
-    found = found_of(tmp_path, 1, 3.0, stray)
-    assert found.verdict == clean.verdict == "named"
+    with_stray = found_of(tmp_path, 1, 3.0, stray)
+    assert with_stray.verdict == clean.verdict == "named"
     expected = slope_of(clean)
-    assert slope_of(found).mean == pytest.approx(expected.mean, abs=expected.sd)
-    (line,) = [one for one in found.attention if "little weight" in one]
+    assert slope_of(with_stray).mean == pytest.approx(expected.mean, abs=expected.sd)
+    (line,) = [remark for remark in with_stray.attention if "little weight" in remark]
     assert line.endswith(f": r{stray:03d}")
 
 
@@ -57,7 +57,7 @@ def test_a_stray_alone_is_no_gap(tmp_path):
 
 
 def test_a_table_without_one_says_nothing_of_strays(clean):
-    assert not any("little weight" in one for one in clean.attention)
+    assert not any("little weight" in remark for remark in clean.attention)
 
 
 def test_a_stray_has_the_weight_of_a_student_t_density():

@@ -57,13 +57,13 @@ def computed(draws, changes=None, simulated=8, **options):
 
 
 def metric(found, name, direction=None):
-    (one,) = [m for m in found.loops[0].metrics if (m.name, m.direction) == (name, direction)]
-    return one
+    (chosen,) = [m for m in found.loops[0].metrics if (m.name, m.direction) == (name, direction)]
+    return chosen
 
 
 def test_it_has_every_metric_in_order_and_round_trips(draws, as_it_is):
     margins = as_it_is
-    assert [one.name for one in margins.loops[0].metrics] == CONTRACT
+    assert [entry.name for entry in margins.loops[0].metrics] == CONTRACT
     data = json_bytes(margins)
     assert MarginsFile.model_validate_json(data) == margins
     assert json.loads(data)["schema"] == "bayesfric.margins/1"
@@ -94,10 +94,10 @@ def test_every_missing_number_has_its_reason(draws):
 def test_friction_alone_does_not_spread_linear_margins(few_draws, as_it_is):
     margins = as_it_is
     for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
-        one = metric(margins, name)
-        assert one.interval.sd == 0
-        assert one.interval.q05 == one.interval.q95
-        assert "Coulomb friction is not in the linear loop" in one.note
+        margin = metric(margins, name)
+        assert margin.interval.sd == 0
+        assert margin.interval.q05 == margin.interval.q95
+        assert "Coulomb friction is not in the linear loop" in margin.note
         assert name not in margins.loops[0].variance_share
     inertia = {"family": "log-normal", "median": 0.1, "sd_log": 0.3}
     moved = computed(few_draws, {"joint.inertia_kg_m2": inertia})
@@ -131,7 +131,7 @@ def test_the_discrepancy_of_rigs_is_that_of_the_claims(tmp_path, root):
     assert rig_discrepancy(tmp_path).sd == 0.05
     path = root / "reports" / "reference" / "claims.json"
     stored = json.loads(path.read_text(encoding="utf-8"))
-    (rigs,) = [one for one in stored["claims"] if one["id"] == "rigs-agree"]
+    (rigs,) = [claim for claim in stored["claims"] if claim["id"] == "rigs-agree"]
     # rms of 3 % with an sd of 4 %, which is 5 %, and of a sure −5 %: neither calms the other
     half = stats.norm.ppf(0.95) * 0.04
     rigs["figures"] = {
@@ -150,12 +150,12 @@ def test_a_probability_of_violation_in_closed_form(many_draws):
     drive = {"family": "normal", "mean": 0.02, "sd": 0.002}
     changes = {"drive.friction_n_m": drive, "runs.0.tension_n": 0.001, "runs.0.count": 1,
                "spec.steady_error_max_m": 0.0054, "tool.lever_m": 0.5}  # fmt: skip
-    one = metric(computed(many_draws, changes), "steady_error_servo")
+    margin = metric(computed(many_draws, changes), "steady_error_servo")
     # m at the tip: F/0.02 × 0.5/100; the cable adds 2 c2 × 1e-3
     p = stats.norm.sf(0.0054 * 100 / 0.5 * 0.02, 0.02 + 2 * 0.0261e-3, 0.002)
-    assert one.probability_of_violation == pytest.approx(p, abs=3 * one.monte_carlo_se)
-    assert one.monte_carlo_se == pytest.approx(np.sqrt(p * (1 - p) / 1000), rel=0.25)
-    assert one.interval.sd == pytest.approx(0.1 * one.interval.mean, rel=0.1)
+    assert margin.probability_of_violation == pytest.approx(p, abs=3 * margin.monte_carlo_se)
+    assert margin.monte_carlo_se == pytest.approx(np.sqrt(p * (1 - p) / 1000), rel=0.25)
+    assert margin.interval.sd == pytest.approx(0.1 * margin.interval.mean, rel=0.1)
 
 
 def test_shares_of_variance_by_hand(many_draws):
@@ -179,26 +179,26 @@ def test_shares_of_variance_by_hand(many_draws):
 
 def test_hunting_by_formula_has_the_quantile_of_the_threshold(draws):
     found = computed(draws, {"spec.limit_cycle_probability_max": 0.1})
-    one = found.loops[0]
-    assert one.limit_cycle_method == "formula"
+    loop = found.loops[0]
+    assert loop.limit_cycle_method == "formula"
     hunting = metric(found, "gamma_hunting")
-    assert one.largest_safe_compensation_gain == pytest.approx(
+    assert loop.largest_safe_compensation_gain == pytest.approx(
         0.95 * np.interp(0.1, [0.05, 0.10], hunting.quantiles[1:3]), rel=1e-3
     )
-    p = {point.gamma: point.p for point in one.limit_cycle_probability}
+    p = {point.gamma: point.p for point in loop.limit_cycle_probability}
     assert p[0.0] == 0
     assert p[3.0] == 1
-    assert ". Set γ to " in one.answer
-    assert f"{np.floor(100 * one.largest_safe_compensation_gain) / 100:.2f}" in one.answer
+    assert ". Set γ to " in loop.answer
+    assert f"{np.floor(100 * loop.largest_safe_compensation_gain) / 100:.2f}" in loop.answer
 
 
 def test_a_compensator_of_the_reference_is_simulated_and_does_not_hunt(draws):
-    one = computed(draws, {"compensation.signal": "reference"}).loops[0]
-    assert one.limit_cycle_method == "simulation"
-    assert all(point.p == 0 for point in one.limit_cycle_probability)
-    assert one.largest_safe_compensation_gain == 3.0
-    assert "0 of 8 draws (at 95 % confidence, in less than 31 %)" in one.answer  # 1 − 0.05^(1/8)
-    assert "which biases" in one.answer
+    loop = computed(draws, {"compensation.signal": "reference"}).loops[0]
+    assert loop.limit_cycle_method == "simulation"
+    assert all(point.p == 0 for point in loop.limit_cycle_probability)
+    assert loop.largest_safe_compensation_gain == 3.0
+    assert "0 of 8 draws (at 95 % confidence, in less than 31 %)" in loop.answer  # 1 − 0.05^(1/8)
+    assert "which biases" in loop.answer
 
 
 def made_up(thresholds):

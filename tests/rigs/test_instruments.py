@@ -55,11 +55,11 @@ def test_instruments_that_contradict_each_other_raise_no_alarm(lacks, agree):
     before = acceleration + 2 * rng.standard_normal(1200)
     more = np.column_stack([before, speed + 0.1 * rng.standard_normal(1200)])
     instruments = np.column_stack([instruments[:, :2], more])
-    found = compared(force + lacks * before, columns, instruments, piece)
-    assert found.kind == "earlier motion"
-    assert found.p_value < 1e-6
-    assert (found.agreement > 0.01) is agree
-    assert found.alarms is agree
+    estimates = compared(force + lacks * before, columns, instruments, piece)
+    assert estimates.kind == "earlier motion"
+    assert estimates.p_value < 1e-6
+    assert (estimates.agreement > 0.01) is agree
+    assert estimates.alarms is agree
 
 
 def test_weak_instruments_and_few_windows_raise_no_alarm():

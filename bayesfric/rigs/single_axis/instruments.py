@@ -23,6 +23,7 @@ import scipy
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.inference.clustered import clustered_covariance, summed_by_group
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
@@ -283,8 +284,7 @@ def _agreement(more: Array, second: Array, columns: Array, force: Array, groups:
         return 1.0
     left = force - columns @ _least_squares(second, force)
     beyond = (more - second @ _least_squares(second, more)) * left[:, None]
-    sums = np.zeros((int(groups.max()) + 1, count))
-    np.add.at(sums, groups, beyond)
+    sums = summed_by_group(beyond, groups)
     whole = sums.sum(axis=0)
     statistic = float(whole @ np.linalg.pinv(sums.T @ sums) @ whole)
     return float(scipy.special.chdtrc(count, statistic))
@@ -357,12 +357,10 @@ def _wald(goal: Array, asked: Array, beside: Array, groups: Whole) -> tuple[floa
 
 
 def _covariance(design: Array, rest: Array, groups: Whole) -> Array:
-    """Return the covariance of least squares whose errors hang together within groups."""
+    """Return the covariance of least squares by groups, corrected for their number."""
     count = int(groups.max()) + 1
-    sums = np.zeros((count, design.shape[1]))
-    np.add.at(sums, groups, design * rest[:, None])
-    inverse = np.linalg.pinv(design.T @ design, rcond=1e-12)
-    return np.asarray(count / (count - 1) * inverse @ (sums.T @ sums) @ inverse)
+    inverse = np.asarray(np.linalg.pinv(design.T @ design, rcond=1e-12))
+    return count / (count - 1) * clustered_covariance(design, rest, groups, inverse)
 
 
 def _estimates(

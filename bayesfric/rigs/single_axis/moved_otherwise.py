@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array, Flags
+from bayesfric.inference.clustered import clustered_covariance
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
@@ -115,35 +116,22 @@ def works_backwards(readings: Readings) -> bool:
     left = readings.force - columns @ numbers
     inertia, friction = np.zeros((2, numbers.size))
     inertia[0], friction[1:3] = 1.0, columns[:, 1:3].mean(axis=0)
-    of_windows = np.mean(left**2) * np.linalg.pinv(columns.T @ columns)
-    if not _errors(friction, numbers, of_windows) < -SURELY:
+    inverse = np.linalg.pinv(columns.T @ columns)
+    of_windows = np.mean(left**2) * inverse
+    if not _in_errors(friction, numbers, of_windows) < -SURELY:
         return False
-    if _errors(inertia, numbers, of_windows) < -SURELY:
+    if _in_errors(inertia, numbers, of_windows) < -SURELY:
         return True
-    of_stretches = _by_stretches(columns, left, readings.piece)
+    names, stretch = np.unique(readings.piece, return_inverse=True)
+    of_stretches = clustered_covariance(columns, left, stretch, inverse)
     return (
-        np.unique(readings.piece).size >= AXIS_RULES.least_pieces
-        and _errors(friction, numbers, of_stretches) < -SURELY
-        and _errors(inertia, numbers, of_stretches) < SURELY
+        names.size >= AXIS_RULES.least_pieces
+        and _in_errors(friction, numbers, of_stretches) < -SURELY
+        and _in_errors(inertia, numbers, of_stretches) < SURELY
     )
 
 
-def _errors(weights: Array, numbers: Array, covariance: Array) -> float:
+def _in_errors(weights: Array, numbers: Array, covariance: Array) -> float:
     """Return a sum of numbers over its standard error; 0 where nothing is known of it."""
     variance = float(weights @ covariance @ weights)
     return float(weights @ numbers) / variance**0.5 if variance > 0 else 0.0
-
-
-def _by_stretches(columns: Array, left: Array, stretch: Whole) -> Array:
-    """Return the covariance of least squares whose errors go together within a stretch.
-
-    References
-    ----------
-    K.-Y. Liang, S. L. Zeger, "Longitudinal data analysis using generalized linear models",
-    Biometrika 73 (1986).
-    """
-    names, places = np.unique(stretch, return_inverse=True)
-    scores = np.zeros((names.size, columns.shape[1]))
-    np.add.at(scores, places, columns * left[:, None])
-    inverse = np.linalg.pinv(columns.T @ columns)
-    return np.asarray(inverse @ scores.T @ scores @ inverse)

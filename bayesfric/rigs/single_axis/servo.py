@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.inference.clustered import clustered_covariance
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.axis_rules import AXIS_RULES
 from bayesfric.rigs.single_axis.beside import rough_amounts, rough_shares
@@ -358,10 +359,8 @@ def _fitted(rows: Readings, columns: Array, delay: tuple[float, float]) -> tuple
         goal = np.append(force, error * delay[0] / delay[1])
         numbers = np.linalg.lstsq(np.vstack([design, prior]), goal, rcond=1e-9)[0]
     left = force - design @ numbers
-    sums = np.zeros((int(rows.piece.max()) + 1, design.shape[1]))
-    np.add.at(sums, rows.piece, design * left[:, None])
     inverse = np.linalg.pinv(design.T @ design + prior.T @ prior, rcond=1e-12)
-    covariance = inverse @ (sums.T @ sums) @ inverse
+    covariance = clustered_covariance(design, left, rows.piece, inverse)
     return numbers / width, np.sqrt(np.diag(covariance)) / width
 
 
