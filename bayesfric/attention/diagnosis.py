@@ -13,7 +13,7 @@ FAR_FROM_SCATTER = 10.0  # times what scatter makes: a law that misses more is n
 FAR_FROM_FRICTION = 0.5  # of friction, the same
 NOT_YET = "Do not enter these numbers yet"
 MULTIPLE = 2.0  # times friction, from which on nobody reads a percentage
-OF_BIASED_LAW = "fit.json and claims.json rest on this biased law"
+OF_BIASED_LAW = "Results of fit and claims rest on this biased law"
 APART = 2.0  # combined standard deviations, beyond which chance does not make a bias
 SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
 
