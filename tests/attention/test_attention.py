@@ -242,7 +242,7 @@ def test_other_biased_numbers_stand_in_their_usual_order():
 def test_what_asks_for_nothing_stands_apart_and_a_biased_law_comes_first():
     harmless = "These data hardly inform tau: its prior decides; no coefficient of the law is"
     apart = "The two sensors disagree; in no trial does this reach 1% of friction"
-    biased = "Without viscous the fit gives 1. Results of fit and claims rest on this biased law: so"
+    biased = "Without viscous c1 is 1. Results of fit and claims rest on this biased law: so"
     lines = [f"{harmless} affected", "An assembly is far", apart, biased]
     assert by_weight(lines) == ([biased, lines[1]], [lines[0], apart])
 
