@@ -205,11 +205,13 @@ def remarks_of_fields(
 def _lost(lacking: Enter, enter: Sequence[Enter]) -> str:
     """Return the force that is lost, compared with the proposed Coulomb friction.
 
-    If the number itself is this force, it has the digits of its value.
+    If the number itself is this force, it has the digits of its value, unless these leave only 0.
     """
     force, value = lacking.lost_without or 0.0, lacking.value
     is_itself = _has_no_field(lacking) and math.isclose(force, abs(value.mean), rel_tol=SAME)
     shown = by_error(force, value.sd) if is_itself else f"{force:.2g}"
+    if float(shown) == 0:
+        shown = f"{force:.2g}"
     words = f"{shown} {_force_unit(enter)} rms"
     coulomb = next((number.value.mean for number in enter if number.parameter == "coulomb"), 0.0)
     share = f"{two_digits(100 * force / coulomb)}% of Coulomb friction" if coulomb > force else ""

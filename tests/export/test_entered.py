@@ -186,6 +186,12 @@ def test_a_share_is_of_the_coulomb_friction_that_the_table_proposes():
     assert of_offset.endswith("is off by 0.012 N·m rms (26% of Coulomb friction).")
 
 
+def test_a_lost_force_is_not_printed_as_nothing():
+    """The digits of an error of 20 N·m would leave 0 of 0.24 N·m."""
+    vague = number("offset", 0.24, 20.0, lost_without=0.24)
+    assert "A simulation without it is off by 0.24 N·m rms." in next(entered_remarks([vague]))
+
+
 def test_an_offset_has_the_same_digits_wherever_it_stands():
     """Its mean stands at the table, in the sentence and among the joints; the median nowhere."""
     skewed = number("offset", -0.00094, 0.002, lost_without=0.00094)
