@@ -215,8 +215,8 @@ def acting_words(effects: Sequence[Cause], unseparated: Sequence[Unseparated]) -
 
 def _no_gap(statement: Statement) -> str:
     absorbed = (
-        f" {statement.acting}, but the recalibrated law absorbs most of its force, which may bias "
-        "the coefficients."
+        f" Of the listed effects, {statement.acting}. The recalibrated law absorbs most of this "
+        "force, which may bias the coefficients."
         if statement.causes
         else ""
     )
