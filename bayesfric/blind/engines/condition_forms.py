@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bayesfric.blind.engines.factors import Parameters, scaled, share, uniform
+from bayesfric.blind.engines.factors import Parameters, alike, scaled, share, uniform
 from bayesfric.blind.engines.law import RADII_M
 from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
@@ -17,11 +17,15 @@ MEDIUM_M = float(RADII_M[1])
 MIDDLE_RAD = float(np.deg2rad(85.0))  # the angle of Table I
 
 
-def _of_tension(change: Callable[[Parameters, Array], Array]) -> Any:
-    """Return a law: a change of the part of friction that grows with tension."""
+def _of_tension(change: Callable[[float, Array], Array]) -> Any:
+    """Return a law: a change of the part of friction that grows with tension.
+
+    `change` is a function of the amplitude, and of tension over its middle.
+    """
 
     def law(p: Parameters, s: BoardState, tension: Array) -> Array:
-        return np.asarray(s.slope * tension * change(p, np.maximum(tension, 0.1) / 16.5))
+        ratio = np.maximum(tension, 0.1) / 16.5
+        return np.asarray(s.slope * tension * change(p["amplitude"], ratio))
 
     return law
 
@@ -30,68 +34,53 @@ TENSION_CURVATURE = Kind(
     "tension-curvature",
     "curvature",
     "1",
-    (
-        Form("quadratic", True, _of_tension(lambda p, r: p["amplitude"] * (r - 1)), affine=False),
-        Form(
-            "power",
-            True,
-            _of_tension(lambda p, r: np.expm1(p["amplitude"] * np.log(r))),
-            affine=False,
-        ),
-        Form(
-            "saturating",
-            False,
-            _of_tension(lambda p, r: p["amplitude"] * (2 * r / (1 + r) - 1)),
-            affine=False,
-        ),
-        Form(
-            "exponential",
-            False,
-            _of_tension(lambda p, r: p["amplitude"] * (np.exp(r - 1) - 1)),
-            affine=False,
-        ),
+    alike(
+        _of_tension,
+        ("quadratic", True, lambda a, r: a * (r - 1)),
+        ("power", True, lambda a, r: np.expm1(a * np.log(r))),
+        ("saturating", False, lambda a, r: a * (2 * r / (1 + r) - 1)),
+        ("exponential", False, lambda a, r: a * (np.exp(r - 1) - 1)),
+        affine=False,
     ),
     ("tension",),
     signed=True,
 )
 
 
-def _of_wrap(change: Callable[[Parameters, BoardState], Array]) -> Any:
-    """Return a law: a factor of the part of friction that grows with tension."""
+def _of_wrap(change: Callable[[Array], Array]) -> Any:
+    """Return a law: a factor of the part of friction that grows with tension.
+
+    `change` is a function of the wrap angle [deg].
+    """
 
     def law(p: Parameters, s: BoardState, tension: Array) -> Array:
-        return np.asarray(p["amplitude"] * change(p, s) * s.slope * tension)
+        return np.asarray(p["amplitude"] * change(s.wrap_angle_deg) * s.slope * tension)
 
     return law
 
 
-def _radians(s: BoardState) -> Array:
-    return np.asarray(np.deg2rad(s.wrap_angle_deg))
+def _off(angle_deg: Array) -> Array:
+    """Return an angle less that of Table I [rad]."""
+    return np.asarray(np.deg2rad(angle_deg) - MIDDLE_RAD)
+
+
+def _bearing_load(angle_deg: Array) -> Array:
+    """Return the bearing load 2 T sin(θ/2) over that at 85°, less its tangent there."""
+    load = np.sin(np.deg2rad(angle_deg) / 2) / np.sin(MIDDLE_RAD / 2)
+    return np.asarray(load - 1 - _off(angle_deg) / 2 / np.tan(MIDDLE_RAD / 2))
 
 
 WRAP_CURVATURE = Kind(
     "wrap-curvature",
     "curvature",
     "1",
-    (
-        Form("quadratic", True, _of_wrap(lambda p, s: ((s.wrap_angle_deg - 85) / 50) ** 2)),
-        Form(  # the bearing load 2 T sin(θ/2), less its tangent at 85°
-            "bearing-load",
-            False,
-            _of_wrap(
-                lambda p, s: (
-                    np.sin(_radians(s) / 2) / np.sin(MIDDLE_RAD / 2)
-                    - 1
-                    - (_radians(s) - MIDDLE_RAD) / 2 / np.tan(MIDDLE_RAD / 2)
-                )
-            ),
-        ),
-        Form("cosine", False, _of_wrap(lambda p, s: 1 - np.cos(_radians(s) - MIDDLE_RAD))),
-        Form(  # belt friction, less its tangent
-            "belt",
-            False,
-            _of_wrap(lambda p, s: np.expm1(_radians(s) - MIDDLE_RAD) - (_radians(s) - MIDDLE_RAD)),
-        ),
+    alike(
+        _of_wrap,
+        ("quadratic", True, lambda angle: ((angle - 85) / 50) ** 2),
+        ("bearing-load", False, _bearing_load),
+        ("cosine", False, lambda angle: 1 - np.cos(_off(angle))),
+        # belt friction, less its tangent
+        ("belt", False, lambda angle: np.expm1(_off(angle)) - _off(angle)),
     ),
     ("wrap_angle",),
     signed=True,
@@ -106,7 +95,9 @@ WRAP_INTERCEPT = Kind(
         Form(
             "sine",
             False,
-            scaled(lambda p, s: np.sin(_radians(s) / 2) / np.sin(MIDDLE_RAD / 2) - 1),
+            scaled(
+                lambda p, s: np.sin(np.deg2rad(s.wrap_angle_deg) / 2) / np.sin(MIDDLE_RAD / 2) - 1
+            ),
         ),
         Form("square-root", False, scaled(lambda p, s: np.sqrt(s.wrap_angle_deg / 85) - 1)),
     ),

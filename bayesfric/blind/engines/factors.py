@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from bayesfric.blind.engines.state import Array, BoardState
+from bayesfric.blind.engines.state import Array, BoardState, Form, no_parameters
 
 Parameters = Mapping[str, Any]
 Draw = Callable[[Generator, int], dict[str, Any]]
@@ -20,6 +20,28 @@ def uniform(**ranges: tuple[float, float]) -> Draw:
         return {name: float(rng.uniform(*limits)) for name, limits in ranges.items()}
 
     return draw
+
+
+def alike(
+    law: Callable[[Any], Any],
+    *forms: tuple[str, bool, Any],
+    draw: Draw = no_parameters,
+    affine: bool = True,
+) -> tuple[Form, ...]:
+    """Return forms of friction whose laws differ by one function each.
+
+    Parameters
+    ----------
+    law : callable
+        Such a function to the law.
+    *forms : (str, bool, callable)
+        Name of each form, whether the package's own effect has it, and its function.
+    draw, affine
+        As of :class:`.state.Form`.
+    """
+    return tuple(
+        Form(name, own, law(change), draw=draw, affine=affine) for name, own, change in forms
+    )
 
 
 def share(factor: Factor) -> Any:

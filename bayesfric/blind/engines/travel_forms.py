@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from bayesfric.blind.engines.factors import Parameters, scaled, share, uniform, with_tension
+from bayesfric.blind.engines.factors import (
+    Parameters,
+    alike,
+    scaled,
+    share,
+    uniform,
+    with_tension,
+)
 from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
 VISCOUS = Kind(
@@ -63,113 +70,60 @@ AIR_DRAG = Kind(
     ("velocity",),
 )
 
-_STRIBECK_SPEED = uniform(speed=(0.1, 0.25))
 STRIBECK = Kind(
     "stribeck",
     "rise",
     "1",
-    (
-        Form(
-            "exponential",
-            True,
-            share(lambda p, s: np.exp(-s.speed_m_s / p["speed"])),
-            draw=_STRIBECK_SPEED,
-        ),
-        Form(
-            "gaussian",
-            True,
-            share(lambda p, s: np.exp(-((s.speed_m_s / p["speed"]) ** 2))),
-            draw=_STRIBECK_SPEED,
-        ),
-        Form(
-            "rational",
-            False,
-            share(lambda p, s: 1 / (1 + (s.speed_m_s / p["speed"]) ** 2)),
-            draw=_STRIBECK_SPEED,
-        ),
-        Form(
-            "hyperbolic-secant",
-            False,
-            share(lambda p, s: 1 / np.cosh(s.speed_m_s / p["speed"])),
-            draw=_STRIBECK_SPEED,
-        ),
+    alike(
+        lambda fallen: share(lambda p, s: fallen(s.speed_m_s / p["speed"])),
+        ("exponential", True, lambda v: np.exp(-v)),
+        ("gaussian", True, lambda v: np.exp(-(v**2))),
+        ("rational", False, lambda v: 1 / (1 + v**2)),
+        ("hyperbolic-secant", False, lambda v: 1 / np.cosh(v)),
+        draw=uniform(speed=(0.1, 0.25)),
     ),
     ("velocity",),
 )
 
 
-def _building_up(missing: Callable[[Parameters, Array], Array]) -> Any:
-    """Return a law: a share of friction that is missing at first; none of it in a steady run."""
-    return share(lambda p, s: -missing(p, s.travel_m) * (not s.steady))
+def _building_up(missing: Callable[[Array], Array]) -> Any:
+    """Return a law: a share of friction that is missing at first; none of it in a steady run.
+
+    `missing` is a function of travel over the parameter `length`.
+    """
+    return share(lambda p, s: -missing(s.travel_m / p["length"]) * (not s.steady))
 
 
-_PRESLIDING_LENGTH = uniform(length=(0.012, 0.035))
 PRESLIDING = Kind(
     "presliding",
     "share",
     "1",
-    (
-        Form(
-            "exponential",
-            True,
-            _building_up(lambda p, x: np.exp(-x / p["length"])),
-            draw=_PRESLIDING_LENGTH,
-        ),
-        Form(
-            "rational",
-            True,
-            _building_up(lambda p, x: 1 / (1 + x / p["length"])),
-            draw=_PRESLIDING_LENGTH,
-        ),
-        Form(
-            "gaussian",
-            False,
-            _building_up(lambda p, x: np.exp(-((x / p["length"]) ** 2))),
-            draw=_PRESLIDING_LENGTH,
-        ),
-        Form(
-            "arctangent",
-            False,
-            _building_up(lambda p, x: 1 - 2 / np.pi * np.arctan(x / p["length"])),
-            draw=_PRESLIDING_LENGTH,
-        ),
+    alike(
+        _building_up,
+        ("exponential", True, lambda x: np.exp(-x)),
+        ("rational", True, lambda x: 1 / (1 + x)),
+        ("gaussian", False, lambda x: np.exp(-(x**2))),
+        ("arctangent", False, lambda x: 1 - 2 / np.pi * np.arctan(x)),
+        draw=uniform(length=(0.012, 0.035)),
     ),
     ("displacement",),
     boards=("gravity",),
 )
 
-_MEMORY_LENGTH = uniform(length=(0.04, 0.1))
 HYSTERESIS = Kind(
     "hysteresis",
     "share",
     "1",
-    (
-        Form(
-            "dahl",
-            True,
-            _building_up(lambda p, x: np.exp(-x / p["length"])),
-            draw=_MEMORY_LENGTH,
-        ),
-        Form(  # with the exponent 2: dz/dx = (1 − z²)/length
-            "bouc-wen",
-            True,
-            _building_up(lambda p, x: 1 - np.tanh(x / p["length"])),
-            draw=_MEMORY_LENGTH,
-        ),
-        Form(  # dz/dx = (1 − z)^(1/2)/length, of ductile contacts; z reaches 1
-            "dahl-half",
-            False,
-            _building_up(lambda p, x: np.maximum(0.0, 1 - x / (4 * p["length"])) ** 2),
-            draw=_MEMORY_LENGTH,
-        ),
-        Form(  # two elements of Maxwell slip, smoothed
-            "two-lengths",
-            False,
-            _building_up(
-                lambda p, x: 0.5 * np.exp(-x / p["length"]) + 0.5 * np.exp(-x / (3 * p["length"]))
-            ),
-            draw=_MEMORY_LENGTH,
-        ),
+    alike(
+        _building_up,
+        ("dahl", True, lambda x: np.exp(-x)),
+        # with the exponent 2: dz/dx = (1 − z²)/length
+        ("bouc-wen", True, lambda x: 1 - np.tanh(x)),
+        # dz/dx = (1 − z)^(1/2)/length, of ductile contacts; z reaches 1
+        ("dahl-half", False, lambda x: np.maximum(0.0, 1 - x / 4) ** 2),
+        # two elements of Maxwell slip, smoothed
+        ("two-lengths", False, lambda x: 0.5 * np.exp(-x) + 0.5 * np.exp(-x / 3)),
+        draw=uniform(length=(0.04, 0.1)),
     ),
     ("displacement",),
     boards=("gravity",),
