@@ -17,14 +17,8 @@ from bayesfric.export.joints import joints_of as joints_to_enter
 from bayesfric.recording.joints import joints_of
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified
-from bayesfric.robots import Robot, robot_of_bytes
-from bayesfric.robots.replaying import (
-    Motion,
-    SimulatedJoint,
-    as_in_model,
-    inverse_torques,
-    replayed,
-)
+from bayesfric.robots import JointSettings, Robot, robot_of_bytes
+from bayesfric.robots.replaying import Motion, inverse_torques, replayed
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Replay, ReplayedError
@@ -147,7 +141,7 @@ def replay(held_out: Recording, what: str, joints: Sequence[ExportedJoint], seed
     """
     robot = _robot(held_out)
     given = {joint.name or robot.joints[0]: joint for joint in joints}
-    before = as_in_model(robot)
+    before = robot.settings
     after = tuple(
         _proposed(given[name], own) if name in given else own
         for name, own in zip(robot.joints, before, strict=True)
@@ -191,13 +185,13 @@ def _robot(recording: Recording) -> Robot:
     )
 
 
-def _proposed(joint: ExportedJoint, own: SimulatedJoint) -> SimulatedJoint:
+def _proposed(joint: ExportedJoint, own: JointSettings) -> JointSettings:
     def value(name: str, otherwise: float, least: float = 0.0) -> float:
         return max(joint.numbers[name].value.mean, least) if name in joint.numbers else otherwise
 
     powers = ("viscous", "air-drag.coefficient", "cubic-drag.coefficient")
     damping = tuple(value(name, old) for name, old in zip(powers, own.damping, strict=True))
-    return SimulatedJoint(
+    return JointSettings(
         frictionloss=value("coulomb", own.frictionloss),
         armature=value(joint.inertia or "", own.armature),
         damping=(damping[0], damping[1], damping[2]),
@@ -277,13 +271,12 @@ def _late(motion: Motion, delays: Sequence[float]) -> Motion:
 
 def _traces(
     robot: Robot,
-    before: Sequence[SimulatedJoint],
-    after: Sequence[SimulatedJoint],
+    before: Sequence[JointSettings],
+    after: Sequence[JointSettings],
     motion: Motion,
 ) -> xr.Dataset:
     count = min(len(motion.position), round(SHOWN_S / motion.interval_s))
-    parts = (motion.position, motion.velocity, motion.acceleration, motion.force)
-    shown = Motion(motion.interval_s, *(values[:count] for values in parts))
+    shown = motion.some(slice(count))
     forces = {
         "measured_n": shown.force,
         "as_is_n": inverse_torques(robot, before, shown),
@@ -295,15 +288,10 @@ def _traces(
     )
 
 
-def _thinned(motion: Motion, every: int) -> Motion:
-    parts = (motion.position, motion.velocity, motion.acceleration, motion.force)
-    return Motion(motion.interval_s, *(values[::every] for values in parts))
-
-
 def _torque_errors(
     robot: Robot,
-    before: Sequence[SimulatedJoint],
-    after: Sequence[SimulatedJoint],
+    before: Sequence[JointSettings],
+    after: Sequence[JointSettings],
     pieces: Sequence[_Piece],
     late: Sequence[float],
 ) -> _Errors:
@@ -311,9 +299,9 @@ def _torque_errors(
     top = np.max([np.abs(piece.motion.velocity).max(axis=0) for piece in pieces], axis=0)
     parts = []
     for piece in pieces:
-        drawn = _thinned(piece.motion, every)
+        drawn = piece.motion.some(slice(None, None, every))
         moves: Flags = np.abs(drawn.velocity) > SLOW * top
-        delayed = _thinned(_late(piece.motion, late), every)
+        delayed = _late(piece.motion, late).some(slice(None, None, every))
         off = [
             np.where(moves, inverse_torques(robot, joints, drawn) - motion.force, 0.0)
             for joints, motion in ((before, drawn), (after, delayed))
@@ -326,8 +314,8 @@ def _torque_errors(
 
 def _path_errors(
     robot: Robot,
-    before: Sequence[SimulatedJoint],
-    after: Sequence[SimulatedJoint],
+    before: Sequence[JointSettings],
+    after: Sequence[JointSettings],
     pieces: Sequence[_Piece],
     late: Sequence[float],
 ) -> _Errors:

@@ -38,7 +38,7 @@ def own_numbers(path: Path, model: ModelText, place: str, links: float | None) -
         except InputError:  # for example a part of a model: only the joint itself is known
             pass
         else:
-            own = dict(zip(POWERS, (settings.damping, *settings.drag), strict=True))
+            own = dict(zip(POWERS, settings.damping, strict=True))
             own["coulomb"], armature = settings.frictionloss, (settings.armature,)
     else:  # in both formats an absent value is 0
         absent = {"damping": "viscous", "friction": "coulomb"}

@@ -42,23 +42,22 @@ HEAVIEST_KG = 1e4
 
 @dataclass(frozen=True)
 class JointSettings:
-    """What the user's simulator has for a joint: set aside in the rigid-body model.
+    """Values of one joint in MuJoCo, SI units; set aside in the rigid-body model.
 
     Parameters
     ----------
-    damping, frictionloss, armature, stiffness : float
-        As written in the model; SI units of the joint.
-    drag : tuple of float
-        Of its damping the factors of the square and the cube of speed.
-    spring_rest : float
-        Where its spring is at rest [rad or m].
+    frictionloss, armature : float
+        Coulomb friction and the rotor's inertia.
+    damping : tuple of float
+        Factors of speed, its square and its cube.
+    stiffness, spring_rest : float
+        Of a spring, and where it is at rest [rad or m].
     """
 
-    damping: float
     frictionloss: float
     armature: float
-    stiffness: float
-    drag: tuple[float, float] = (0.0, 0.0)
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stiffness: float = 0.0
     spring_rest: float = 0.0
 
 
@@ -297,10 +296,9 @@ def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:
 def _settings(compiled: Any, place: int, dof: int) -> JointSettings:
     drag = compiled.dof_dampingpoly[dof] if hasattr(compiled, "dof_dampingpoly") else (0.0, 0.0)
     return JointSettings(
-        damping=float(np.ravel(compiled.dof_damping[dof])[0]),
         frictionloss=float(compiled.dof_frictionloss[dof]),
         armature=float(compiled.dof_armature[dof]),
+        damping=(float(np.ravel(compiled.dof_damping[dof])[0]), float(drag[0]), float(drag[1])),
         stiffness=float(np.ravel(compiled.jnt_stiffness[place])[0]),
-        drag=(float(drag[0]), float(drag[1])),
         spring_rest=float(compiled.qpos_spring[compiled.jnt_qposadr[place]]),
     )

@@ -12,31 +12,10 @@ from typing import Any
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.robots.model_file import Robot
+from bayesfric.robots.model_file import JointSettings, Robot
 
 STEP_S = 1e-3  # of the simulation, at the most
 LOCKED = 1e9  # armature of joints that nobody logged: they stay where they are
-
-
-@dataclass(frozen=True)
-class SimulatedJoint:
-    """Values of one joint in MuJoCo, SI units.
-
-    Parameters
-    ----------
-    frictionloss, armature : float
-        Coulomb friction and the rotor's inertia.
-    damping : tuple of float
-        Factors of speed, its square and its cube.
-    stiffness, spring_rest : float
-        Of a spring, and where it is at rest.
-    """
-
-    frictionloss: float
-    armature: float
-    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    stiffness: float = 0.0
-    spring_rest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -59,29 +38,20 @@ class Motion:
     acceleration: Array
     force: Array
 
-
-def as_in_model(robot: Robot) -> tuple[SimulatedJoint, ...]:
-    """Return the values that the user's model has for each logged joint."""
-    return tuple(
-        SimulatedJoint(
-            own.frictionloss,
-            own.armature,
-            (own.damping, *own.drag),
-            own.stiffness,
-            own.spring_rest,
-        )
-        for own in robot.settings
-    )
+    def some(self, rows: slice) -> "Motion":
+        """Return some of the samples, with the interval as it was."""
+        parts = (self.position, self.velocity, self.acceleration, self.force)
+        return Motion(self.interval_s, *(values[rows] for values in parts))
 
 
-def inverse_torques(robot: Robot, joints: Sequence[SimulatedJoint], motion: Motion) -> Array:
+def inverse_torques(robot: Robot, joints: Sequence[JointSettings], motion: Motion) -> Array:
     """Return the drive force that the model asks for along a motion, shape (N, J).
 
     Parameters
     ----------
     robot : Robot
         Its joints are set, and set back afterwards.
-    joints : sequence of SimulatedJoint
+    joints : sequence of JointSettings
         J values.
     motion : Motion
         N samples.
@@ -102,7 +72,7 @@ def inverse_torques(robot: Robot, joints: Sequence[SimulatedJoint], motion: Moti
 
 def replayed(
     robot: Robot,
-    joints: Sequence[SimulatedJoint],
+    joints: Sequence[JointSettings],
     motion: Motion,
     starts: Sequence[int],
     samples: int,
@@ -113,7 +83,7 @@ def replayed(
     ----------
     robot : Robot
         As of :func:`inverse_torques`.
-    joints : sequence of SimulatedJoint
+    joints : sequence of JointSettings
         J values.
     motion : Motion
         Where windows begin, and the forces that drive them.
@@ -140,7 +110,7 @@ def replayed(
     return paths
 
 
-def _set(robot: Robot, joints: Sequence[SimulatedJoint], motion: Motion) -> tuple[Any, Any, Any]:
+def _set(robot: Robot, joints: Sequence[JointSettings], motion: Motion) -> tuple[Any, Any, Any]:
     """Return the model with the joints set, and where their speeds and positions are in it."""
     import mujoco
 

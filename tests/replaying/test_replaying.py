@@ -13,14 +13,8 @@ from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Robot
 from bayesfric.replaying import _pieces, _proposed, held_out_parts, replay, with_replay
 from bayesfric.results import read_json
-from bayesfric.robots import RigidBodies, robot_of_bytes
-from bayesfric.robots.replaying import (
-    Motion,
-    SimulatedJoint,
-    as_in_model,
-    inverse_torques,
-    replayed,
-)
+from bayesfric.robots import JointSettings, RigidBodies, robot_of_bytes
+from bayesfric.robots.replaying import Motion, inverse_torques, replayed
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
 from bayesfric.schemas.diagnosis import Enter
@@ -92,7 +86,7 @@ def test_torques_are_those_of_the_law():
     robot = robot_of_bytes("one.xml", WRONG.model().encode(), {"swing": "hinge"})
     q, v, a = (np.array([[0.0], [0.0]]), np.array([[1.0], [-2.0]]), np.array([[3.0], [0.0]]))
     motion = Motion(0.004, q, v, a, np.zeros((2, 1)))
-    joint = SimulatedJoint(0.6, 0.05, (0.3, 0.02, 0.0))
+    joint = JointSettings(0.6, 0.05, (0.3, 0.02, 0.0))
     found = inverse_torques(robot, [joint], motion)
     inertia = mujoco.MjModel.from_xml_string(WRONG.model()).body_inertia[1][1] + 1.2 * 0.15**2
     weight = -1.2 * 9.81 * 0.15
@@ -114,7 +108,7 @@ def test_stops_and_contacts_of_the_model_do_not_act():
     )
     q, v, a = np.full((12, 1), 0.4), np.full((12, 1), 1.0), np.full((12, 1), 2.0)
     motion = Motion(0.004, q, v, a, np.full((12, 1), 3.0))
-    joint = SimulatedJoint(0.6, 0.05)
+    joint = JointSettings(0.6, 0.05)
     found, expected = (inverse_torques(robot, [joint], motion) for robot in (held, free))
     assert found == pytest.approx(expected, rel=1e-9)
     found, expected = (replayed(robot, [joint], motion, [0], 10) for robot in (held, free))
@@ -125,13 +119,13 @@ def test_a_spring_pulls_to_where_it_is_at_rest():
     """Of the model and of a proposal: 4 N·m/rad, 0.5 rad from its rest at 0.2 rad."""
     sprung = WRONG.model('stiffness="4" springref="0.2"')
     robot = robot_of_bytes("one.xml", sprung.encode(), {"swing": "hinge"})
-    (own,) = as_in_model(robot)
+    (own,) = robot.settings
     assert (own.stiffness, own.spring_rest) == (4.0, 0.2)
     still = np.zeros((1, 1))
     motion = Motion(0.004, still + 0.7, still, still, still)
-    loose = SimulatedJoint(0.0, 0.05)
+    loose = JointSettings(0.0, 0.05)
     for rest in (own.spring_rest, -0.3):
-        held = SimulatedJoint(0.0, 0.05, stiffness=4.0, spring_rest=rest)
+        held = JointSettings(0.0, 0.05, stiffness=4.0, spring_rest=rest)
         pulls = inverse_torques(robot, [held], motion) - inverse_torques(robot, [loose], motion)
         assert pulls == pytest.approx(4.0 * (0.7 - rest), rel=1e-6)
     spring = hinge_with({"spring.stiffness": 3.0, "spring.rest": -0.25})
@@ -163,7 +157,7 @@ def test_a_drive_carries_the_weight_that_a_program_compensates():
     robot = robot_of_bytes("one.xml", text.encode(), {"swing": "hinge"})
     still = np.zeros((1, 1))
     motion = Motion(0.004, still, still, still, still)
-    torque = inverse_torques(robot, [SimulatedJoint(0.0, 0.05)], motion)
+    torque = inverse_torques(robot, [JointSettings(0.0, 0.05)], motion)
     assert torque == pytest.approx(-1.2 * 9.81 * 0.15, rel=1e-6)
     assert RigidBodies(robot).momentum_and_pull(still, still)[1] == pytest.approx(-torque)
 
@@ -174,7 +168,7 @@ def test_a_window_follows_the_closed_form():
     robot = robot_of_bytes("one.xml", model.encode(), {"swing": "hinge"})
     still = np.zeros((60, 1))
     motion = Motion(0.005, still, still + 1.0, still, np.full((60, 1), 2.0))
-    path = replayed(robot, [SimulatedJoint(0.0, 0.05, (0.5, 0.0, 0.0))], motion, [0], 50)
+    path = replayed(robot, [JointSettings(0.0, 0.05, (0.5, 0.0, 0.0))], motion, [0], 50)
     inertia = mujoco.MjModel.from_xml_string(model).body_inertia[1][1] + 1.2 * 0.15**2 + 0.05
     t, rate, top = 0.005 * np.arange(50), 0.5 / inertia, 2.0 / 0.5
     expected = top * t + (1.0 - top) * (1 - np.exp(-rate * t)) / rate

@@ -56,7 +56,7 @@ def test_a_pendulum_is_its_closed_form(tmp_path):
     momentum, pull = RigidBodies(robot).momentum_and_pull(angle, rate)
     assert momentum == pytest.approx((1.5 * 0.4**2 + 0.03) * rate, rel=1e-12)
     assert pull == pytest.approx(-1.5 * 9.8 * 0.4 * np.sin(angle), rel=1e-12)
-    assert (robot.settings[0].damping, robot.settings[0].frictionloss) == (0.7, 0.1)
+    assert (robot.settings[0].damping[0], robot.settings[0].frictionloss) == (0.7, 0.1)
     assert not robot.compiled.dof_damping.any()
 
 

@@ -82,7 +82,7 @@ class Machine:
             return {}
         place = self.bodies.robot.joints.index(self.joint)
         own = self.bodies.robot.settings[place]
-        return {"armature": own.armature, "coulomb": own.frictionloss, "viscous": own.damping}
+        return {"armature": own.armature, "coulomb": own.frictionloss, "viscous": own.damping[0]}
 
     def amounts_before(self) -> ModelAmounts:
         """Return what is believed of the errors of the model before any data.
