@@ -21,7 +21,10 @@ def taken(record: Record, rows: Whole) -> Record:
             return value[..., rows]
         if is_dataclass(value) and not isinstance(value, type):
             return replace(value, **{f.name: some(getattr(value, f.name)) for f in fields(value)})
-        return tuple(map(some, value)) if isinstance(value, tuple) else value
+        if isinstance(value, tuple):
+            parts = map(some, value)
+            return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+        return value
 
     of_record: Record = some(record)
     return of_record

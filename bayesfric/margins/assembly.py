@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import BaseModel
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Whole, taken
 from bayesfric.diagnosis.drawn_effect import DrawnEffect
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import from_normal
@@ -33,34 +33,22 @@ class Assembly:
     ----------
     coefficients : mapping of str to Coefficients
         Coefficients of the law by pulley size, shape (draws,).
-    factor : tuple of ndarray
-        Factor on the friction of each run of the loop, shape (draws,).
+    factor, factor_of_c2 : tuple of ndarray
+        Factors on the friction of each run of the loop by c1 and c3, and by c2, shape (draws,).
     numbers : mapping of str to ndarray
         Values by dotted key of the loop file, shape (draws,).
     uncertain : tuple of str
         Which of these keys are distributions.
     acting : tuple of DrawnEffect
         Effects on friction beside the law; their draws match those of the coefficients.
-    own_intercept : tuple of ndarray
-        Additional relative deviation of c2 of each run, shape (draws,); empty if there is
-        none.
     """
 
     coefficients: Mapping[str, Coefficients]
     factor: tuple[Array, ...]
+    factor_of_c2: tuple[Array, ...]
     numbers: Mapping[str, Array]
     uncertain: tuple[str, ...]
     acting: tuple[DrawnEffect, ...] = ()
-    own_intercept: tuple[Array, ...] = ()
-
-    @property
-    def intercept_factor(self) -> tuple[Array, ...]:
-        """Factor on c2 of each run: the common factor and the deviation of c2 alone."""
-        if not self.own_intercept:
-            return self.factor
-        return tuple(
-            factor + own for factor, own in zip(self.factor, self.own_intercept, strict=True)
-        )
 
     @property
     def draws(self) -> int:
@@ -80,21 +68,18 @@ class Assembly:
         if group == COEFFICIENTS:
             return replace(self, coefficients=other.coefficients, acting=other.acting)
         if group == NEW_ASSEMBLY:
-            return replace(self, factor=other.factor, own_intercept=other.own_intercept)
+            return replace(self, factor=other.factor, factor_of_c2=other.factor_of_c2)
         return replace(self, numbers={**self.numbers, group: other.numbers[group]})
 
     def taken(self, rows: Whole) -> "Assembly":
         """Return some of the draws."""
         return replace(
             self,
-            coefficients={
-                size: Coefficients(*(np.asarray(part)[rows] for part in law))
-                for size, law in self.coefficients.items()
-            },
-            factor=tuple(part[rows] for part in self.factor),
+            coefficients={size: taken(law, rows) for size, law in self.coefficients.items()},
+            factor=taken(self.factor, rows),
+            factor_of_c2=taken(self.factor_of_c2, rows),
             numbers={key: values[rows] for key, values in self.numbers.items()},
             acting=tuple(effect.taken(rows) for effect in self.acting),
-            own_intercept=tuple(part[rows] for part in self.own_intercept),
         )
 
 
@@ -156,10 +141,6 @@ def draw_assembly(
         return np.random.default_rng([seed, 7, stream, zlib.crc32(name.encode())])
 
     order = generator("order").permutation(n) if stream else np.arange(n)
-    coefficients = {
-        size: Coefficients(*(np.asarray(part)[order] for part in law))
-        for size, law in posterior.coefficients.items()
-    }
     rig = discrepancy.sd * generator("rig").standard_normal(n)
 
     def scattered(kind: str, scatter: Mapping[str, Array]) -> list[Array]:
@@ -173,7 +154,8 @@ def draw_assembly(
         ]
 
     factor = tuple(1 + own + rig for own in scattered("assembly", posterior.omega))
-    own_intercept = tuple(scattered("intercept", posterior.omega_intercept))
+    deviations_of_c2 = scattered("intercept", posterior.omega_intercept)
+    factor_of_c2 = tuple(of_run + own for of_run, own in zip(factor, deviations_of_c2, strict=True))
     numbers, uncertain = {}, []
     for key, value in _quantities(loop).items():
         if is_uncertain(value):
@@ -182,7 +164,8 @@ def draw_assembly(
         else:
             numbers[key] = np.full(n, central(value))  # type: ignore[arg-type]
     acting = tuple(effect.taken(order) for effect in posterior.acting)
-    return Assembly(coefficients, factor, numbers, tuple(uncertain), acting, own_intercept)
+    coefficients = {size: taken(law, order) for size, law in posterior.coefficients.items()}
+    return Assembly(coefficients, factor, factor_of_c2, numbers, tuple(uncertain), acting)
 
 
 def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
@@ -204,12 +187,14 @@ def _refuse_sizes(loop: Loop, posterior: Posterior) -> None:
 
 def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
     """Return one draw: posterior means, no scatter, no effects, medians of uncertain numbers."""
+    unscattered = tuple(np.ones(1) for _ in loop.every_run)
     return Assembly(
         {
             size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in law))
             for size, law in posterior.coefficients.items()
         },
-        tuple(np.ones(1) for _ in loop.every_run),
+        unscattered,
+        unscattered,
         {key: np.array([central(value)]) for key, value in _quantities(loop).items()},  # type: ignore[arg-type]
         (),
     )

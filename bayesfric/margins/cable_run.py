@@ -85,7 +85,7 @@ def run_friction(
     factor: Array,
     tension: Array,
     length: Array,
-    intercept_factor: Array | None = None,
+    factor_of_c2: Array,
 ) -> RunFriction:
     """Return the friction of a run of pulleys.
 
@@ -101,8 +101,8 @@ def run_friction(
         The known tension [N].
     length : ndarray, shape (draws,)
         Cable between motor and joint [m].
-    intercept_factor : ndarray, shape (draws,), or None
-        Factor of c2, if it differs from that of c1 and c3 [-].
+    factor_of_c2 : ndarray, shape (draws,)
+        The same for c2, which scatters by itself as well [-].
 
     Returns
     -------
@@ -110,8 +110,7 @@ def run_friction(
         For an antagonist pair, friction of both sides: one pulls while the other gives way.
     """
     factor = np.maximum(factor, 0.0)
-    of_c2 = factor if intercept_factor is None else intercept_factor
-    c2 = np.maximum(np.asarray(coefficients.c2) * np.maximum(of_c2, 0.0), 0.0)
+    c2 = np.maximum(np.asarray(coefficients.c2) * np.maximum(factor_of_c2, 0.0), 0.0)
     angles = np.asarray(run.angles_deg)
     a = losses(coefficients, factor, angles)
     sides = 2.0 if run.topology == "antagonist-pair" else 1.0

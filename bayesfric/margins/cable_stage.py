@@ -5,7 +5,7 @@ its stiffness k is ρ²k. Forces behind a cable stretch it. Friction of a second
 between the cables and of the joint all act behind the first cable.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,8 +70,6 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
     reduced : ndarray, shape (draws,)
         Reduced inertia J_m J_l/(J_m + J_l) of motor and joint [kg·m²].
     """
-    pairs = zip(given.factor, given.intercept_factor, strict=True)
-    factors = dict(zip((key for key, _ in loop.every_run), pairs, strict=True))
     per_rad = {"cable": given["drive.capstan_radius_m"] / given["drive.gearbox_ratio"]}
     if loop.second_stage is not None:
         ratio = given["second_stage.driving_radius_m"] / given["second_stage.driven_radius_m"]
@@ -88,7 +86,7 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
         for cable, k in stiff.items()
     }
     return tuple(
-        _stage(loop, given, factors, cable, rho, stiff[cable], damping[cable])
+        _stage(loop, given, cable, rho, stiff[cable], damping[cable])
         for cable, rho in per_rad.items()
     )
 
@@ -96,7 +94,6 @@ def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
 def _stage(
     loop: Loop,
     given: Assembly,
-    factors: Mapping[str, tuple[Array, Array]],
     cable: str,
     per_rad: Array,
     stiffness: Array,
@@ -104,20 +101,22 @@ def _stage(
 ) -> Stage:
     """Return the cable with a key in the file, and its runs."""
     before = f"{cable.removesuffix('cable')}runs."
-    own = {key: run for key, run in loop.every_run if key.startswith(before)}
+    keys = tuple(key for key, _ in loop.every_run if key.startswith(before))
+    tension = tuple(given[f"{key}.tension_n"] for key in keys)
+    every = zip(loop.every_run, given.factor, given.factor_of_c2, strict=True)
     runs = tuple(
         run_friction(
             run,
             given.coefficients[run.pulley_size],
-            factors[key][0],
+            factor,
             given[f"{key}.tension_n"],
             given[f"{cable}.length_m"],
-            factors[key][1],
+            of_c2,
         )
-        for key, run in own.items()
+        for (key, run), factor, of_c2 in every
+        if key in keys
     )
     none = np.zeros(given.draws)
-    tension = tuple(given[f"{key}.tension_n"] for key in own)
     lost = sum((run.lost_length for run in runs), none)
     return Stage(
         per_rad=per_rad,
@@ -126,7 +125,7 @@ def _stage(
         friction=np.maximum(per_rad * sum((run.loop for run in runs), none), 0.0),
         lost=lost / given[f"{cable}.axial_stiffness_n"] / per_rad,
         tension=tension or (given["second_stage.tension_n"],),
-        keys=tuple(own),
+        keys=keys,
         runs=runs,
     )
 

@@ -76,7 +76,7 @@ def not_applicable(shaft: LoopAtShaft) -> str | None:
         return "the encoder is at the joint, and the criterion is for one where the motor pushes"
     if (shaft.backlash > 0).any():
         return "there is play, and the criterion is for a cable that always pulls"
-    if shaft.position_cutoff is not None:
+    if np.isfinite(shaft.position_cutoff).any():
         return "the position is filtered, and the compensator's speed is not"
     if compensation.signal == "error":
         return "the compensator follows the error, and the criterion is one of speeds"

@@ -77,14 +77,14 @@ def formula_threshold(shaft: LoopAtShaft) -> Array:
     return np.asarray(necessary_gain(shaft) * (1 + _stuck_band_over_swing(shaft)))
 
 
-def _damping_ratio(shaft: LoopAtShaft) -> Array:
+def damping_ratio(shaft: LoopAtShaft) -> Array:
     """Return the damping ratio ζ of the loop, b_eff over 2√(kp J)."""
     return np.asarray(effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia)))
 
 
 def _stuck_band_over_swing(shaft: LoopAtShaft) -> Array:
     """Return tanh(π ζ/(2 √(1 − ζ²))): net torque over kp, over the amplitude that it sustains."""
-    zeta = _damping_ratio(shaft)
+    zeta = damping_ratio(shaft)
     undamped_share = np.sqrt(np.maximum(1 - zeta**2, np.finfo(np.float64).tiny))
     return np.asarray(np.tanh(np.pi * zeta / (2 * undamped_share)))
 
@@ -114,15 +114,15 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
         "there is no integral action": shaft.ki == 0,
         "breakaway is no more than moving friction": shaft.breakaway
         <= rules.formula_most_stiction * shaft.friction,
-        "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
-        "the position is not filtered": everywhere & (shaft.position_cutoff is None),
+        "the velocity is a raw first difference": np.isinf(shaft.velocity_cutoff),
+        "the position is not filtered": np.isinf(shaft.position_cutoff),
         "the encoder is at the motor": everywhere & (not shaft.sees_joint),
         "there is no play": shaft.backlash == 0,
         "no load is left to the loop": np.abs(shaft.net_load)
         <= rules.formula_most_load * shaft.friction,
         "the reference rests": shaft.reference_speed == 0,
         "the loop is damped without friction": effective_damping(shaft) > 0,
-        f"ζ is at most {most_damping:g}": _damping_ratio(shaft) <= most_damping,
+        f"ζ is at most {most_damping:g}": damping_ratio(shaft) <= most_damping,
         f"ω_n τ is at most {most_lag:g}": turns_in_lag <= most_lag,
         f"F/kp is at least {least_counts:g} encoder counts": counts >= least_counts,
         "the kick is beyond F/kp": shaft.kick > shaft.friction / shaft.kp,

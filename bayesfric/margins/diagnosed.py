@@ -46,21 +46,18 @@ class Diagnosed:
     Parameters
     ----------
     posterior : Posterior
-        The refitted law, with as many draws as the fit has.
-    acting : tuple of DrawnEffect
-        Effects on friction; their draws match those of the law.
+        The refitted law with the effects on friction, with as many draws as the fit has.
     left_out : tuple of str
         Effects that are left out, with the reason.
     """
 
     posterior: Posterior
-    acting: tuple[DrawnEffect, ...]
     left_out: tuple[str, ...]
 
     @property
     def finds_something(self) -> bool:
         """Whether any effect is named, or may act."""
-        return bool(self.acting or self.left_out)
+        return bool(self.posterior.acting or self.left_out)
 
 
 def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
@@ -102,7 +99,7 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
         else:
             acting.append(effect)
     posterior = replace(_refitted(table, fitted), acting=tuple(acting), refitted=True)
-    return Diagnosed(posterior, tuple(acting), tuple(left_out))
+    return Diagnosed(posterior, tuple(left_out))
 
 
 def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
@@ -147,14 +144,12 @@ def reflected(loop: Loop, given: Assembly, estimate: float | None = None) -> Loo
     shaft = at_shaft(loop, given, estimate=estimate)
     if not given.acting:
         return shaft
-    after = with_effects(shaft, given, given.acting)
+    after = with_effects(shaft, given)
     return after if estimate is None else replace(after, estimate=shaft.estimate)
 
 
-def with_effects(
-    shaft: LoopAtShaft, given: Assembly, acting: tuple[DrawnEffect, ...]
-) -> LoopAtShaft:
-    """Return a loop with effects added to its friction.
+def with_effects(shaft: LoopAtShaft, given: Assembly) -> LoopAtShaft:
+    """Return a loop with the effects of its assembly added to its friction.
 
     If a compensator takes its estimate from the law, it is the law with the effects.
 
@@ -163,14 +158,12 @@ def with_effects(
     shaft : LoopAtShaft
         The loop with the refitted law.
     given : Assembly
-        The numbers from which it was made.
-    acting : tuple of DrawnEffect
-        The effects, with as many draws.
+        The numbers from which it was made, and the effects.
     """
     rho, rest = shaft.cable_per_rad, np.zeros(given.draws)
     top = np.maximum(shaft.peak_velocity * rho, LEAST_SPEED)
     rising, falling, slope = np.zeros((3, given.draws))
-    for effect in acting:
+    for effect in given.acting:
         low, high, fallen_at = _curve(partial(_force, effect, shaft, given), top)
         rest += np.minimum(low, high)
         rising += np.maximum(high - low, 0.0) / (top / rho)
@@ -224,18 +217,23 @@ def _force(effect: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Arra
     """Return the friction that an effect adds at a speed of the motor's cable [N]."""
     total = np.zeros(given.draws)
     per_rad = {key: stage.per_rad for stage in shaft.stages for key in stage.keys}
-    factors = zip(given.factor, given.intercept_factor, strict=True)
-    for (key, run), (factor, of_c2) in zip(shaft.loop.every_run, factors, strict=True):
+    every = zip(shaft.loop.every_run, given.factor, given.factor_of_c2, strict=True)
+    for (key, run), factor, of_c2 in every:
         ratio = per_rad[key] / shaft.cable_per_rad
         sides = 2 if run.topology == "antagonist-pair" else 1
         law = given.coefficients[run.pulley_size]
         scales = (factor, of_c2, factor)
-        slowed = Coefficients(
+        scattered = Coefficients(
             *(np.asarray(part) * scale for part, scale in zip(law, scales, strict=True))
         )
         tension = given[f"{key}.tension_n"]
         state = State.of(
-            slowed, run.count, float(np.mean(run.angles_deg)), tension, ratio * speed, steady=True
+            scattered,
+            run.count,
+            float(np.mean(run.angles_deg)),
+            tension,
+            ratio * speed,
+            steady=True,
         )
         total += ratio * sides * effect.force(state)
     return total

@@ -110,7 +110,7 @@ def _refitted(path: Path, record: DiagnosisFile, diagnosed: Diagnosed, names: st
     return LawUsed(
         used="refitted",
         causes=tuple(cause.effect for cause in record.causes),
-        effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
+        effects=tuple(drawn.effect.name for drawn in diagnosed.posterior.acting),
         left_out=diagnosed.left_out,
         sentence=f"Margins of the law refitted with {what}.{left_out}",
     )

@@ -17,7 +17,8 @@ HEAVIER = 0.02
 """Least inertia in the simulation of a shaft between two cables, over that of the lighter end."""
 ALIKE = (
     *("inertia", "viscous", "friction", "stiction_ratio", "falling", "falling_speed"),
-    *("kp", "kd", "ki", "sample_time", "delay", "boundary", "cable"),
+    *("kp", "kd", "ki", "sample_time", "delay", "velocity_cutoff", "position_cutoff"),
+    *("boundary", "cable"),
 )
 """Fields that the simulator's loop has under the same name."""
 
@@ -54,8 +55,8 @@ class LoopAtShaft:
         Sample time and delay [s]; the delay without the hold's half sample.
     counts : ndarray
         Counts of the encoder per revolution of the shaft.
-    cutoff, position_cutoff : ndarray or None
-        Corners of the low-passes of velocity and position [rad/s].
+    velocity_cutoff, position_cutoff : ndarray
+        Corners of the low-passes of velocity and position; infinite without one [rad/s].
     clip, continuous : ndarray, ndarray or None
         Torque limits [N·m].
     net_load : ndarray
@@ -107,8 +108,8 @@ class LoopAtShaft:
     ki: Array
     sample_time: Array
     delay: Array
-    cutoff: Array | None
-    position_cutoff: Array | None
+    velocity_cutoff: Array
+    position_cutoff: Array
     counts: Array
     clip: Array
     continuous: Array | None
@@ -185,8 +186,6 @@ class LoopAtShaft:
     @property
     def slow_lag(self) -> Array:
         """τ plus the delay of the position's low-pass in slow oscillations [s]."""
-        if self.position_cutoff is None:
-            return self.lag
         return self.lag + 1 / self.position_cutoff
 
     @property
@@ -313,10 +312,6 @@ class LoopAtShaft:
         return SampledLoop(
             **{name: getattr(self, name) for name in ALIKE},
             load_torque=self.net_load,
-            velocity_cutoff=np.array(np.inf) if self.cutoff is None else self.cutoff,
-            position_cutoff=np.array(np.inf)
-            if self.position_cutoff is None
-            else self.position_cutoff,
             encoder_at=self.loop.controller.encoder_at,
             counts_per_revolution=self.counts,
             torque_limit=self.clip,

@@ -275,7 +275,7 @@ def _with_effects(
     after = reflected(loop, given)
     judged = Judged.of(after, loop.spec, asked.simulated, diagnosed.posterior.effective_draws)
     return WithEffects(
-        effects=tuple(drawn.effect.name for drawn in diagnosed.acting),
+        effects=tuple(drawn.effect.name for drawn in diagnosed.posterior.acting),
         left_out=diagnosed.left_out,
         answer=f"{against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec)} "
         + which_gain(after, judged.hunting, judged.safe, loop.spec.limit_cycle_probability_max),

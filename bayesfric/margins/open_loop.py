@@ -12,6 +12,7 @@ import numpy as np
 from bayesfric.arrays import Array, Complex, Whole
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.cable_stage import train_modes
+from bayesfric.margins.describing import loop_spring
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 
 FREQUENCIES = 600
@@ -40,12 +41,10 @@ class OpenLoop:
         # a shaft and a second cable, only without open runs
         self.beyond = beyond[0] if beyond else None
         self.shaft_inertia = shaft.shaft_inertia
-        self.kp, self.kd, self.ki = shaft.kp.copy(), shaft.kd, shaft.ki
-        if shaft.loop.compensation.signal == "error":
-            # Inside its band the compensator is a spring that adds to kp.
-            self.kp = self.kp + shaft.gamma * shaft.estimate / shaft.boundary
-        self.lag, self.sample_time, self.cutoff = shaft.lag, shaft.sample_time, shaft.cutoff
-        self.position_cutoff, self.sees_joint = shaft.position_cutoff, shaft.sees_joint
+        self.kp, self.kd, self.ki = loop_spring(shaft), shaft.kd, shaft.ki
+        self.lag, self.sample_time = shaft.lag, shaft.sample_time
+        self.cutoff, self.position_cutoff = shaft.velocity_cutoff, shaft.position_cutoff
+        self.sees_joint = shaft.sees_joint
         self.integral = bool((self.ki > 0).any())
 
     def plant(self, omega: Array, rows: Whole) -> tuple[Complex, Complex]:
@@ -77,12 +76,12 @@ class OpenLoop:
         half = omega * period / 2
         # (1 − e^{−jωT})/T without cancellation at small ωT
         difference = of(self.kd) * (2j / period) * np.sin(half) * np.exp(-1j * half)
-        if self.cutoff is not None:
+        if np.isfinite(self.cutoff).any():
             difference = difference / (1 + 1j * omega / of(self.cutoff))
         feedback = of(self.kp) + difference
         if self.integral:
             feedback = feedback + of(self.ki) / (1j * omega)
-        if self.position_cutoff is not None:
+        if np.isfinite(self.position_cutoff).any():
             feedback = feedback / (1 + 1j * omega / of(self.position_cutoff))
         return np.asarray(feedback * np.exp(-1j * omega * of(self.lag)))
 
@@ -123,11 +122,11 @@ class OpenLoop:
         pairs = np.zeros(self.motor_inertia.shape, dtype=np.intp)
         rows = np.flatnonzero((self.motor_viscous < 0) | (self.load_viscous < 0))
         if rows.size:
-            poles = np.linalg.eigvals(self._free_motion(rows))
+            poles = np.linalg.eigvals(self.free_motion(rows))
             pairs[rows] = (poles.real > 0).sum(axis=1) // 2
         return pairs
 
-    def _free_motion(self, rows: Whole) -> Array:
+    def free_motion(self, rows: Whole) -> Array:
         """Return matrices of the plant without torque, shape (rows, n, n).
 
         States are the stretch of each cable and the speed of each end, without the position,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.margins.describing import effective_damping, natural_frequency
+from bayesfric.margins.describing import damping_ratio, natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import RevoluteJoint
 from bayesfric.margins.quantities import central
@@ -13,7 +13,6 @@ from bayesfric.schemas.margins import Plant
 def plant_of(shaft: LoopAtShaft) -> Plant:
     """Return natural frequency, damping, ringing, inertias and ratios: medians of the draws."""
     omega = natural_frequency(shaft)
-    zeta = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
     joint = shaft.loop.joint
     whole, way = (
         (joint.transmission_rad_per_rad, "rad")
@@ -22,7 +21,7 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
     )
     numbers = {
         "natural_frequency_hz": _median(omega) / (2 * np.pi),
-        "damping_ratio": _median(zeta),
+        "damping_ratio": _median(damping_ratio(shaft)),
         "resonance_hz": _median(shaft.ringing) / (2 * np.pi),
         "motor_inertia_kg_m2": _median(shaft.motor_inertia),
         "load_inertia_kg_m2": _median(shaft.load_inertia),

@@ -37,11 +37,12 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
     wrist = wrist_of(loop, given)
     joint = _reflected_joint(loop, given, ratio) if wrist is None else wrist.joint
     motor_inertia = given["drive.inertia_kg_m2"]
-    reduced = joint.inertia * motor_inertia / (joint.inertia + motor_inertia)
+    reduced = joint.load_inertia * motor_inertia / (joint.load_inertia + motor_inertia)
     stages = stages_of(loop, given, reduced)
     shaft_inertia, shaft_friction = _between_two_cables(loop, given, rho)
     drive = given["drive.friction_n_m"]
-    friction = sum(stage.friction for stage in stages) + drive + joint.friction + shaft_friction
+    friction = sum(stage.friction for stage in stages) + drive + joint.joint_friction
+    friction = friction + shaft_friction
     stiffness = in_series([stage.stiffness for stage in stages])
     damping = sum(stage.damping * (stiffness / stage.stiffness) ** 2 for stage in stages)
     stiction = np.maximum(given["stiction_ratio"], 1.0)
@@ -59,11 +60,11 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         stiction_ratio=stiction,
         falling=np.zeros(given.draws),
         falling_speed=np.ones(given.draws),
-        **_of_joint(joint),
+        **vars(joint),
         efficiency=_efficiency(loop, stages, given.draws),
         cable_per_rad=rho,
         tip_per_rad=_tip_per_rad(loop, given, ratio, wrist),
-        lost_motion=lost_motion(stages, shaft_friction, joint.friction),
+        lost_motion=lost_motion(stages, shaft_friction, joint.joint_friction),
         backlash=given["drive.backlash_rad"],
         kick=given["kick.over_stuck_band"] * stiction * friction / kp,
         reference_speed=given["kick.reference_speed_rad_s"],
@@ -82,27 +83,14 @@ def _reflected_joint(loop: Loop, given: Assembly, ratio: Array) -> JointAtShaft:
     inertia, friction, viscous, load, _, speed, pull = (given[key] for key in own)
     compensated = given["controller.gravity_compensation"] * _expected_load(loop)
     return JointAtShaft(
-        friction=friction / ratio,
-        inertia=inertia / ratio**2,
-        viscous=viscous / ratio**2,
-        load=load / ratio,
+        joint_friction=friction / ratio,
+        load_inertia=inertia / ratio**2,
+        load_viscous=viscous / ratio**2,
+        load_torque=load / ratio,
         net_load=(load - compensated) / ratio,
         peak_velocity=speed * ratio,
         peak_acceleration=pull * ratio,
     )
-
-
-def _of_joint(joint: JointAtShaft) -> dict[str, Array]:
-    """Return the fields of a loop that describe its joint."""
-    return {
-        "load_inertia": joint.inertia,
-        "load_viscous": joint.viscous,
-        "joint_friction": joint.friction,
-        "load_torque": joint.load,
-        "net_load": joint.net_load,
-        "peak_velocity": joint.peak_velocity,
-        "peak_acceleration": joint.peak_acceleration,
-    }
 
 
 def _efficiency(loop: Loop, stages: Sequence[Stage], draws: int) -> Array:
@@ -134,8 +122,10 @@ def _between_two_cables(loop: Loop, given: Assembly, rho: Array) -> tuple[Array,
 def _controller(loop: Loop, given: Assembly, ratio: Array) -> dict[str, Any]:
     """Return the fields of a loop that describe its controller."""
     to_shaft = _to_shaft(loop, given, ratio)
-    velocity = given.numbers.get("controller.velocity_cutoff_hz")
-    position = given.numbers.get("controller.position_cutoff_hz")
+    endless = np.full(given.draws, np.inf)
+    velocity, position = (
+        given.numbers.get(f"controller.{of}_cutoff_hz", endless) for of in ("velocity", "position")
+    )
     counts = given["controller.encoder_counts_per_revolution"]
     return {
         "kp": to_shaft * given["controller.kp_n_m_per_rad"],
@@ -143,8 +133,8 @@ def _controller(loop: Loop, given: Assembly, ratio: Array) -> dict[str, Any]:
         "ki": to_shaft * given["controller.ki_n_m_per_rad_s"],
         "sample_time": given["controller.sample_time_s"],
         "delay": given["controller.delay_s"],
-        "cutoff": None if velocity is None else 2 * np.pi * velocity,
-        "position_cutoff": None if position is None else 2 * np.pi * position,
+        "velocity_cutoff": 2 * np.pi * velocity,
+        "position_cutoff": 2 * np.pi * position,
         "counts": counts / (ratio if loop.controller.encoder_at == "joint" else 1.0),
     }
 

@@ -9,8 +9,6 @@ References
 A. Voelker, I. Kajić, C. Eliasmith, "Legendre memory units", NeurIPS (2019), eq. (2).
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from bayesfric.arrays import Array
@@ -45,7 +43,7 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     def of(values: Array) -> float:
         return float(values[row])
 
-    plant = _train(loop, of)
+    plant = _train(loop, row)
     if loop.sees_joint:  # the motor's angle less the stretch of every cable
         ends = len(plant[0]) // 2
         joint = np.array([[1.0] + [-1.0] * (ends - 1) + [0.0] * ends])
@@ -54,38 +52,28 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     # kd (1 − e^{−sT})/T and its low-pass, in parallel with kp and ki/s
     feedback = _delay(period)
     feedback = (*feedback[:2], -kd / period * feedback[2], np.array([[kd / period]]))
-    if loop.cutoff is not None:
+    if np.isfinite(of(loop.cutoff)):
         feedback = _in_series(feedback, _low_pass(of(loop.cutoff)))
     feedback = (*feedback[:3], feedback[3] + of(loop.kp))
     if loop.integral:
         zero, unit = np.zeros((1, 1)), np.eye(1)
         feedback = _side_by_side((zero, unit, of(loop.ki) * unit, zero), feedback)
-    if loop.position_cutoff is not None:
+    if np.isfinite(of(loop.position_cutoff)):
         feedback = _in_series(feedback, _low_pass(of(loop.position_cutoff)))
     return _in_series(_in_series(feedback, _delay(of(loop.lag))), plant)
 
 
-def _train(loop: OpenLoop, of: Callable[[Array], float]) -> Matrices:
+def _train(loop: OpenLoop, row: int) -> Matrices:
     """Return the motor and the joint on one cable, or with a shaft between two cables.
 
     States are the motor's angle, the stretch of each cable, and the speeds of all ends.
     """
-    second = loop.beyond
-    middle = [] if second is None else [of(loop.shaft_inertia)]
-    inertia = np.array([of(loop.motor_inertia), *middle, of(loop.load_inertia)])
-    viscous = np.array([of(loop.motor_viscous), *np.zeros(len(middle)), of(loop.load_viscous)])
-    springs = np.diag([of(loop.stiffness), *([] if second is None else [of(second.stiffness)])])
-    dampers = np.diag([of(loop.damping), *([] if second is None else [of(second.damping)])])
-    ends = len(inertia)
-    apart = np.eye(ends - 1, ends) - np.eye(ends - 1, ends, 1)
-    a = np.zeros((2 * ends, 2 * ends))
-    a[0, ends] = 1.0
-    a[1:ends, ends:] = apart
-    a[ends:, 1:ends] = -apart.T @ springs / inertia[:, None]
-    a[ends:, ends:] = -(apart.T @ dampers @ apart + np.diag(viscous)) / inertia[:, None]
-    b = np.zeros((2 * ends, 1))
-    b[ends, 0] = 1 / inertia[0]
-    return a, b, np.eye(1, 2 * ends), np.zeros((1, 1))
+    free = loop.free_motion(np.array([row]))[0]
+    states, speeds = len(free) + 1, len(free) // 2 + 1
+    a, b = np.zeros((states, states)), np.zeros((states, 1))
+    a[1:, 1:], a[0, speeds] = free, 1.0
+    b[speeds, 0] = 1 / loop.motor_inertia[row]
+    return a, b, np.eye(1, states), np.zeros((1, 1))
 
 
 def _low_pass(corner: float) -> Matrices:

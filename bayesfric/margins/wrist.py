@@ -24,12 +24,12 @@ Floats = tuple[float, ...]
 
 @dataclass(frozen=True)
 class JointAtShaft:
-    """A joint referred to the motor's shaft, arrays of shape (draws,)."""
+    """A joint referred to the motor's shaft, arrays of shape (draws,); fields of `LoopAtShaft`."""
 
-    friction: Array  # N·m
-    inertia: Array  # kg·m²
-    viscous: Array  # N·m·s/rad
-    load: Array  # N·m
+    joint_friction: Array  # N·m
+    load_inertia: Array  # kg·m²
+    load_viscous: Array  # N·m·s/rad
+    load_torque: Array  # N·m
     net_load: Array  # N·m, the load that gravity compensation leaves
     peak_velocity: Array  # rad/s
     peak_acceleration: Array  # rad/s²
@@ -139,10 +139,10 @@ def wrist_of(loop: Loop, given: Assembly) -> Wrist | None:
         own_column=tuple(map(float, c[:, k])),
         compliance=tuple(map(float, d[k] @ d.T)),
         joint=JointAtShaft(
-            friction=_weighted(turned, friction),
-            inertia=_weighted(turned**2, inertia),
-            viscous=_weighted(turned**2, viscous),
-            load=load_at_motors[k],
+            joint_friction=_weighted(turned, friction),
+            load_inertia=_weighted(turned**2, inertia),
+            load_viscous=_weighted(turned**2, viscous),
+            load_torque=load_at_motors[k],
             net_load=_weighted(d[:, k], net),
             peak_velocity=_weighted(np.abs(c[k]), speed),
             peak_acceleration=_weighted(np.abs(c[k]), pull),

@@ -66,8 +66,8 @@ def test_friction_of_a_prismatic_joint_by_hand():
 def test_effects_of_a_diagnosis_leave_the_joint_s_own_friction_alone():
     """No effect acts: the law alone remains, and with it what motor and joint add."""
     one = shaft({**LONG, "joint.friction_n_m": 0.05})
-    given = type("Given", (), {"draws": 1})()
-    after = with_effects(one, given, ())
+    given = type("Given", (), {"draws": 1, "acting": ()})()
+    after = with_effects(one, given)
     for name in ("friction", "lost_motion", "joint_friction"):
         assert getattr(after, name) == pytest.approx(getattr(one, name)), name
 

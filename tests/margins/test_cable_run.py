@@ -19,7 +19,7 @@ def friction(factor=1.0, **changes):
     one = np.ones(1)
     return run_friction(
         run, Coefficients(C1 * one, C2 * one, C3 * one), factor * one, run.tension_n * one,
-        LENGTH * one,
+        LENGTH * one, factor * one,
     )  # fmt: skip
 
 

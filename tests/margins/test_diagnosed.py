@@ -40,8 +40,8 @@ def acts(effect, variant, amplitude, shape=0.0):
 
 def added(*acting, changes=None):
     one = shaft(changes)
-    given = nominal_assembly(loop(changes), posterior())
-    return one, with_effects(one, given, acting)
+    given = replace(nominal_assembly(loop(changes), posterior()), acting=acting)
+    return one, with_effects(one, given)
 
 
 def write_diagnosis(folder, *names, coefficients=SMALL, probability=1.0, draws=200, **columns):
@@ -111,7 +111,7 @@ def test_an_effect_weighs_as_much_as_it_is_probable_and_the_law_is_the_refitted_
         amplitude=[0.2], shape=[0.0], variant=["constant"],
     )  # fmt: skip
     found = read_diagnosed(path, fitted, seed=1)
-    (one,) = found.acting
+    (one,) = found.posterior.acting
     assert one.amplitude.mean() == pytest.approx(0.25 * 0.2)
     assert set(one.variant) == {"", "constant"}
     assert found.posterior.coefficients["small"].c1 == pytest.approx(np.full(400, 0.01))
@@ -136,7 +136,7 @@ def test_a_board_with_viscous_friction_makes_the_margins_of_the_true_law(tmp_pat
     for name in bundled_loops():
         one = read_loop(Path(name))
         expected, got = (
-            _figures(one, *pair) for pair in ((true, (slope,)), (found.posterior, found.acting))
+            _figures(one, law) for law in (replace(true, acting=(slope,)), found.posterior)
         )
         assert expected.keys() == got.keys()
         for key, values in expected.items():
@@ -145,9 +145,9 @@ def test_a_board_with_viscous_friction_makes_the_margins_of_the_true_law(tmp_pat
                 assert np.quantile(got[key], q) == pytest.approx(wanted, rel=0.02), (name, key, q)
 
 
-def _figures(one, law, acting):
+def _figures(one, law):
     given = draw_assembly(one, law, RigDiscrepancy(0.0, ""), seed=1)
-    after = with_effects(at_shaft(one, given), given, acting)
+    after = with_effects(at_shaft(one, given), given)
     values = closed_forms(after, linear_of(after)) | {("viscous", None): after.viscous}
     return {key: value for key, value in values.items() if np.isfinite(value).all()}
 
@@ -158,7 +158,7 @@ def test_what_belongs_to_the_board_stays_there(tmp_path):
         amplitude=[1.0, 0.2], shape=[0.0, 0.0], variant=["constant", "no-such-law"],
     )  # fmt: skip
     found = read_diagnosed(path, posterior(), seed=1)
-    assert found.acting == ()
+    assert found.posterior.acting == ()
     assert [text.partition(":")[0] for text in found.left_out] == ["cable-weight", "viscous"]
 
 

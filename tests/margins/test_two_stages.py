@@ -273,7 +273,7 @@ def test_a_light_shaft_is_simulated_heavier_and_it_does_not_show():
 
 def test_effects_of_a_diagnosis_leave_friction_of_shaft_and_joint_alone():
     one = shaft(SOFT)
-    after = with_effects(one, type("Given", (), {"draws": 1})(), ())
+    after = with_effects(one, type("Given", (), {"draws": 1, "acting": ()})())
     for name in ("friction", "lost_motion", "shaft_friction"):
         assert getattr(after, name) == pytest.approx(getattr(one, name)), name
 

@@ -134,14 +134,13 @@ def elastic(shaft, **changes):
     behind = shaft.lost_motion * shaft.stiffness
     if shaft.backlash[0] > 0:
         behind = shaft.friction - shaft.drive_friction
-    corner = shaft.position_cutoff
     usual = {
         "stiffness": float(shaft.stiffness[0]),
         "damping": float(shaft.damping[0]),
         "behind": float((behind / shaft.friction)[0]),
         "play": float(shaft.backlash[0]),
         "at_joint": shaft.loop.controller.encoder_at == "joint",
-        "smooths": math.inf if corner is None else float(corner[0]),
+        "smooths": float(shaft.position_cutoff[0]),
         "joint_viscous": float(shaft.load_viscous[0]),
         "load": load,
         "fed": load - float(shaft.net_load[0]),
