@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.export.entered import with_error
 from bayesfric.report.chapters.entering import shown
-from bayesfric.report.content import Block, Code, Heading, Paragraph, Table
+from bayesfric.report.content import Block, Code, Heading, Paragraph, Table, prose
 from bayesfric.report.diagnosed import VERDICTS
 from bayesfric.report.quantities import THIN, error_cells, format_number, format_unit
 from bayesfric.rigs.model_amounts import FELT, OFF_FROM_SD
@@ -50,15 +50,11 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
             "model.",
         )
     yield Paragraph(
-        [
-            "The rest of this chapter is about the joint ",
+        prose(
+            "The rest of this chapter is about the joint {}. `diagnosis.json` has the others "
+            "under `joints`.",
             Code(str(diagnosis.joint)),
-            ". ",
-            Code("diagnosis.json"),
-            " has the others under ",
-            Code("joints"),
-            ".",
-        ]
+        )
     )
 
 

@@ -19,6 +19,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
     Text,
+    prose,
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells, format_unit
@@ -282,11 +283,10 @@ def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
     if causes:
         yield Notice(
             "attention",
-            [
-                "The law was fitted without ",
+            prose(
+                "The law was fitted without {}, so its coefficients absorb part of that force.",
                 Code(", ".join(cause.effect for cause in causes)),
-                ", so its coefficients absorb part of that force.",
-            ],
+            ),
             title="These coefficients are biased",
         )
 
