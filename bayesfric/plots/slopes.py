@@ -13,7 +13,6 @@ from bayesfric.plots.style import (
     NEUTRAL,
     PAPER_LINE,
     LineStyle,
-    SizeStyle,
     area_key,
     figure,
     hollow,
@@ -53,16 +52,16 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
             look = styles[size]
             for axes, (name, unit, label) in zip(panels[:, column], rows, strict=True):
                 law = 1e3 * table[f"{name}_law{unit}"].sel(pulley=size).to_numpy()
-                _draw_law(axes, count, law, look, "-")
+                draw_law(axes, count, law, look.color, "-")
                 printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
                 if np.isfinite(printed).all():
                     axes.plot(count, printed, **PAPER_LINE)
-                _draw_points(
+                draw_points(
                     axes,
                     some["n_pulleys"].to_numpy(),
                     1e3 * some[f"{name}{unit}"].to_numpy(),
                     1e3 * some[f"{name}_again{unit}"].to_numpy(),
-                    look,
+                    look.color,
                     look.marker,
                 )
                 if column == 0:
@@ -113,13 +112,13 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
                         continue
                     marker, line = MARKERS[place % len(MARKERS)], LINES[place % len(LINES)]
                     band = table[law].sel({"pulley": size, along: value}).to_numpy()
-                    _draw_law(axes, table[grid].to_numpy(), 1e3 * band, look, line)
-                    _draw_points(
+                    draw_law(axes, table[grid].to_numpy(), 1e3 * band, look.color, line)
+                    draw_points(
                         axes,
                         some[across].to_numpy(),
                         1e3 * some["slope_n_per_deg"].to_numpy(),
                         1e3 * some["slope_again_n_per_deg"].to_numpy(),
-                        look,
+                        look.color,
                         marker,
                     )
                     handles.append(
@@ -137,22 +136,29 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
         return fig
 
 
-def _draw_law(axes: Axes, x: np.ndarray, law: np.ndarray, look: SizeStyle, line: LineStyle) -> None:
+def draw_law(axes: Axes, x: np.ndarray, law: np.ndarray, color: str, line: LineStyle) -> None:
+    """Draw the law's median and its band, shape (len(x), 3)."""
     low, middle, high = law.T
-    axes.fill_between(x, low, high, color=look.color, alpha=0.25, linewidth=0)
-    axes.plot(x, middle, color=look.color, linewidth=0.9, linestyle=line)
+    axes.fill_between(x, low, high, color=color, alpha=0.25, linewidth=0)
+    axes.plot(x, middle, color=color, linewidth=0.9, linestyle=line)
 
 
-def _draw_points(
-    axes: Axes, x: np.ndarray, y: np.ndarray, again: np.ndarray, look: SizeStyle, marker: str
+def draw_points(
+    axes: Axes, x: np.ndarray, y: np.ndarray, again: np.ndarray, color: str, marker: str
 ) -> None:
+    """Draw what was measured, with the bars of recordings made again, shape (len(x), 3)."""
     axes.vlines(x, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5)
-    axes.plot(x, y, marker, **hollow(look.color, MARKER_SIZE, markeredgewidth=0.9, zorder=3))
+    axes.plot(x, y, marker, **hollow(color, MARKER_SIZE, markeredgewidth=0.9, zorder=3))
 
 
-def _keys() -> list[Artist]:
+def keys_of_repeats() -> list[Artist]:
+    """Return what explains the bars of recordings made again, and the law's band."""
     return [
-        line_key("measured", marker="o", linestyle="", **hollow(NEUTRAL, MARKER_SIZE)),
         line_key("made again, 5 % to 95 %", color=NEUTRAL, linewidth=0.9),
         area_key("law, 5 % to 95 %", 0.4),
     ]
+
+
+def _keys() -> list[Artist]:
+    measured = line_key("measured", marker="o", linestyle="", **hollow(NEUTRAL, MARKER_SIZE))
+    return [measured, *keys_of_repeats()]

@@ -4,22 +4,11 @@ from itertools import cycle
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import (
-    LINES,
-    MARKERS,
-    NEUTRAL,
-    area_key,
-    figure,
-    hollow,
-    key,
-    line_key,
-    point_key,
-    size_styles,
-)
+from bayesfric.plots.slopes import MARKER_SIZE, draw_law, draw_points, keys_of_repeats
+from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, key, point_key, size_styles
 
 
 def friction_against_wrap(predictive: xr.DataTree) -> Figure:
@@ -51,7 +40,16 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
                 for line in np.flatnonzero(of_condition):
                     some = table.isel(line=line)
                     place = int(np.flatnonzero(levels == some["tension_n"].item())[0])
-                    _draw_line(axes, grid, some, look.color, place)
+                    marker, dash = MARKERS[place % len(MARKERS)], LINES[place % len(LINES)]
+                    draw_law(axes, grid, some["law_n"].to_numpy(), look.color, dash)
+                    draw_points(
+                        axes,
+                        some["wrap_angle_deg"].to_numpy(),
+                        some["friction_n"].to_numpy(),
+                        some["friction_again_n"].to_numpy(),
+                        look.color,
+                        marker,
+                    )
                 axes.set_ylim(bottom=0)
                 if row == 0:
                     axes.set_title(plain(size))
@@ -60,26 +58,8 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
                 if column == 0:
                     axes.set_ylabel(f"n = {n}\nfriction [N]")
         keys = [
-            point_key(f"T = {level:.1f} N", NEUTRAL, marker, line, 3.4)
+            point_key(f"T = {level:.1f} N", NEUTRAL, marker, line, MARKER_SIZE)
             for level, marker, line in zip(levels, cycle(MARKERS), cycle(LINES), strict=False)
         ]
-        keys.append(line_key("made again, 5 % to 95 %", color=NEUTRAL, linewidth=0.9))
-        keys.append(area_key("law, 5 % to 95 %", 0.4))
-        key(fig, keys, ncols=3)
+        key(fig, [*keys, *keys_of_repeats()], ncols=3)
         return fig
-
-
-def _draw_line(axes: Axes, grid: np.ndarray, line: xr.Dataset, color: str, level: int) -> None:
-    """Draw friction at one tension: the law's band over `grid`, and what was measured."""
-    low, middle, high = line["law_n"].to_numpy().T
-    axes.fill_between(grid, low, high, color=color, alpha=0.3, linewidth=0)
-    axes.plot(grid, middle, color=color, linewidth=0.9, linestyle=LINES[level % len(LINES)])
-    angle = line["wrap_angle_deg"].to_numpy()
-    again = line["friction_again_n"].to_numpy()
-    axes.vlines(angle, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5)
-    axes.plot(
-        angle,
-        line["friction_n"],
-        MARKERS[level % len(MARKERS)],
-        **hollow(color, 3.4, markeredgewidth=0.9, zorder=3),
-    )

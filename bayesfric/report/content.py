@@ -24,6 +24,7 @@ from bayesfric.report.words import Reference as Reference
 from bayesfric.report.words import Strong as Strong
 from bayesfric.report.words import Text as Text
 from bayesfric.report.words import inlines as inlines
+from bayesfric.report.words import prose as prose
 from bayesfric.report.words import require, require_formula, require_text
 
 if TYPE_CHECKING:

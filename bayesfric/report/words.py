@@ -107,6 +107,32 @@ def _coefficient(match: re.Match[str]) -> str:
     return f"c{match[1].translate(_LOWERED)}{whose}"
 
 
+_MARKS = re.compile(r"\$(.+?)\$|`(.+?)`|@([\w-]+)|\*\*(.+?)\*\*|(\{\})")
+
+
+def prose(written: str, *fields: Inline) -> list[Inline]:
+    """Return words of the report's own, which alone are read for marks.
+
+    Parameters
+    ----------
+    written : str
+        A literal: ``$c_1$`` is a symbol, `` `fit.json` `` code, ``@gap`` a reference, ``**so**``
+        bold, and ``{}`` the next of the fields.
+    *fields : inline
+        Whatever comes from a result or a user; no mark in it is read.
+    """
+    parts: list[Inline] = []
+    left, end = iter(fields), 0
+    for match in _MARKS.finditer(written):
+        kind = match.lastindex or 0
+        inline = next(left) if kind == 5 else (Math, Code, Reference, Strong)[kind - 1](match[kind])
+        parts += [written[end : match.start()], inline]
+        end = match.end()
+    parts.append(written[end:])
+    require(next(left, None) is None, f"{written!r}: more fields than places for them")
+    return [part for part in parts if part != ""]
+
+
 def sentences(text: str) -> list[str]:
     """Return the sentences of what a result says, each of which ends in a full stop."""
     return SENTENCE_END.split(text)

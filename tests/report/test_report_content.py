@@ -19,6 +19,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
     inlines,
+    prose,
 )
 from bayesfric.report.numbering import label_places
 
@@ -28,6 +29,16 @@ def test_a_text_may_be_a_string_an_inline_or_a_sequence_of_both() -> None:
     assert inlines("plain") == ("plain",)
     assert inlines(symbol) == (symbol,)
     assert inlines(["a", symbol]) == ("a", symbol)
+
+
+def test_marks_are_read_in_the_words_of_the_report_and_in_no_field() -> None:
+    assert prose("See @gap-1, **so** `{}` of $c_1$: {}.", "`$c_1$` @x") == [
+        "See ", Reference("gap-1"), ", ", Strong("so"), " ", Code("{}"), " of ", Math("c_1"),
+        ": ", "`$c_1$` @x", ".",
+    ]  # fmt: skip
+    assert prose("{}{}", "", Code("a")) == [Code("a")]
+    with pytest.raises(ValueError, match="more fields"):
+        prose("{}", "a", "b")
 
 
 def test_blocks_are_numbered_by_kind_and_headings_by_level() -> None:

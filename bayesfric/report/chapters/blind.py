@@ -25,6 +25,7 @@ from bayesfric.report.content import (
     Table,
     Text,
     from_file,
+    prose,
     right_columns,
 )
 from bayesfric.report.quantities import (
@@ -104,10 +105,10 @@ def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
             f"law, is below {format_share(card.practical_share)} of rms friction. An effect counts "
             "as named if the verdict names exactly the hidden effects, or effects that the "
             "diagnosis reports as identical to them on this rig. ",
-            Strong("Own form"),
-            ": the effect follows the formula that the diagnosis has for it. ",
-            Strong("Foreign form"),
-            ": another formula of the same effect.",
+            *prose(
+                "**Own form**: the effect follows the formula that the diagnosis has for it. "
+                "**Foreign form**: another formula of the same effect."
+            ),
         ]
     )
     yield _promises(card)
@@ -156,15 +157,13 @@ def _figure(card: ScorecardFile) -> Figure:
     inside = sum(reliability_bin.inside for reliability_bin in card.reliability)
     return Figure(
         svg_of(promises_and_reliability, card),
-        [
+        from_file(
+            "scorecard.json",
             "Left: rates of at least ten cases, with 95 % intervals. Shaded: what is promised. "
             "A cross: missed; grey: too few cases to be sure. "
             "Right: how often verdicts come true over the probability that they report, a dot "
-            "for each range of it; grey bars hold 95 % of what true probabilities would give. "
-            "From ",
-            Code("scorecard.json"),
-            ".",
-        ],
+            "for each range of it; grey bars hold 95 % of what true probabilities would give.",
+        ),
         f"Left, a dot with an interval for each promise; {kept} of {counted} are kept. Right, the "
         "share of verdicts that came true over their probability; "
         f"{inside} of {len(card.reliability)} points lie in their band.",
@@ -183,11 +182,12 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
     yield _rates(card)
     yield _true_by_verdict(card)
     yield Paragraph(
-        [
-            Strong("Scores. "),
-            "Brier score (mean squared difference of probability and correctness) ",
-            f"{_estimate(card.brier)}; log score {_estimate(card.log_score)} nat.",
-        ]
+        prose(
+            "**Scores. **Brier score (mean squared difference of probability and correctness) "
+            "{}; log score {} nat.",
+            _estimate(card.brier),
+            _estimate(card.log_score),
+        )
     )
     yield from _smallest(card)
     yield from _oracle(card)

@@ -3,17 +3,15 @@
 from collections.abc import Iterator
 
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
-from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
+from bayesfric.report.chapters.symbols import EXPONENTS, coefficient_cells, estimate_cells
 from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
 from bayesfric.report.quantities import (
     MISSING,
     format_count,
     format_number,
     format_share,
-    interval_cells,
 )
 from bayesfric.schemas import FitFile
-from bayesfric.schemas.base import Interval
 from bayesfric.schemas.pooled import Pooled
 
 NUMBERS = tuple(Column(name, align="decimal") for name in ("mean", "sd", "5 %", "95 %"))
@@ -27,8 +25,8 @@ def population(fit: FitFile, pooled: Pooled) -> Table:
             between = pooled.pulleys[size][name].between
             rows.append(
                 [
-                    *_what(size, name, entry.unit),
-                    *_cells(entry, name),
+                    *coefficient_cells(size, name, entry.unit),
+                    *estimate_cells(entry, EXPONENTS[name]),
                     f"{format_share(between.q50)} (to {format_share(between.q95)})"
                     + ("" if between.informed else ", prior"),
                 ]
@@ -55,19 +53,26 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
     rows: list[list[Inline | tuple[Inline, ...]]] = []
     for size, coefficients in pooled.pulleys.items():
         for name, coefficient in coefficients.items():
-            what = _what(size, name, fit.pulleys[size][name].unit)
+            power = EXPONENTS[name]
+            what = coefficient_cells(size, name, fit.pulleys[size][name].unit)
             for board, estimate in coefficient.boards.items():
                 rows.append(
                     [
                         *what,
                         Code(board),
-                        *_cells(estimate.pooled, name),
-                        f"{_cells(estimate.alone, name)[0]} ± {_cells(estimate.alone, name)[1]}",
+                        *estimate_cells(estimate.pooled, power),
+                        " ± ".join(estimate_cells(estimate.alone, power)[:2]),
                         format_share(estimate.shrinkage),
                     ]
                 )
             rows.append(
-                [*what, "a new one", *_cells(coefficient.new_board, name), MISSING, MISSING]
+                [
+                    *what,
+                    "a new one",
+                    *estimate_cells(coefficient.new_board, power),
+                    MISSING,
+                    MISSING,
+                ]
             )
     yield Table(
         "Each board among the others, and alone.",
@@ -94,17 +99,6 @@ def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
             ".",
         ]
     )
-
-
-def _what(size: str, name: str, unit: str) -> tuple[str, tuple[Inline, ...]]:
-    return size, (*symbol(name), f" [{unit_head(name, unit)}]")
-
-
-def _cells(interval: Interval, name: str) -> tuple[str, str, str, str]:
-    """Return mean, sd, 5 % and 95 % quantile over the power of ten of the coefficient."""
-    exponent = EXPONENTS[name]
-    mean, low, high = interval_cells(interval.mean, interval.q05, interval.q95, exponent)
-    return mean, format_number(interval.sd, 2, None, exponent).split(" ")[0], low, high
 
 
 def _least_effective(fit: FitFile, pooled: Pooled) -> float:

@@ -14,9 +14,9 @@ from bayesfric.report.content import (
     Figure,
     Heading,
     Paragraph,
-    Reference,
     Table,
     from_file,
+    prose,
     right_columns,
 )
 from bayesfric.report.quantities import format_count, format_number, format_share
@@ -37,14 +37,13 @@ def checks(stored: StoredFit) -> Iterator[Block]:
     group, _ = group_words(stored.fit.rigs)
     yield Heading(1, "Predictive checks")
     yield Paragraph(
-        [
+        prose(
             "Each trial is compared with the posterior predictive distribution of a new trial of "
-            f"the same condition on a new {group}, scatter and noise included. In ",
-            Reference("residuals"),
-            ", z is the distance of a trial from its predicted median in standard deviations; ",
-            Reference("coverage"),
-            " counts the trials inside their 90 % interval.",
-        ]
+            "the same condition on a new {}, scatter and noise included. In @residuals, z is the "
+            "distance of a trial from its predicted median in standard deviations; @coverage "
+            "counts the trials inside their 90 % interval.",
+            group,
+        )
     )
     rigs = rig_tables(stored.predictive)
     yield _coverage(rigs)

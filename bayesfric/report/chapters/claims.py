@@ -22,6 +22,7 @@ from bayesfric.report.content import (
     Table,
     decimal_columns,
     from_file,
+    prose,
 )
 from bayesfric.report.quantities import error_cells, factor_cells, format_factor, format_fixed
 from bayesfric.report.stored import StoredClaims
@@ -173,30 +174,29 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
 
 def _claim(claim: ClaimResult) -> Iterator[Block]:
     yield Paragraph(
-        [
+        prose(
+            "{}: {} The paper: {} {} {}{}",
             Code(claim.id),
-            ": ",
             Emphasis(claim.statement),
-            f" The paper: {claim.paper} ",
+            claim.paper,
             Strong(f"{_capital(_worded(claim.verdict))}."),
-            f" {claim.reason}",
-            *_alone(claim),
-        ]
+            claim.reason,
+            _alone(claim),
+        )
     )
 
 
-def _alone(claim: ClaimResult) -> list[str]:
+def _alone(claim: ClaimResult) -> str:
     """Return what each pulley size says alone, in a sentence."""
     if not claim.by_pulley:
-        return []
+        return ""
     factors = ", ".join(
         f"{size} {format_factor(entry.log10_bayes_factor)}"
         + (f" ({_short(entry.log10_bayes_factor_why)})" if entry.log10_bayes_factor is None else "")
-        for size, entry in (
-            (size, claim.by_pulley[size]) for size in ordered_sizes(claim.by_pulley)
-        )
+        for size in ordered_sizes(claim.by_pulley)
+        for entry in (claim.by_pulley[size],)
     )
-    return [f" Log₁₀ Bayes factors of each size alone: {factors}."]
+    return f" Log₁₀ Bayes factors of each size alone: {factors}."
 
 
 def _short(why: str | None) -> str:
@@ -242,11 +242,10 @@ def further_claims(stored: StoredClaims) -> Iterator[Block]:
         return
     yield Heading(2, "Against each rival")
     yield Paragraph(
-        [
-            Reference("rivals"),
-            " compares each claim with each of its rivals. A rival is an effect added to the law, "
-            "written as effect/variant, or another law.",
-        ]
+        prose(
+            "@rivals compares each claim with each of its rivals. A rival is an effect added to "
+            "the law, written as effect/variant, or another law."
+        )
     )
     yield Figure(
         svg_of(against_rivals, factors),

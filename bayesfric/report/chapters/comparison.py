@@ -6,11 +6,10 @@ from bayesfric.report.content import (
     Block,
     Code,
     Heading,
-    Inline,
     Notice,
     Paragraph,
-    Reference,
     Table,
+    prose,
     right_columns,
 )
 from bayesfric.report.quantities import MISSING, format_count, format_interval, format_shift
@@ -25,7 +24,7 @@ def comparison_line(compared: ComparisonFile) -> Notice:
     title = "Compared with the earlier run"
     if compared.same:
         return Notice("good", "No result of the two runs differs.", title=title)
-    flips: list[Inline] = [f"{_verdicts(len(compared.flips))}. See ", Reference("comparison"), "."]
+    flips = prose("{}. See @comparison.", _differ(len(compared.flips), "verdict").capitalize())
     return Notice("attention" if compared.flips else "info", flips, title=title)
 
 
@@ -33,14 +32,15 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
     """Yield the verdicts that differ, what went in, and how far numbers moved."""
     yield Heading(1, "What changed since another run", label="comparison")
     yield Paragraph(
-        [
-            "“Before” is the earlier run, “now” the one that this report describes. "
-            f"{_verdicts(len(compared.flips))}; {_settings(len(compared.settings))}; "
-            f"{format_count(len(moved(compared)))} of {format_count(len(compared.shifts))} "
-            "numbers with an uncertainty moved. In both are ",
+        prose(
+            "“Before” is the earlier run, “now” the one that this report describes. {}; {}; {} of "
+            "{} numbers with an uncertainty moved. In both are {}.",
+            _differ(len(compared.flips), "verdict").capitalize(),
+            _differ(len(compared.settings), "setting"),
+            format_count(len(moved(compared))),
+            format_count(len(compared.shifts)),
             Code(", ".join(compared.run_ids)),
-            ".",
-        ]
+        )
     )
     yield from _of_one_run_alone(compared)
     if compared.flips:
@@ -71,11 +71,9 @@ def comparison(compared: ComparisonFile) -> Iterator[Block]:
             [
                 [
                     Code(changed.name),
-                    format_interval(
-                        changed.a, changed.a - changed.sd_a, changed.a + changed.sd_a, changed.unit
-                    ),
-                    format_interval(
-                        changed.b, changed.b - changed.sd_b, changed.b + changed.sd_b, changed.unit
+                    *(
+                        format_interval(mean, mean - sd, mean + sd, changed.unit)
+                        for mean, sd in ((changed.a, changed.sd_a), (changed.b, changed.sd_b))
                     ),
                     format_shift(changed.shift),
                     Code(changed.file),
@@ -96,7 +94,7 @@ def _of_one_run_alone(compared: ComparisonFile) -> Iterator[Block]:
         if names:
             more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
             listed = Code(", ".join(names[:SHOWN]))
-            yield Paragraph(["The ", whose, " run alone has ", listed, f"{more}."])
+            yield Paragraph(prose("The {} run alone has {}{}.", whose, listed, more))
 
 
 def moved(compared: ComparisonFile) -> list[Shift]:
@@ -104,13 +102,8 @@ def moved(compared: ComparisonFile) -> list[Shift]:
     return [shift for shift in compared.shifts if (shift.a, shift.sd_a) != (shift.b, shift.sd_b)]
 
 
-def _verdicts(count: int) -> str:
-    if count == 0:
-        return "No verdict differs"
-    return "One verdict differs" if count == 1 else f"{format_count(count)} verdicts differ"
-
-
-def _settings(count: int) -> str:
-    if count == 0:
-        return "no setting differs"
-    return "one setting differs" if count == 1 else f"{format_count(count)} settings differ"
+def _differ(count: int, what: str) -> str:
+    """Return how many verdicts or settings differ."""
+    if count > 1:
+        return f"{format_count(count)} {what}s differ"
+    return f"{'one' if count else 'no'} {what} differs"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
+from bayesfric.report.chapters.symbols import EXPONENTS, coefficient_cells, scaled
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -12,6 +12,7 @@ from bayesfric.report.content import (
     Inline,
     Paragraph,
     Table,
+    decimal_columns,
     right_columns,
 )
 from bayesfric.report.quantities import (
@@ -107,13 +108,11 @@ def _beside(
     for size, coefficients in other.pulleys.items():
         for name, interval in coefficients.items():
             entry = fit.pulleys[size][name]
-            power = EXPONENTS[name]
             rows.append(
                 [
-                    size,
-                    (*symbol(name), f" [{unit_head(name, entry.unit)}]"),
+                    *coefficient_cells(size, name, entry.unit),
                     *(
-                        format_number(value, digits, None, power).split(" ")[0]
+                        scaled(value, EXPONENTS[name], digits)
                         for estimate in (entry, interval)
                         for value, digits in ((estimate.mean, 3), (estimate.sd, 2))
                     ),
@@ -122,14 +121,7 @@ def _beside(
     first, second = heads
     return Table(
         caption,
-        [
-            "pulley",
-            "coefficient",
-            Column(first, align="decimal"),
-            Column("sd", align="decimal"),
-            Column(second, align="decimal"),
-            Column("sd", align="decimal"),
-        ],
+        ["pulley", "coefficient", *decimal_columns(first, "sd", second, "sd")],
         rows,
         label=label,
         note="" if other.converged else "The second fit has not converged.",

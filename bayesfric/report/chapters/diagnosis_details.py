@@ -10,10 +10,10 @@ from bayesfric.report.content import (
     Column,
     Heading,
     Paragraph,
-    Reference,
     Strong,
     Table,
     Text,
+    prose,
     right_columns,
 )
 from bayesfric.report.diagnosed import has_gap
@@ -75,19 +75,16 @@ def _held(diagnosis: DiagnosisFile) -> str:
 def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
     ranked = sorted(diagnosis.probabilities.items(), key=lambda item: -item[1])
     sensitivity = diagnosis.prior_sensitivity
-    fixed = _held(diagnosis)
     yield Paragraph(
-        [
-            f"The baseline is {_baseline(diagnosis)}, on the data of: {_rigs(diagnosis.rigs)}."
-            f"{fixed}{_strays(diagnosis.stray_trials)} ",
-            Reference("hypotheses"),
-            " gives the posterior probability of each hypothesis, also under other prior "
-            "probabilities of ",
-            Code("none"),
-            "; ",
-            Code("unknown"),
-            " is a force that no effect of the list explains.",
-        ]
+        prose(
+            "The baseline is {}, on the data of: {}.{}{} @hypotheses gives the posterior "
+            "probability of each hypothesis, also under other prior probabilities of `none`; "
+            "`unknown` is a force that no effect of the list explains.",
+            _baseline(diagnosis),
+            ", ".join(rig_words(name).rig for name in diagnosis.rigs),
+            _held(diagnosis),
+            _strays(diagnosis.stray_trials),
+        )
     )
     every = [
         [
@@ -115,10 +112,6 @@ def _probabilities(diagnosis: DiagnosisFile) -> Iterator[Block]:
         + (f" The {more} least probable are in diagnosis.json." if more > 1 else "")
         + (" The least probable is in diagnosis.json." if more == 1 else ""),
     )
-
-
-def _rigs(names: Sequence[str]) -> str:
-    return ", ".join(rig_words(name).rig for name in names)
 
 
 def _strays(trials: Sequence[str]) -> str:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from bayesfric.report.chapters.plain_law import own_law
-from bayesfric.report.content import Paragraph, Reference, Table
+from bayesfric.report.content import Paragraph, Table, prose
 from bayesfric.report.quantities import MISSING, error_cells, interval_cells
 from bayesfric.report.rig_words import group_words
 from bayesfric.rigs.base import Words
@@ -19,14 +19,13 @@ ALL_BUT, PAST_ALL = 0.999, 1.0005  # of a share, between which it is printed as 
 def gap_words() -> Paragraph:
     """Return where every figure of the gap stands."""
     return Paragraph(
-        [
-            Reference("gap"),
-            " has the error on held-out data, which includes scatter. All parameters are refitted "
-            "without these data, with and without the causes. The systematic gap of ",
-            Reference("glance"),
-            " is the part of the error at the recorded conditions that scatter does not explain. "
-            "Its interval is narrower, since it does not depend on which data are held out.",
-        ]
+        prose(
+            "@gap has the error on held-out data, which includes scatter. All parameters are "
+            "refitted without these data, with and without the causes. The systematic gap of "
+            "@glance is the part of the error at the recorded conditions that scatter does not "
+            "explain. Its interval is narrower, since it does not depend on which data are held "
+            "out."
+        )
     )
 
 

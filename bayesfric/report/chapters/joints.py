@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from bayesfric.export.entered import with_error
 from bayesfric.report.chapters.entering import shown
-from bayesfric.report.content import Block, Code, Heading, Paragraph, Table
+from bayesfric.report.chapters.symbols import plus_minus
+from bayesfric.report.content import Block, Code, Heading, Paragraph, Table, prose
 from bayesfric.report.diagnosed import VERDICTS
-from bayesfric.report.quantities import THIN, error_cells, format_number, format_unit
+from bayesfric.report.quantities import THIN, format_number, format_unit
 from bayesfric.rigs.model_amounts import FELT, OFF_FROM_SD
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.schemas.base import Interval
@@ -39,7 +40,7 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
                     error.link,
                     error.number,
                     _of_model(error.in_your_model, error.error, error.unit),
-                    _with_error(error.error, error.unit),
+                    f"{plus_minus(error.error)}{THIN}{format_unit(error.unit)}",
                     "yes" if error.significant else "no",
                 ]
                 for error in diagnosis.model_error
@@ -50,21 +51,12 @@ def joints(diagnosis: DiagnosisFile) -> Iterator[Block]:
             "model.",
         )
     yield Paragraph(
-        [
-            "The rest of this chapter is about the joint ",
+        prose(
+            "The rest of this chapter is about the joint {}. `diagnosis.json` has the others "
+            "under `joints`.",
             Code(str(diagnosis.joint)),
-            ". ",
-            Code("diagnosis.json"),
-            " has the others under ",
-            Code("joints"),
-            ".",
-        ]
+        )
     )
-
-
-def _with_error(number: Interval, unit: str) -> str:
-    middle, error = error_cells(number.q50, (number.q95 - number.q05) / 2)
-    return f"{middle} ± {error}{THIN}{format_unit(unit)}"
 
 
 def _of_model(value: float, error: Interval, unit: str) -> str:

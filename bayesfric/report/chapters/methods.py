@@ -7,21 +7,56 @@ from bayesfric.diagnosis_rules import RULES
 from bayesfric.inference.sampling_rules import SAMPLING_RULES
 from bayesfric.margins.margin_rules import MARGIN_RULES
 from bayesfric.report.chapters.plain_law import own_law
-from bayesfric.report.content import (
-    Block,
-    Code,
-    Column,
-    Equation,
-    Heading,
-    Math,
-    Paragraph,
-    Table,
-)
+from bayesfric.report.content import Block, Column, Equation, Heading, Paragraph, Table, prose
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredResults
 from bayesfric.rules import rules_of
 from bayesfric.schemas import DiagnosisFile, FitFile
+
+OF_LAW = (
+    "The law is that of M. Miyasaka, J. Matheson, A. Lewis and B. Hannaford, “Measurement of the "
+    "Cable-Pulley Coulomb and Viscous Friction for a Cable-Driven Surgical Robotic System”, IROS "
+    "2015, eqs. (15) and (16): friction of $n$ pulleys with the average wrap angle $θ$ in degrees "
+    "at the nominal tension $T$, the mean of both ends, is"
+)
+OF_TRIALS = (
+    "It opposes the motion. Tension and friction depend on each other and are solved for "
+    "together, in closed form. Friction of trial $j$ on assembly $i$ scatters around the law:"
+)
+OF_SCATTER = (
+    "with $η_i$ of standard deviation $ω$ and $ε_{ij}$ of scale $τ$; $ζ_{ij}$ varies along the "
+    "travel of a trial around zero, independently in each trial, with rms $ζ$ and correlation "
+    "length $ℓ$; and $κ_i$, of standard deviation $ω_2$, is additional scatter of the constant "
+    "part c₂. A second trial on the same assembly thus informs the law less than a new assembly "
+    "does."
+)
+EVENTS = (
+    "The data of trials with Hall events are the event times. Each has a position error ($σ_x$) "
+    "and a clock error ($σ_t$, beside the rounding of the clock). The phase of a sensor is "
+    "uniform over one spacing and the first speed half-normal; both are integrated out in closed "
+    "form, and so are $η_i$, $κ_i$, $ε_{ij}$ and $ζ_{ij}$."
+)
+ACCELERATIONS = (
+    "The datum of a trial without events is its acceleration; one without a standard error has "
+    "the error $σ_a$."
+)
+CURRENTS = (
+    "The data of runs at constant speed are the currents, and those of the idle motor. With the "
+    "capstan radius $r$, the specified torque constant $k_t$, its factor $κ$, the weight $mg$ and "
+    "friction signed like the speed $v$, the current of a run is"
+)
+IDLE = (
+    "with noise whose variance is $σ_I^2$ plus the square of $λ$ times the load current. The idle "
+    "curve $I_0$ is a parabola in the speed that all runs share; it is integrated out in closed "
+    "form, and so is the scatter of the runs."
+)
+SAMPLER = (
+    "Priors are proper and listed in `fit.json`; the default ones do not use the paper's Table I. "
+    "The sampler is emcee with two moves: independence proposals from a Student-t fitted to the "
+    "posterior, and differential evolution. A parameter counts as informed where the curvature of "
+    "the likelihood alone determines it better than its prior does."
+)
 
 
 def methods(stored: StoredResults) -> Iterator[Block]:
@@ -66,26 +101,30 @@ def _fit(fit: FitFile) -> Iterator[Block]:
     if not fit.pulleys and (law := own_law(fit.rigs)):
         yield Paragraph(law)
     else:
-        yield from _law()
+        yield Paragraph(prose(OF_LAW))
+        yield Equation(LAW, label="law")
+        yield Paragraph(prose(OF_TRIALS))
+        yield Equation(SCATTER, label="scatter-law")
+        yield Paragraph(prose(OF_SCATTER))
     if fit.baseline == "recursive":
-        yield from _recursive()
+        yield Paragraph(
+            prose(
+                "This fit takes the law pulley by pulley: over pulley $k$ the tension, $T_k$ "
+                "before it, drops by"
+            )
+        )
+        yield Equation(RECURSIVE, label="recursive-law")
+        yield Paragraph(prose("and $f_c$ is the sum of the drops."))
     # What was measured shows in what its noise is.
     if "sigma_x" in fit.noise:
-        yield from _events()
+        yield Paragraph(prose(EVENTS))
     if "sigma_a" in fit.noise:
-        yield from _accelerations()
+        yield Paragraph(prose(ACCELERATIONS))
     if "sigma_current" in fit.noise:
-        yield from _currents()
-    yield Paragraph(
-        [
-            "Priors are proper and listed in ",
-            Code("fit.json"),
-            "; the default ones do not use the paper's Table I. The sampler is emcee with two "
-            "moves: independence proposals from a Student-t fitted to the posterior, and "
-            "differential evolution. A parameter counts as informed where the curvature of the "
-            "likelihood alone determines it better than its prior does.",
-        ]
-    )
+        yield Paragraph(prose(CURRENTS))
+        yield Equation(CURRENT, label="current-law")
+        yield Paragraph(prose(IDLE))
+    yield Paragraph(prose(SAMPLER))
 
 
 def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
@@ -113,148 +152,4 @@ def _diagnosis(diagnosis: DiagnosisFile) -> Iterator[Block]:
         f"these intervals are by bootstrap over {groups}. The systematic gap, and the part of it "
         "that the causes remove, are posteriors of the force that the recalibrated law leaves out, "
         "averaged over hypotheses."
-    )
-
-
-def _law() -> Iterator[Block]:
-    yield Paragraph(
-        [
-            "The law is that of M. Miyasaka, J. Matheson, A. Lewis and B. Hannaford, "
-            "“Measurement of the Cable-Pulley Coulomb and Viscous Friction for a Cable-Driven "
-            "Surgical Robotic System”, IROS 2015, eqs. (15) and (16): friction of ",
-            Math("n"),
-            " pulleys with the average wrap angle ",
-            Math("θ"),
-            " in degrees at the nominal tension ",
-            Math("T"),
-            ", the mean of both ends, is",
-        ]
-    )
-    yield Equation(
-        LAW,
-        label="law",
-    )
-    yield Paragraph(
-        [
-            "It opposes the motion. Tension and friction depend on each other and are solved for "
-            "together, in closed form. Friction of trial ",
-            Math("j"),
-            " on assembly ",
-            Math("i"),
-            " scatters around the law:",
-        ]
-    )
-    yield Equation(
-        SCATTER,
-        label="scatter-law",
-    )
-    yield Paragraph(
-        [
-            "with ",
-            Math("η_i"),
-            " of standard deviation ",
-            Math("ω"),
-            " and ",
-            Math("ε_{ij}"),
-            " of scale ",
-            Math("τ"),
-            "; ",
-            Math("ζ_{ij}"),
-            " varies along the travel of a trial around zero, independently in each trial, with "
-            "rms ",
-            Math("ζ"),
-            " and correlation length ",
-            Math("ℓ"),
-            "; and ",
-            Math("κ_i"),
-            ", of standard deviation ",
-            Math("ω_2"),
-            ", is additional scatter of the constant part c₂. A second trial on the same assembly "
-            "thus informs the law less than a new assembly does.",
-        ]
-    )
-
-
-def _recursive() -> Iterator[Block]:
-    yield Paragraph(
-        [
-            "This fit takes the law pulley by pulley: over pulley ",
-            Math("k"),
-            " the tension, ",
-            Math("T_k"),
-            " before it, drops by",
-        ]
-    )
-    yield Equation(
-        RECURSIVE,
-        label="recursive-law",
-    )
-    yield Paragraph(["and ", Math("f_c"), " is the sum of the drops."])
-
-
-def _events() -> Iterator[Block]:
-    yield Paragraph(
-        [
-            "The data of trials with Hall events are the event times. Each has a position error (",
-            Math("σ_x"),
-            ") and a clock error (",
-            Math("σ_t"),
-            ", beside the rounding of the clock). The phase of a sensor is uniform over one "
-            "spacing and the first speed half-normal; both are integrated out in closed form, and "
-            "so are ",
-            Math("η_i"),
-            ", ",
-            Math("κ_i"),
-            ", ",
-            Math("ε_{ij}"),
-            " and ",
-            Math("ζ_{ij}"),
-            ".",
-        ]
-    )
-
-
-def _accelerations() -> Iterator[Block]:
-    yield Paragraph(
-        [
-            "The datum of a trial without events is its acceleration; one without a standard error "
-            "has the error ",
-            Math("σ_a"),
-            ".",
-        ]
-    )
-
-
-def _currents() -> Iterator[Block]:
-    yield Paragraph(
-        [
-            "The data of runs at constant speed are the currents, and those of the idle motor. "
-            "With the capstan radius ",
-            Math("r"),
-            ", the specified torque constant ",
-            Math("k_t"),
-            ", its factor ",
-            Math("κ"),
-            ", the weight ",
-            Math("mg"),
-            " and friction signed like the speed ",
-            Math("v"),
-            ", the current of a run is",
-        ]
-    )
-    yield Equation(
-        CURRENT,
-        label="current-law",
-    )
-    yield Paragraph(
-        [
-            "with noise whose variance is ",
-            Math("σ_I^2"),
-            " plus the square of ",
-            Math("λ"),
-            " times the load current. The idle curve ",
-            Math("I_0"),
-            " is a parabola in the speed that all runs share; it is integrated out in closed form, "
-            "and so is the scatter of the runs.",
-        ]
     )

@@ -7,14 +7,13 @@ from bayesfric.plots.loo_pit import has_probabilities, leave_one_out_probabiliti
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
-    Code,
     Column,
     Figure,
     Heading,
     Paragraph,
-    Reference,
     Table,
     from_file,
+    prose,
     right_columns,
 )
 from bayesfric.report.quantities import (
@@ -50,7 +49,9 @@ def _probabilities(stored: StoredFit, uniformities: tuple[Uniformity, ...]) -> I
             f"same {group_words(stored.fit.rigs)[0]} included. The leave-one-out probability of "
             "a trial (LOO-PIT) is the predictive probability of less friction than measured. If "
             "the model is right, these probabilities are uniform. ",
-            " ".join(map(_uniform, uniformities)),
+            " ".join(
+                _uniform(test, test.trials, rig_words(test.rig).trials) for test in uniformities
+            ),
         ]
     )
 
@@ -61,30 +62,27 @@ def further_left_out(stored: StoredFit) -> Iterator[Figure]:
         return
     yield Figure(
         svg_of(leave_one_out_probabilities, stored.predictive),
-        [
+        from_file(
+            "predictive.nc",
             "Distribution function of the leave-one-out probabilities (LOO-PIT) minus the uniform "
             "one. "
             "A curve that first rises and then falls means that trials scatter more than the model "
             "expects. Its mirror image means that they scatter less. A bow to one side means that "
             "friction is biased. "
             "The band is simultaneous: 95 % of recordings made again stay inside it everywhere. "
-            f"Trials of one {group_words(stored.fit.rigs)[0]} are correlated as in the model. "
-            "From ",
-            Code("predictive.nc"),
-            ".",
-        ],
+            f"Trials of one {group_words(stored.fit.rigs)[0]} are correlated as in the model.",
+        ),
         "A panel for each rig: a step line around zero, and a band that is widest in the middle "
         "and vanishes at both ends.",
         label="loo-pit",
     )
 
 
-def _uniform(test: Uniformity) -> str:
-    words = rig_words(test.rig)
+def _uniform(test: Uniformity | AssemblyCheck, count: int, called: str) -> str:
+    """Return how `count` trials or assemblies of a rig lie about their predictions."""
     return (
-        f"For the {format_count(test.trials)} {words.trials} of the {words.rig}, the test of "
-        f"uniformity has p = {format_probability(test.p_value)}. The "
-        f"{words.trials} lie "
+        f"For the {format_count(count)} {called} of the {rig_words(test.rig).rig}, the test of "
+        f"uniformity has p = {format_probability(test.p_value)}. The {called} lie "
         f"{format_fixed(test.spread, 2)} times as far from their prediction as the model expects; "
         f"{format_fixed(test.spread_q05, 2)} to {format_fixed(test.spread_q95, 2)} is expected "
         "(90 %)."
@@ -99,10 +97,12 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
             "differ more than trials of one assembly do. "
             if stored.fit.pulleys
             else "",
-            f"Each {group} is left out with all of its trials, and ",
-            Reference("assemblies"),
-            " compares it with its prediction. ",
-            " ".join(map(_assembly, checked)),
+            *prose(
+                "Each {} is left out with all of its trials, and @assemblies compares it with its "
+                "prediction. {}",
+                group,
+                " ".join(map(_assembly, checked)),
+            ),
         ]
     )
     yield Figure(
@@ -124,21 +124,14 @@ def _assemblies(stored: StoredFit, checked: tuple[AssemblyCheck, ...]) -> Iterat
 
 
 def _assembly(check: AssemblyCheck) -> str:
-    words = rig_words(check.rig)
     far = "; ".join(
         f"{outlier.setup} {format_fixed(abs(outlier.z), 1)} sd "
         f"{'above' if outlier.z > 0 else 'below'} (by chance, 1 recording in "
         f"{format_count(max(round(1 / outlier.chance), 1))} has one as far away)"
         for outlier in check.outlying
     )
-    return (
-        f"For the {format_count(check.assemblies)} {words.groups} of the {words.rig}, the test of "
-        f"uniformity has p = {format_probability(check.p_value)}. The "
-        f"{words.groups} lie {format_fixed(check.spread, 2)} times as far from their prediction "
-        f"as the model expects; {format_fixed(check.spread_q05, 2)} to "
-        f"{format_fixed(check.spread_q95, 2)} is expected (90 %). "
-        f"{f'Beyond 3 sd: {far}.' if far else 'None lies beyond 3 sd.'}"
-    )
+    said = _uniform(check, check.assemblies, rig_words(check.rig).groups)
+    return f"{said} {f'Beyond 3 sd: {far}.' if far else 'None lies beyond 3 sd.'}"
 
 
 def _densities(predictions: tuple[Prediction, ...]) -> Table:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from bayesfric.report.chapters.symbols import plus_minus
 from bayesfric.report.content import (
     Block,
     Inline,
@@ -11,7 +12,6 @@ from bayesfric.report.content import (
     decimal_columns,
 )
 from bayesfric.report.quantities import (
-    error_cells,
     format_number,
     format_unit,
     interval_cells,
@@ -47,8 +47,9 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
     parts: list[Inline] = []
     for name, entry in plain_coefficients(fit).items():
         by_prior = "" if entry.informed else " (by its prior alone)"
-        number = " ± ".join(error_cells(entry.mean, (entry.q95 - entry.q05) / 2))
-        said = f"{number}\u202f{format_unit(entry.unit)}".rstrip() + by_prior
+        said = (
+            f"{plus_minus(entry, of_mean=True)}\u202f{format_unit(entry.unit)}".rstrip() + by_prior
+        )
         called = _called(name)
         begun = ", " if parts else ""
         parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]

@@ -9,7 +9,7 @@ from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.prior_friction import prior_friction
-from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference, from_file
+from bayesfric.report.content import Block, Figure, Heading, Paragraph, from_file, prose
 from bayesfric.report.stored import StoredFit
 
 
@@ -21,13 +21,11 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
     if sizes:
         yield Heading(2, "Joint posteriors")
         yield Paragraph(
-            [
+            prose(
                 "The coefficients of a size are correlated, since they rest on the same trials: "
-                "propagate the draws, not the means and standard deviations of ",
-                Reference("coefficients"),
-                ".",
+                "propagate the draws, not the means and standard deviations of @coefficients.{}",
                 " The other sizes are in the details of report.html." if sizes[1:] else "",
-            ]
+            )
         )
         yield _pairs(stored, sizes[0])
 
@@ -41,21 +39,18 @@ def further_posteriors(stored: StoredFit) -> Iterator[Block]:
             yield _pairs(stored, size)
     yield Heading(2, "Each parameter")
     yield Paragraph(
-        [
-            Reference("densities"),
-            " sets each posterior beside its prior. A level prior has no influence. The "
-            "higher the posterior rises above the prior, the more the data inform the parameter.",
-        ]
+        prose(
+            "@densities sets each posterior beside its prior. A level prior has no influence. The "
+            "higher the posterior rises above the prior, the more the data inform the parameter."
+        )
     )
     yield Figure(
         svg_of(prior_and_posterior, stored.predictive),
-        [
+        from_file(
+            "predictive.nc",
             "Prior and posterior density of each parameter, on a logarithmic axis over the range "
-            "of the draws. Where the two are alike, the recording does not inform the parameter. "
-            "From ",
-            Code("predictive.nc"),
-            ".",
-        ],
+            "of the draws. Where the two are alike, the recording does not inform the parameter.",
+        ),
         "Small panels, one for each parameter: a filled histogram of the posterior, with one peak, "
         "and a dashed line of the prior.",
         label="densities",

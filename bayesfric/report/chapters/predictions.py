@@ -14,19 +14,18 @@ from bayesfric.plots.trajectories import measured_and_predicted
 from bayesfric.plots.wrap import friction_against_wrap
 from bayesfric.report.content import (
     Block,
-    Code,
     Emphasis,
     Figure,
     Heading,
     Inline,
     Paragraph,
     Reference,
+    prose,
 )
 from bayesfric.report.quantities import format_number, format_probability
 from bayesfric.report.stored import StoredFit
 
 REFERENCE_ANGLE_DEG = 85.0
-FROM_PREDICTIVE: tuple[Inline, ...] = (" From ", Code("predictive.nc"), ".")
 AGAIN = (
     "Grey bars: 90 % predictive intervals of a repeated recording, with new scatter on new "
     "assemblies."
@@ -35,7 +34,8 @@ AGAIN = (
 
 def predictions(stored: StoredFit) -> Iterator[Block]:
     """Yield what is there of the paper's Figs 11 and 12, and 4 to 7."""
-    figures = [*_trajectories(stored), *_against_tension(stored)]
+    figures = [*_trajectories(stored)]
+    figures += [_tension(stored)] if _holds(stored, "curves", "law_n") else []
     figures += [_speed(rig) for rig in rig_tables(stored.predictive) if has_speeds(rig)]
     if figures:
         yield Heading(1, "Measured and predicted")
@@ -48,35 +48,34 @@ def further_predictions(stored: StoredFit) -> Iterator[Block]:
     if figures:
         yield Heading(2, "The paper's own steps")
         yield Paragraph(
-            [
+            prose(
+                "{} to {} show the slope of friction in tension, and the slopes of that in the "
+                "number of pulleys and the wrap angle. The posterior does not use these steps: its "
+                "bands come from all trials at once.",
                 Reference(str(figures[0].label)),
-                " to ",
                 Reference(str(figures[-1].label)),
-                " show the slope of friction in tension, and the slopes of that in the number of "
-                "pulleys and the wrap angle. The posterior does not use these steps: its bands "
-                "come from all trials at once.",
-            ]
+            )
         )
         yield from figures
 
 
 def _caption(text: str, paper: str) -> list[Inline]:
     """Return a caption that ends with what the paper says, and where the numbers are from."""
-    return [text, " ", Emphasis("In the paper:"), f" {paper}", *FROM_PREDICTIVE]
+    return prose("{} {} {} From `predictive.nc`.", text, Emphasis("In the paper:"), paper)
 
 
 def _trajectories(stored: StoredFit) -> Iterator[Block]:
     if not _holds(stored, "trajectories", "travel_m"):
         return
     yield Paragraph(
-        [
-            "The prediction of ",
-            Reference("trajectories"),
-            " starts from the speed that the trial had at its first event and simulates it to the "
-            "end of travel. The band is the 90 % predictive interval of a new trial on a new "
-            "assembly, scatter included.",
-            *_with_tension(stored),
-        ]
+        prose(
+            "The prediction of @trajectories starts from the speed that the trial had at its "
+            "first event and simulates it to the end of travel. The band is the 90 % predictive "
+            "interval of a new trial on a new assembly, scatter included."
+            # the sentence that leads to the figure over tension, where there is one
+            + " @tension shows the friction of each trial."
+            * _holds(stored, "curves", "law_n")
+        )
     )
     yield Figure(
         svg_of(measured_and_predicted, stored.predictive),
@@ -97,13 +96,6 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
         label="trajectories",
         floats=True,
     )
-
-
-def _with_tension(stored: StoredFit) -> list[Inline]:
-    """Return the sentence that leads to the figure over tension, where there is one."""
-    if not _holds(stored, "curves", "law_n"):
-        return []
-    return [" ", Reference("tension"), " shows the friction of each trial."]
 
 
 def _tension(stored: StoredFit) -> Figure:
@@ -140,11 +132,6 @@ def _least(stored: StoredFit, name: str, of: str) -> str:
     # Below 0 a constant would fit better, which is no share.
     written = format_probability(value) if value >= 0 else format_number(value)
     return f"; the least R² of a {of} is {written} here"
-
-
-def _against_tension(stored: StoredFit) -> Iterator[Figure]:
-    if _holds(stored, "curves", "law_n"):
-        yield _tension(stored)
 
 
 def _slopes(stored: StoredFit) -> Iterator[Figure]:

@@ -16,9 +16,9 @@ from bayesfric.report.content import (
     Figure,
     Heading,
     Paragraph,
-    Reference,
     Table,
     from_file,
+    prose,
     right_columns,
 )
 from bayesfric.report.quantities import format_number, format_share
@@ -33,16 +33,14 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
     moving = "prior_stuck" in table
     yield Heading(2, "Prior predictive friction")
     yield Paragraph(
-        [
-            Reference("prior-friction"),
-            " and ",
-            Reference("prior-conditions"),
-            " show the friction that the priors predict at the conditions of this recording. "
-            "The priors should be much wider than the posterior, so that the data decide, and "
-            "should exclude absurd friction, which would lower the evidence of the law.",
+        prose(
+            "@prior-friction and @prior-conditions show the friction that the priors predict at "
+            "the conditions of this recording. The priors should be much wider than the "
+            "posterior, so that the data decide, and should exclude absurd friction, which would "
+            "lower the evidence of the law.{}",
             " They include friction at which a board would not move, which the data rule out since "
             "each trial moved." * moving,
-        ]
+        )
     )
     sizes = ordered_sizes(table["pulley"].to_numpy())
     yield _by_size(table, sizes, moving)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table, Text
+from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table, Text, prose
 from bayesfric.report.quantities import MISSING, format_count
 from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.stored import StoredFit
@@ -33,13 +33,11 @@ def provenance(stored: StoredFit) -> Iterator[Block]:
         f"bayesfric run RECORDING --rigs {','.join(fit.rigs)}{baseline} --seed {fit.seed}"
     )
     yield Paragraph(
-        [
-            Code("RECORDING"),
-            " is the folder of the recording; add settings other than the default ones with ",
-            Code("--config analysis.toml"),
-            ". On the same machine and with the versions above, this reproduces the results byte "
-            "for byte.",
-        ]
+        prose(
+            "`RECORDING` is the folder of the recording; add settings other than the default ones "
+            "with `--config analysis.toml`. On the same machine and with the versions above, this "
+            "reproduces the results byte for byte."
+        )
     )
 
 

@@ -5,9 +5,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
 from bayesfric.report.chapters.plain_law import plain_coefficients, plain_table
-from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
+from bayesfric.report.chapters.symbols import (
+    EXPONENTS,
+    coefficient_cells,
+    estimate_cells,
+    exponent,
+    scaled,
+    symbol,
+    unit_head,
+)
 from bayesfric.report.content import Block, Heading, Paragraph, Table, decimal_columns
-from bayesfric.report.quantities import MISSING, format_number, interval_cells
+from bayesfric.report.quantities import MISSING
 from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile
@@ -39,7 +47,7 @@ def summary(stored: StoredFit, warnings: Iterable[Block] = ()) -> Iterator[Block
             symbol(name),
             meaning(name, fit.rigs),
             unit_head(name, entry.unit),
-            *_cells(entry, exponent(name)),
+            *estimate_cells(entry, exponent(name)),
         ]
         for name, entry in {**fit.scatter, **fit.noise, **fit.parameters}.items()
         if name not in plain
@@ -61,11 +69,10 @@ def _of_pulleys(fit: FitFile) -> Table:
             point = getattr(fit.paper_estimator.get(size), name, None)
             rows.append(
                 [
-                    size,
-                    (*symbol(name), f" [{unit_head(name, entry.unit)}]"),
-                    *_cells(entry, EXPONENTS[name]),
-                    _cell(point, EXPONENTS[name]),
-                    _cell(printed, EXPONENTS[name]),
+                    *coefficient_cells(size, name, entry.unit),
+                    *estimate_cells(entry, EXPONENTS[name]),
+                    scaled(point, EXPONENTS[name]),
+                    scaled(printed, EXPONENTS[name]),
                     _inside(entry, printed),
                 ]
             )
@@ -130,17 +137,6 @@ def meaning(name: str, rigs: Sequence[str]) -> str:
     rig = whose.partition(" ")[0] if "_" in name else ""
     said = MEANINGS.get(stem, stem).format(group=group_words(rigs)[0])
     return said + (f", {rig_words(rig).rig}" if rig else "")
-
-
-def _cells(entry: ParameterSummary, exponent: int) -> tuple[str, str, str, str]:
-    """Return mean, sd, 5 % and 95 % quantile."""
-    mean, q05, q95 = interval_cells(entry.mean, entry.q05, entry.q95, exponent)
-    return mean, _cell(entry.sd, exponent, digits=2), q05, q95
-
-
-def _cell(value: float | None, exponent: int, digits: int = 3) -> str:
-    """Return a number divided by the power of ten that stands beside it."""
-    return MISSING if value is None else format_number(value, digits, None, exponent).split(" ")[0]
 
 
 def _inside(entry: ParameterSummary, printed: float | None) -> str:

@@ -8,7 +8,7 @@ from bayesfric.effects import all_effects
 from bayesfric.effects.pulley_count_curvature import MIDDLE_COUNT
 from bayesfric.effects.state import REFERENCE_TENSION_N
 from bayesfric.plots.labels import ordered_sizes, parts, sizes_of
-from bayesfric.report.chapters.symbols import exponent, symbol, unit_head
+from bayesfric.report.chapters.symbols import exponent, half_width, plus_minus, symbol, unit_head
 from bayesfric.report.content import (
     Block,
     Code,
@@ -19,6 +19,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
     Text,
+    prose,
 )
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import MISSING, error_cells, format_unit
@@ -171,7 +172,7 @@ def _slope_of(causes: Sequence[Cause]) -> str:
     slope = next(cause for cause in causes if cause.effect == "viscous").parameters["slope"]
     return (
         "Damping d is viscous.slope, "
-        f"{_with_error(slope)} {format_unit(slope.unit)}, times the friction of a pulley at "
+        f"{plus_minus(slope)} {format_unit(slope.unit)}, times the friction of a pulley at "
         f"{REFERENCE_TENSION_N:g} N and 85°; its error takes the errors of both as independent."
     )
 
@@ -192,7 +193,7 @@ def _numbers(
         yield (
             size,
             [
-                _with_error(chosen(law[name]), exponent(name)) if name in law else MISSING
+                plus_minus(chosen(law[name]), exponent(name)) if name in law else MISSING
                 for name in names
             ],
         )
@@ -208,7 +209,7 @@ def _parameters(causes: Sequence[Cause], law: Mapping[str, LawNumber]) -> Iterat
         meanings = {p.name: p.meaning for p in (() if effect is None else effect.parameters)}
         for name, number in cause.parameters.items():
             yield from (Code(f"{cause.effect}.{name}"), " ")
-            yield Strong(f"{_with_error(number)}\u202f{format_unit(number.unit)}".rstrip())
+            yield Strong(f"{plus_minus(number)}\u202f{format_unit(number.unit)}".rstrip())
             yield f": {meanings[name]}. " if name in meanings else ". "
 
 
@@ -244,8 +245,7 @@ def _coefficient(entry: ParameterSummary, exponent: int) -> Text:
     """Return a coefficient with its error, divided by its power of ten."""
     if not entry.informed:
         return "prior"
-    scale = 10.0**-exponent
-    return Strong(" ± ".join(error_cells(scale * entry.mean, scale * (entry.q95 - entry.q05) / 2)))
+    return Strong(plus_minus(entry, exponent, of_mean=True))
 
 
 def refitted_coefficients(diagnosis: DiagnosisFile) -> dict[str, tuple[float, float, float]]:
@@ -282,11 +282,10 @@ def biased(diagnosis: DiagnosisFile) -> Iterator[Notice]:
     if causes:
         yield Notice(
             "attention",
-            [
-                "The law was fitted without ",
+            prose(
+                "The law was fitted without {}, so its coefficients absorb part of that force.",
                 Code(", ".join(cause.effect for cause in causes)),
-                ", so its coefficients absorb part of that force.",
-            ],
+            ),
             title="These coefficients are biased",
         )
 
@@ -308,18 +307,8 @@ def _damping(c1: Interval, c2: Interval, slope: Interval) -> str:
     """Return the slope times the friction of a pulley at 15 N and 85°, with its error [N·s/m]."""
     friction = REFERENCE_TENSION_N * c1.q50 + c2.q50
     parts = (
-        slope.q50 * REFERENCE_TENSION_N * _half(c1),
-        slope.q50 * _half(c2),
-        friction * _half(slope),
+        slope.q50 * REFERENCE_TENSION_N * half_width(c1),
+        slope.q50 * half_width(c2),
+        friction * half_width(slope),
     )
     return " ± ".join(error_cells(friction * slope.q50, math.hypot(*parts)))
-
-
-def _half(number: Interval) -> float:
-    """Return half of the 90 % interval."""
-    return (number.q95 - number.q05) / 2
-
-
-def _with_error(number: Interval, exponent: int = 0) -> str:
-    scale = 10.0**-exponent
-    return " ± ".join(error_cells(scale * number.q50, scale * _half(number)))
