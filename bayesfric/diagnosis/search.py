@@ -343,7 +343,7 @@ def _extended(
             key = f"{law.effect}:{law.law}"
             at = [*base.acting.shapes, shapes.get(key, 0.0)]
             if law.has_shape:
-                shape, gain = quadratic.along(laws, at, len(laws) - 1)
+                shape, gain, _ = quadratic.along(laws, at, len(laws) - 1)
                 if not base.names:
                     shapes[key] = shape
             else:

@@ -6,14 +6,14 @@ orthant probability). The column at any shape is a combination of those at the n
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 from typing import TypeAlias
 
 import numpy as np
 import scipy
-from scipy.special import log_ndtr, logsumexp, ndtr, owens_t
+from scipy.special import log_ndtr, ndtr, owens_t
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis_rules import RULES
@@ -21,7 +21,8 @@ from bayesfric.effects.candidates import is_positive, prior_moments
 from bayesfric.inference.information import Reduced
 
 WIDEST = 2.4  # normal quantile of a shape
-COARSE, FINE, ZOOMS = 49, 13, 3
+GRID = np.linspace(-WIDEST, WIDEST, 49)
+FINER, ZOOMS = np.linspace(-1.0, 1.0, 13), 3
 SWEEPS = 2  # over the shapes of effects that act together
 NEAREST = 1e-100  # to 0, of a mean in standard deviations
 LOG_2 = float(np.log(2))
@@ -105,27 +106,6 @@ class Quadratic:
                 precision[:, i, j] = precision[:, j, i] = value
         return precision, slope
 
-    def _mixed_along(
-        self, laws: Sequence[Law], shapes: Sequence[float], which: int
-    ) -> Callable[[Array], tuple[Array, Array]]:
-        """Return what makes the same of weights of one law's candidates, all other shapes held."""
-        held = [np.array([shape]) for shape in shapes]
-        precision_held, slope_held = self._mixed(laws, held)
-        law, others = laws[which], [place for place in range(len(laws)) if place != which]
-        across = [self._block(law, laws[j]) @ self._mixture(laws[j], held[j])[0] for j in others]
-        own, of_law = self._block(law, law), self.reduced.slope[self._rows_of(law)]
-
-        def mixed(weights: Array) -> tuple[Array, Array]:
-            precision = np.repeat(precision_held, len(weights), axis=0)
-            slope = np.repeat(slope_held, len(weights), axis=0)
-            for place, column in zip(others, across, strict=True):
-                precision[:, which, place] = precision[:, place, which] = weights @ column
-            precision[:, which, which] = ((weights @ own) * weights).sum(axis=1)
-            slope[:, which] = weights @ of_law
-            return precision, slope
-
-        return mixed
-
     def values(self, laws: Sequence[Law], shapes: Sequence[Array], *, exact: bool = False) -> Array:
         """Return what amplitudes add to the log evidence, at M choices of shapes, (M,).
 
@@ -139,21 +119,44 @@ class Quadratic:
             Whether the probability of an orthant is that of its normal; else the product
             of its marginals.
         """
-        return self._values(laws, *self._mixed(laws, shapes), exact=exact)
+        return self._values(self._priors(laws), *self._mixed(laws, shapes), exact=exact)
+
+    def each_value(
+        self, combinations: Sequence[Sequence[Law]], shapes: Sequence[Sequence[float]]
+    ) -> Array:
+        """Return the same of M combinations of as many laws, each at shapes of its own, (M,)."""
+        pairs = [list(zip(*both, strict=True)) for both in zip(combinations, shapes, strict=True)]
+        alone = list(dict.fromkeys(chain.from_iterable(pairs)))
+        place = {pair: row for row, pair in enumerate(alone)}
+        mixing = np.zeros((len(alone), len(self._row)))
+        for (law, shape), row in place.items():
+            mixing[row, self._rows_of(law)] = self._mixture(law, np.array([shape]))[0]
+        every = np.array([[place[pair] for pair in own] for own in pairs])
+        precision = mixing @ self.reduced.precision @ mixing.T
+        slope = mixing @ self.reduced.slope
+        at, positive = self._priors([law for law, _ in alone])
+        priors = at[every], positive[every]
+        return self._values(priors, precision[every[:, :, None], every[:, None]], slope[every])
+
+    def _priors(self, laws: Sequence[Law]) -> tuple[Array, Flags]:
+        """Return prior means over standard deviations, and which amplitudes are positive, (k,)."""
+        priors = [self._model.amplitude_prior(law) for law in laws]
+        moments = np.array([prior_moments(prior) for prior in priors]).reshape(-1, 2)
+        return moments[:, 0] / moments[:, 1], np.array([*map(is_positive, priors)], dtype=np.bool_)
 
     def _values(
-        self, laws: Sequence[Law], precision: Array, slope: Array, *, exact: bool = False
+        self, priors: tuple[Array, Flags], precision: Array, slope: Array, *, exact: bool = False
     ) -> Array:
-        """Return the same of precisions, (M, k, k), and slopes, (M, k)."""
-        priors = [self._model.amplitude_prior(law) for law in laws]
-        at = np.array([prior_moments(prior)[0] / prior_moments(prior)[1] for prior in priors])
-        covariance = _inverse(precision + np.eye(len(laws)))
+        """Return the same of precisions, (M, k, k), and slopes, (M, k).
+
+        Priors of all, (k,), or of each, (M, k), are as :meth:`_priors` returns them.
+        """
+        at, positive = priors
+        covariance = _inverse(precision + np.eye(slope.shape[1]))
         slope = slope + at
         mean = (covariance @ slope[:, :, None])[:, :, 0]
         value = 0.5 * (slope * mean).sum(axis=1) + 0.5 * np.linalg.slogdet(covariance)[1]
-        value -= 0.5 * at @ at
-        positive = np.flatnonzero([is_positive(prior) for prior in priors])
-        value += positive.size * LOG_2
+        value += positive.sum(axis=-1) * LOG_2 - 0.5 * (at**2).sum(axis=-1)
         if exact:
             part = np.ix_(positive, positive)
             return np.asarray(
@@ -163,46 +166,81 @@ class Quadratic:
                 ]
             )
         sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-        return np.asarray(value + log_ndtr(mean[:, positive] / sd[:, positive]).sum(axis=1))
+        return np.asarray(value + np.where(positive, log_ndtr(mean / sd), 0.0).sum(axis=1))
+
+    def _values_along(
+        self, laws: Sequence[Law], shapes: Sequence[float], which: int
+    ) -> Callable[[Array], Array]:
+        """Return what makes the same of weights of one law's candidates, all other shapes held.
+
+        The others are integrated out once, so that no shape needs a matrix of its own.
+        """
+        held = [np.array([shape]) for shape in shapes]
+        precision, slope = (values[0] for values in self._mixed(laws, held))
+        at, positive = self._priors(laws)
+        law, others = laws[which], [place for place in range(len(laws)) if place != which]
+        own, of_law = self._block(law, law), self.reduced.slope[self._rows_of(law)]
+        across = np.zeros((len(law.places), len(others)))
+        for column, j in enumerate(others):
+            across[:, column] = self._block(law, laws[j]) @ self._mixture(laws[j], held[j])[0]
+        inner = precision[np.ix_(others, others)] + np.eye(len(others))
+        covariance = _inverse(inner[None])[0]
+        slope_held = slope[others] + at[others]
+        mean, variance = covariance @ slope_held, np.diag(covariance)
+        constant = 0.5 * (slope_held @ mean + np.linalg.slogdet(covariance)[1] - at @ at)
+        constant += positive.sum() * LOG_2
+
+        def values(weights: Array) -> Array:
+            mixed = weights @ across
+            pulled = mixed @ covariance
+            stiff = 1 + ((weights @ own) * weights).sum(axis=1) - (pulled * mixed).sum(axis=1)
+            stiff = np.maximum(stiff, 1.0)  # rounding of what is very large hides the prior
+            moved = (weights @ of_law + at[which] - mixed @ mean) / stiff
+            value = constant + 0.5 * (moved**2 * stiff - np.log(stiff))
+            if positive[which]:
+                value += log_ndtr(moved * np.sqrt(stiff))
+            sd = np.sqrt(variance + pulled**2 / stiff[:, None])
+            beside = log_ndtr((mean - pulled * moved[:, None]) / sd)
+            return np.asarray(value + beside[:, positive[others]].sum(axis=1))
+
+        return values
 
     def along(
         self, laws: Sequence[Law], shapes: Sequence[float], which: int
-    ) -> tuple[float, float]:
-        """Return the best shape of one effect, and the log integral over its prior.
+    ) -> tuple[float, float, float]:
+        """Return the best shape of one effect, its integral over the prior, and its value.
 
         The others' shapes are held.
         """
-        mixed = self._mixed_along(laws, shapes, which)
-        grid = np.linspace(-WIDEST, WIDEST, COARSE)
+        values = self._values_along(laws, shapes, which)
+        grid = GRID
         key = laws[which].places, laws[which].nodes
         if key not in self._coarse:
             self._coarse[key] = laws[which].weights(grid)
-        values_along = self._values(laws, *mixed(self._coarse[key]))
+        values_along = values(self._coarse[key])
         width = grid[1] - grid[0]
         for _ in range(ZOOMS):
             best = grid[np.argmax(values_along)]
-            more = np.clip(best + width * np.linspace(-1, 1, FINE), -WIDEST, WIDEST)
+            more = np.clip(best + width * FINER, -WIDEST, WIDEST)
             grid, first = np.unique(np.append(grid, more), return_index=True)
-            values_there = self._values(laws, *mixed(laws[which].weights(more)))
-            values_along = np.append(values_along, values_there)[first]
-            width *= 2 / (FINE - 1)
+            values_along = np.append(values_along, values(laws[which].weights(more)))[first]
+            width *= FINER[1] - FINER[0]
+        prior = np.exp(-0.5 * grid**2) * np.gradient(grid)
         density = values_along - 0.5 * grid**2
-        cells = np.gradient(grid)
-        normal = np.log((np.exp(-0.5 * grid**2) * cells).sum())
-        return float(grid[np.argmax(density)]), float(logsumexp(density + np.log(cells)) - normal)
+        place, top = int(np.argmax(density)), float(values_along.max())
+        mean = (prior * np.exp(values_along - top)).sum() / prior.sum()
+        return float(grid[place]), top + float(np.log(mean)), float(values_along[place])
 
     def choice(self, laws: Sequence[Law], start: Sequence[float] | None = None) -> Choice:
         """Return the best shapes of some laws, all shapes integrated out one at a time."""
         shapes = list(start) if start is not None else [0.0] * len(laws)
         free = [place for place, law in enumerate(laws) if law.has_shape]
         gain = 0.0
-        for sweep in range(SWEEPS if len(free) > 1 else 1):
+        for _ in range(SWEEPS if len(free) > 1 else 1):
             gain = 0.0
             for place in free:
-                shapes[place], integral = self.along(laws, shapes, place)
-                if sweep == (SWEEPS if len(free) > 1 else 1) - 1:
-                    value_there = self.values(laws, [np.array([shape]) for shape in shapes])[0]
-                    gain += integral - float(value_there)
+                shapes[place], integral, value_there = self.along(laws, shapes, place)
+                gain += integral - value_there
         at = [np.array([shape]) for shape in shapes]
         value = float(self.values(laws, at, exact=True)[0]) if laws else 0.0
         weight = sum(law.log_weight for law in laws)
@@ -236,12 +274,7 @@ def choose(
     combinations = list(product(*(lawbook[name] for name in names)))
     if len(names) > 1:
         # Laws that are far behind at these shapes are not followed.
-        rough = np.array(
-            [
-                quadratic.values(laws, [np.array([shape]) for shape in start(laws)])[0]
-                for laws in combinations
-            ]
-        )
+        rough = quadratic.each_value(combinations, [*map(start, combinations)])
         combinations = [
             laws
             for laws, value in zip(combinations, rough, strict=True)

@@ -6,7 +6,7 @@ from scipy.integrate import dblquad
 from scipy.special import log_ndtr
 from scipy.stats import multivariate_normal, norm
 
-from bayesfric.analysis import HalfNormal, Normal
+from bayesfric.analysis import HalfNormal, LogNormal, Normal
 from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.shapes import Quadratic, choose, log_orthant
 from bayesfric.inference.information import Reduced
@@ -94,3 +94,40 @@ def test_a_shape_is_integrated_however_well_it_is_known(strength):
     assert found.log_evidence == pytest.approx(expected, rel=5e-5, abs=0.05)
     if strength > 10:
         assert found.shapes[0] == pytest.approx(shape, abs=0.1)
+
+
+def turning(other_prior):
+    """Two laws with shapes, which pull at what a third law does, and their form."""
+    nodes = np.linspace(-2.4, 2.4, 7)
+    places = np.concatenate([0.4 * nodes, 0.9 * nodes + 0.5, [0.2]])
+    precision = 40 * np.cos(places[:, None] - places) + 3 * np.eye(15)
+    laws = [
+        Law("one", "a", tuple(range(7)), tuple(nodes), 0.0),
+        Law("other", "b", tuple(range(7, 14)), tuple(nodes), 0.0),
+        Law("other", "c", (14,), (0.0,), 0.0),
+    ]
+    slope = 30 * np.cos(places - 0.7)
+    return laws, quadratic(HalfNormal(scale=1.0), other_prior, precision=precision, slope=slope)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_along_one_shape_values_are_those_of_whole_matrices(which):
+    laws, form = turning(LogNormal(median=1.0, sd_log=0.5))
+    grid, shapes = np.linspace(-2.4, 2.4, 11), [0.3, -0.8, 0.0]
+    found = form._values_along(laws, shapes, which)(laws[which].weights(grid))
+    whole = [np.array([shape]) for shape in shapes]
+    whole[which] = grid
+    assert found == pytest.approx(form.values(laws, whole), abs=1e-10)
+    assert np.ptp(found) > 0.1
+
+
+def test_combinations_of_laws_at_once_are_each_as_alone():
+    laws, form = turning(Normal(mean=0.5, sd=1.0))
+    pairs, shapes = [laws[:2], laws[::2], laws[1:]], [(0.3, -0.8), (0.3, 0.0), (1.1, 0.0)]
+    found = form.each_value(pairs, shapes)
+    alone = [
+        form.values(pair, [np.array([shape]) for shape in at])[0]
+        for pair, at in zip(pairs, shapes, strict=True)
+    ]
+    assert found == pytest.approx(alone, abs=1e-10)
+    assert np.ptp(found) > 0.1

@@ -58,3 +58,14 @@ def test_a_long_path_is_followed_in_parts_as_it_is_in_one(monkeypatch):
     for held, found in parted.items():
         whole = rows(held)
         assert np.std(found - whole) < 0.01 * np.std(whole)
+
+
+def test_of_many_paths_some_are_followed_evenly_in_rows_of_their_own():
+    paths = list(runs()) * 4  # 7,600 samples
+    whole = Followed(paths)
+    assert whole.thinned(7_600)[0] is whole
+    followed, rows = whole.thinned(3_000)
+    tried = np.ones(2), np.array([2e-3, 4e-3])
+    found = followed.side_by_side("play", 2.0, *tried, 0.05)
+    assert np.array_equal(found, whole.side_by_side("play", 2.0, *tried, 0.05)[:, rows])
+    assert rows.size == sum(path.centres.size for path in paths[::3])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bayesfric.effects import State, all_effects
-from bayesfric.rigs.single_axis.passes import REMEMBERED, passes_of
+from bayesfric.rigs.single_axis.passes import REMEMBERED, passes_of, rests_of
 
 LENGTH = 0.01
 
@@ -46,3 +46,12 @@ def test_it_is_missing_as_much_as_the_pass_before_had_built_up():
     assert np.abs(alone - (way * dahl(position) - 1))[seen].max() > 0.3
     assert passes[-1, :2] == pytest.approx([0.008, 0.01], abs=1e-4)
     assert passes.shape[1] == REMEMBERED
+
+
+def test_of_each_rest_the_last_before_a_motion_counts():
+    """It moves from the start, rests for 3 samples and for 1, and stands at the end."""
+    way = np.array([1.0, 1, 0, 0, 0, -1, -1, 0, 1, 1, 0])
+    position = np.array([0.0, 1, 2, 2, 2, 1, 0, 0, 1, 3, 3])
+    dwell, since = rests_of(position, way, 0.5)
+    assert dwell.tolist() == [0, 0, 0, 0, 0, 1.5, 1.5, 1.5, 0.5, 0.5, 0.5]
+    assert since.tolist() == [0, 0, 0, 0, 0, 0, 1, 1, 0, 2, 2]

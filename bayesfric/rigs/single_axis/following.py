@@ -118,6 +118,28 @@ class Followed:
         self._paths = tuple(part for path in paths for part in path.parts())
         self._kept: dict[tuple[object, ...], dict[float, Array]] = {}
 
+    def thinned(self, most: int) -> tuple["Followed", Whole]:
+        """Return paths of about as many samples at most, evenly among all, and their windows.
+
+        Parameters
+        ----------
+        most : int
+            Samples.
+
+        Returns
+        -------
+        followed : Followed
+            Along these paths.
+        rows : ndarray of int, shape (V,)
+            Their windows among all windows, ascending.
+        """
+        samples = sum(path.position.size for path in self._paths)
+        every = max(1, -(-samples // most))
+        ends = np.cumsum([0, *(path.centres.size for path in self._paths)])
+        chosen = range(0, len(self._paths), every)
+        rows = np.concatenate([np.arange(ends[place], ends[place + 1]) for place in chosen])
+        return self if every == 1 else Followed(self._paths[::every]), rows
+
     def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:
         """Return how a load moves in some rows.
 

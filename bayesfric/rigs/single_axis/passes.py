@@ -31,14 +31,13 @@ def passes_of(position: Array, way: Array, unseen: float) -> tuple[Array, Array]
     before = np.full((position.size, REMEMBERED), unseen)
     if not moving.size:
         return travel, before
-    turns = moving[1:][np.diff(way[moving]) != 0]
+    turned = np.flatnonzero(np.diff(way[moving]))
+    turns = moving[turned + 1]
     last = np.searchsorted(turns, np.arange(position.size), side="right") - 1
     # It turned at the last extreme, somewhere between two samples whose way is known.
-    extremes = np.array([
-        _extreme(position, int(first), int(then))
-        for first, then in pairwise(moving)
-        if way[first] != way[then]
-    ])  # fmt: skip
+    extremes = np.array(
+        [_extreme(position, int(moving[place]), int(moving[place + 1])) for place in turned]
+    )
     if way[0] == 0:
         travel = np.abs(position - position[0])
     if extremes.size:
@@ -69,10 +68,9 @@ def rests_of(position: Array, way: Array, interval_s: float) -> tuple[Array, Arr
     starts = np.flatnonzero(moving[1:] & ~moving[:-1]) + 1
     dwell, since = np.zeros((2, position.size))
     stops = np.flatnonzero(~moving[1:] & moving[:-1]) + 1
-    for place, begin in enumerate(starts):
-        stop = stops[stops < begin]
-        end = starts[place + 1] if place + 1 < starts.size else position.size
-        dwell[begin:end] = (begin - (stop[-1] if stop.size else 0)) * interval_s
+    rested_from = np.concatenate([[0], stops])[np.searchsorted(stops, starts)]
+    for rested, (begin, end) in zip(rested_from, pairwise([*starts, position.size]), strict=True):
+        dwell[begin:end] = (begin - rested) * interval_s
         since[begin:end] = np.abs(position[begin:end] - position[begin])
     return dwell, since
 

@@ -192,15 +192,17 @@ class Readings:
         place = np.full(int(self.trial.max()) + 1, -1, dtype=np.intp)
         place[trials] = np.arange(trials.size)
         rows = np.flatnonzero(place[self.trial] >= 0)
-        rows = rows[np.argsort(place[self.trial[rows]], kind="stable")]
-        changed = {
-            item.name: getattr(self, item.name)[rows]
-            for item in fields(self)
-            if isinstance(getattr(self, item.name), np.ndarray)
+        chosen = self.at(rows[np.argsort(place[self.trial[rows]], kind="stable")])
+        piece = np.cumsum(np.diff(chosen.piece, prepend=chosen.piece[:1]) != 0)
+        return replace(chosen, trial=place[chosen.trial], piece=piece)
+
+    def at(self, rows: Whole) -> "Readings":
+        """Return some rows, in this order, whose trials and pieces keep their numbers."""
+        whole = {item.name: getattr(self, item.name) for item in fields(self)}
+        chosen: dict[str, Any] = {
+            name: of[rows] for name, of in whole.items() if isinstance(of, np.ndarray)
         }
-        trial = place[changed["trial"]]
-        piece = np.cumsum(np.diff(changed["piece"], prepend=changed["piece"][:1]) != 0)
-        return replace(self, **(changed | {"trial": trial, "piece": piece}))
+        return replace(self, **chosen)
 
 
 def readings_of(
