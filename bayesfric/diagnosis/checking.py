@@ -1,4 +1,4 @@
-"""A diagnosis looked at before it is written: what breaks an invariant is no finding."""
+"""Checks the invariants of a diagnosis before it is written."""
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.model import LinearModel
@@ -9,10 +9,10 @@ from bayesfric.schemas import DiagnosisFile
 
 
 def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
-    """Return a diagnosis with what must hold of it, and no verdict where something does not.
+    """Return the diagnosis; if it violates an invariant, with the verdict `undecided`.
 
-    A result that contradicts itself comes of a fault of the computation. It is told as that:
-    the verdict is undecided, and its causes are those that were considered.
+    A result that contradicts itself shows a fault of the computation. It is reported as such,
+    and its causes are listed as considered.
     """
     checks = check_record(summary.model_dump(mode="json", by_alias=True))
     faults = broken(checks)
@@ -37,7 +37,7 @@ def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
 
 
 def not_followed(analysis: Analysis, model: LinearModel) -> tuple[str, ...]:
-    """Return, in sentences, the settings of scatter that a diagnosis does not follow."""
+    """Return a sentence for each setting of scatter that a diagnosis ignores."""
     lines: list[str] = []
     for trials, rig in zip(model.data.rigs, model.rigs, strict=True):
         heavy = heavy_scatter(rig)

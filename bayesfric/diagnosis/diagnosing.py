@@ -1,4 +1,4 @@
-"""A recording to a diagnosis: where it misses, which effect causes it, how far it shrinks."""
+"""Diagnoses a recording: where the law misses, which effect causes it, how far it shrinks."""
 
 import time
 from collections.abc import Callable, Collection, Sequence
@@ -41,7 +41,7 @@ from bayesfric.simulators import Simulator, SimulatorCalls
 
 
 class _Asked(NamedTuple):
-    """What is asked of each part of a recording, as of :func:`diagnose`."""
+    """Parameters of :func:`diagnose` that hold for each part of a recording."""
 
     analysis: Analysis
     fixed: Collection[str]
@@ -71,39 +71,39 @@ def diagnose(
     Parameters
     ----------
     recording : Recording
-        All trials of all rigs that it has enter.
+        All trials of all its rigs are used.
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     fixed : collection of str
-        Numbers that are held at their shipped values, as ``c3``, ``c3[small]`` or ``mass``.
+        Numbers that are fixed at their shipped values, such as ``c3``, ``c3[small]`` or ``mass``.
     effects : collection of Effect
-        The user's own, examined beside :mod:`bayesfric.effects` or in place of the same name.
+        The user's effects, in addition to :mod:`bayesfric.effects`; an equal name replaces.
     shipped : mapping of str to Coefficients or to float, or None
-        The simulator's values as it was shipped: laws by pulley size, or numbers by name as
-        ``fit.json`` has them, say ``mass``; None is Table I.
+        Values in the shipped simulator: laws by pulley size, or numbers by their names in
+        ``fit.json``, such as ``mass``; None is Table I.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
     simulator : Simulator, str or None
-        The user's own in the place of the law; see :class:`bayesfric.simulators.Simulator`.
+        The user's simulator instead of the law; see :class:`bayesfric.simulators.Simulator`.
     target : DataFrame or None
-        Where friction is asked for, as of :func:`bayesfric.recording.read_conditions`.
+        Conditions at which friction is predicted, from :func:`bayesfric.recording.read_conditions`.
     executor : Executor or None
-        Over which calls of the simulator are spread; None makes one after another.
+        Runs calls of the simulator in parallel; None runs one after another.
     announce : callable or None
-        Is told how many calls of the simulator are coming.
+        Is called with a text about the number of simulator calls to come.
     checkpoint : Path or None
-        Folder from which an interrupted diagnosis goes on to the same result; to be removed
-        after. Not used beside the user's own effects or simulator, whose code may change.
+        Folder from which an interrupted diagnosis continues to the same result; remove it
+        afterwards. Not used with the user's effects or simulator, whose code may change.
 
     Returns
     -------
     Diagnosed
-        Verdict, causes, where, and how far it shrinks.
+        The verdict, the causes, where the gap lies, and how far it shrinks.
 
     Raises
     ------
     InputError
-        No rig, no such law or fixed coefficient, or a simulator that cannot be called.
+        No rig, unknown law or fixed coefficient, or a simulator that cannot be called.
     """
     calls = None
     if simulator is not None:
@@ -169,7 +169,7 @@ def _diagnose(
 def _compared_and_judged(
     question: Question, keeping: Checkpoint
 ) -> tuple[Question, Compared, Judged]:
-    """Return hypotheses compared and effects sorted, with wider priors where some are too tight."""
+    """Compare hypotheses and sort effects; priors that are too tight are widened first."""
     while True:
         compared = compare_hypotheses(question, keeping)
         draws, blocks = question.sources.draws, question.sources.blocks.spawn(1)[0]
@@ -183,7 +183,7 @@ def _compared_and_judged(
 def _judged(
     question: Question, compared: Compared, draws: np.random.Generator, blocks: np.random.Generator
 ) -> Judged:
-    """Return effects sorted; each cause of a joint beside others stands on data held out."""
+    """Sort effects; several causes of a joint must each improve held-out predictions."""
 
     def sort(search: Search) -> Judged:
         return judge(compared.model, search, question.law_shipped, question.practical, draws)
