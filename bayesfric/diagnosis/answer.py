@@ -9,7 +9,7 @@ import numpy as np
 
 from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
-from bayesfric.diagnosis.checking import not_followed
+from bayesfric.diagnosis.checking import ignored_scatter_settings
 from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.concluded import Conclusion, Measured
 from bayesfric.diagnosis.entering import numbers_to_enter
@@ -23,7 +23,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.question import Question
 from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import held_values, shipped_numbers
-from bayesfric.diagnosis.showing import windows_meant
+from bayesfric.diagnosis.showing import window_words
 from bayesfric.diagnosis.simulated import simulator_used
 from bayesfric.diagnosis.strays import far_rows
 from bayesfric.diagnosis.target import friction_at
@@ -98,7 +98,7 @@ class Answer:
         return self.conclusion.overruled.search
 
 
-def law_told(
+def reported_law(
     compared: Compared,
     judged: Judged,
     measured: Measured,
@@ -134,7 +134,7 @@ def law_told(
     )
 
 
-class CausesTold(NamedTuple):
+class ReportedCauses(NamedTuple):
     """Effects with their figures: causes, present or possible effects, and overruled causes."""
 
     causes: tuple[Cause, ...]
@@ -143,7 +143,7 @@ class CausesTold(NamedTuple):
     considered: tuple[Cause, ...]
 
 
-def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
+def reported_causes(answer: Answer, rng: np.random.Generator) -> ReportedCauses:
     """Return the figures of causes, of present or possible effects, and of overruled causes.
 
     Parameters
@@ -182,17 +182,17 @@ def causes_told(answer: Answer, rng: np.random.Generator) -> CausesTold:
     if conclusion.contradicted:
         considered = causes if named else causes_named(conclusion.objections.rivals)
         causes = ()
-    return CausesTold(causes, present, causes_named(conclusion.overruled.possible), considered)
+    return ReportedCauses(causes, present, causes_named(conclusion.overruled.possible), considered)
 
 
-def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> DiagnosisFile:
+def file_of(answer: Answer, reported: ReportedCauses, attributes: Provenance) -> DiagnosisFile:
     """Return the content of ``diagnosis.json``.
 
     Parameters
     ----------
     answer : Answer
         Results of the diagnosis.
-    told_of : CausesTold
+    reported : ReportedCauses
         Effects with their figures.
     attributes : Provenance
         Provenance that every file contains.
@@ -203,11 +203,11 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
     unseparated = unseparated_of(search.classes, conclusion.together)
     proposals, no_proposal = next_experiment(model, search, search.probabilities())
     to_enter, not_entered = numbers_to_enter(
-        model, law, judged.posterior, told_of.causes, gap, judged.residuals
+        model, law, judged.posterior, reported.causes, gap, judged.residuals
     )
-    words = sentence_of(_statement(answer, told_of, unseparated))
-    considered = [cause for cause in told_of.considered if is_named(cause.effect, words)]
-    on_held_out = held_out_words(gap, told_of.causes or considered, conclusion.verdict)
+    words = sentence_of(_statement(answer, reported, unseparated))
+    considered = [cause for cause in reported.considered if is_named(cause.effect, words)]
+    on_held_out = held_out_words(gap, reported.causes or considered, conclusion.verdict)
     return DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(rig.rig.name for rig in data.rigs),
@@ -223,7 +223,7 @@ def file_of(answer: Answer, told_of: CausesTold, attributes: Provenance) -> Diag
         verdict_probability=conclusion.probability,
         sentence=f"{words} {on_held_out}",
         **_hypotheses(answer),
-        **told_of._asdict(),
+        **reported._asdict(),
         overruled_by=conclusion.objections.held_out or conclusion.objections.loop,
         enter=to_enter,
         enter_why=not_entered,
@@ -249,7 +249,7 @@ def is_named(effect: str, words: str) -> bool:
 
 
 def _statement(
-    answer: Answer, told_of: CausesTold, unseparated: tuple[Unseparated, ...]
+    answer: Answer, reported: ReportedCauses, unseparated: tuple[Unseparated, ...]
 ) -> Statement:
     """Return the parts of the verdict sentence."""
     conclusion, is_open = answer.conclusion, answer.judged.above < RULES.likely
@@ -258,16 +258,16 @@ def _statement(
         conclusion.probability,
         answer.measured.gap,
         answer.question.practical,
-        told_of.causes,
+        reported.causes,
         answer.where,
         unseparated,
-        told_of.present,
-        told_of.considered,
+        reported.present,
+        reported.considered,
         conclusion.not_shown if is_open else None,
         answer.compared.data.rigs[0].other_joints if conclusion.objections.other_joints else None,
         conclusion.objections.held_out,
         conclusion.unlike_scatter if is_open else None,
-        windows_meant(answer.judged.residuals),
+        window_words(answer.judged.residuals),
         conclusion.open_because,
     )
 
@@ -292,7 +292,7 @@ def _attention(answer: Answer, law: Mapping[str, LawNumber]) -> tuple[str, ...]:
             has_force=axis is None or "force_n" in axis.samples,
         ),
         *far_rows(answer.compared.baseline),
-        *not_followed(question.analysis, answer.compared.model),
+        *ignored_scatter_settings(question.analysis, answer.compared.model),
         *question.remarks,
     )
 

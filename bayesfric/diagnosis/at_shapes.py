@@ -56,7 +56,7 @@ def numbers_at_shapes(
     """
     acting, psi = weighed.acting, weighed.at.psi
     places = [place for law in acting.laws for place in law.places]
-    said = model.said_of(psi, places, acting.phases)
+    said = model.information_on(psi, places, acting.phases)
     given = _Given(model, weighed, wide, forms, drawn)
 
     def at(column: int, quantile: float) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from bayesfric.observation.scatter import kept_normal
 from bayesfric.schemas import DiagnosisFile
 
 
-def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
+def checked_diagnosis(summary: DiagnosisFile) -> DiagnosisFile:
     """Return the diagnosis; if it violates an invariant, with the verdict `undecided`.
 
     A result that contradicts itself shows a fault of the computation. It is reported as such,
@@ -36,7 +36,7 @@ def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
     )
 
 
-def not_followed(analysis: Analysis, model: LinearModel) -> tuple[str, ...]:
+def ignored_scatter_settings(analysis: Analysis, model: LinearModel) -> tuple[str, ...]:
     """Return a sentence for each setting of scatter that a diagnosis ignores."""
     lines: list[str] = []
     for trials, rig in zip(model.data.rigs, model.rigs, strict=True):

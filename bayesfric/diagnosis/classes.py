@@ -94,7 +94,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     """
     names = {name: [p for law in laws for p in law.places] for name, laws in model.lawbook.items()}
     columns = tuple(place for place, c in enumerate(model.candidates) if not c.effect.components)
-    information = model.said_of(psi, columns)
+    information = model.information_on(psi, columns)
     mean, sd = model.prior([model.candidates[p].effect.amplitude.prior for p in columns])
     places = model.places(len(columns))
     # The coefficients are free, because the data cannot show what they can absorb. There is no
@@ -131,7 +131,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
         else:
             entering.append(name)
     direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
-    chosen = _told_apart(
+    chosen = _in_classes(
         entering, lambda name, first: _alias(model, names, columns, direction, name, first)
     )
     odds = {own[0]: max(_odds(model, names[name]) for name in own) for own in chosen}
@@ -141,7 +141,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     return Classes(chosen, tuple(absorbed), left_out, likelier, rungs)
 
 
-def _told_apart(
+def _in_classes(
     names: Sequence[str], alike: Callable[[str, str], bool]
 ) -> tuple[tuple[str, ...], ...]:
     """Return names in classes; all members are like the first one."""

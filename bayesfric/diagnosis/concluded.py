@@ -12,15 +12,15 @@ from bayesfric.diagnosis.compared import Compared
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.held_out_density import BlockDensities, block_densities
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.instrumental import not_held, why_bent, why_unsettled
+from bayesfric.diagnosis.instrumental import why_bent, why_unconfirmed, why_unsettled
 from bayesfric.diagnosis.judging import Judged
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.other_joints import amounts_of, looks_like_others
 from bayesfric.diagnosis.overruling import (
     Overruled,
+    accounts_for_residual,
     density_of,
     overruled,
-    tells_what_is_left,
     why_beyond_rivals,
     why_overruled,
 )
@@ -250,7 +250,7 @@ def _objections_to(
     best, rig = judged.search.best(), compared.data.rigs[0]
     rivals = list(chain(*sets_of_one(judged.search.probabilities(), judged.effects_known, named)))
     amounts = amounts_of(model, best)
-    others = _others_of(rig)
+    others = _other_joints_of(rig)
     other_joints = looks_like_others(named, rivals, question.examined, others, gap, amounts)
     held_out = _why_overruled(model, judged, gap, question.practical, remainder) if named else None
     acting = model.amplitudes(best.at, best.acting)
@@ -271,7 +271,7 @@ def _why_overruled(
     return why_overruled(
         gap,
         practical,
-        told_as_remainder=tells_what_is_left(remainder, gap),
+        in_remainder=accounts_for_residual(remainder, gap),
         force_left=remainder.significant,
         implausible=beyond,
     )
@@ -309,10 +309,10 @@ def _why_bent(
         law.effect: candidate.effect.name
         for law, (candidate, _) in zip(best.acting.laws, acting, strict=True)
     }
-    return not_held(instrument, {name: whose.get(name, name) for name in named})
+    return why_unconfirmed(instrument, {name: whose.get(name, name) for name in named})
 
 
-def _others_of(rig: RigTrials) -> str | None:
+def _other_joints_of(rig: RigTrials) -> str | None:
     """Return what other joints did; ``still`` if the log has no information on friction."""
     return "still" if "coulomb" in rig.untold else rig.other_joints
 

@@ -16,15 +16,15 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis
 from bayesfric.attention.diagnosis import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.diagnosis.answer import Answer, causes_told, file_of, law_told
+from bayesfric.diagnosis.answer import Answer, file_of, reported_causes, reported_law
 from bayesfric.diagnosis.beyond import too_tight, with_wider_priors
-from bayesfric.diagnosis.checking import looked_at
+from bayesfric.diagnosis.checking import checked_diagnosis
 from bayesfric.diagnosis.compared import Compared, compare_hypotheses
 from bayesfric.diagnosis.concluded import conclude, measure
 from bayesfric.diagnosis.diagnosed import Diagnosed
-from bayesfric.diagnosis.held_out_density import least_asked_for
+from bayesfric.diagnosis.held_out_density import least_needed_cause
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.joints import diagnosed_together
+from bayesfric.diagnosis.joints import diagnose_joints
 from bayesfric.diagnosis.judging import Judged, judge
 from bayesfric.diagnosis.other_joints import model_error_words
 from bayesfric.diagnosis.question import Question, question_of
@@ -110,7 +110,7 @@ def diagnose(
         calls = partial(SimulatorCalls, simulator, executor=executor, announce=announce)
     asked = _Asked(analysis or Analysis(), fixed, effects, shipped, baseline, calls, target)
     if joints := parted_by_joint(recording):
-        return diagnosed_together(joints, partial(_diagnosed, asked), checkpoint)
+        return diagnose_joints(joints, partial(_diagnosed, asked), checkpoint)
     return _diagnosed(asked, recording, checkpoint)
 
 
@@ -131,7 +131,7 @@ def _diagnosed(asked: _Asked, recording: Recording, checkpoint: Path | None) -> 
         )
         kept = None if asked.effects or asked.calls else checkpoint
         summary, curves, amounts = _diagnose(question, asked.baseline, sorted(asked.fixed), kept)
-    own = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
+    own = checked_diagnosis(summary.model_copy(update={"attention": of_diagnosis(summary)}))
     words = f"{own.sentence}{model_error_words(own.model_error)}"
     summary = own.model_copy(update={"sentence": words})
     seconds = time.perf_counter() - began
@@ -158,9 +158,9 @@ def _diagnose(
         question.examined,
         axes,
     )
-    law = law_told(compared, judged, measured, conclusion, question.practical, scatter)
+    law = reported_law(compared, judged, measured, conclusion, question.practical, scatter)
     answer = Answer(question, compared, judged, measured, conclusion, law, *where)
-    summary = file_of(answer, causes_told(answer, checks), attributes)
+    summary = file_of(answer, reported_causes(answer, checks), attributes)
     amplitudes = {name: judged.posterior.amplitudes[name] for name in judged.named}
     curves = curves_of(measured.held_out, amplitudes, judged.posterior.law)
     return summary, curves, conclusion.objections.amounts
@@ -192,7 +192,7 @@ def _judged(
     if not compared.data.rigs[0].along_path:
         return judged
     while len(judged.named) > 1:
-        name = least_asked_for(compared.model, search, judged.named, blocks)
+        name = least_needed_cause(compared.model, search, judged.named, blocks)
         if name is None or name in search.doubted:
             break
         search = replace(search, doubted=search.doubted | {name})

@@ -114,7 +114,7 @@ def block_densities(
     )
 
 
-def least_asked_for(
+def least_needed_cause(
     model: LinearModel, search: Search, causes: Collection[str], rng: np.random.Generator
 ) -> str | None:
     """Return the cause that improves held-out predictions least, if it may improve nothing.

@@ -47,7 +47,7 @@ class Search:
     doubted : frozenset of str
         Effects without which held-out data are predicted as well. Half of the probability of a
         hypothesis with such an effect moves to the same hypothesis without it.
-    unheard : bool
+    nothing_varied : bool
         Whether no axis varied along which an unknown force could appear. Its evidence is then that
         of `none`.
     """
@@ -62,7 +62,7 @@ class Search:
     foreign: Mapping[Hypothesis, float] = field(default_factory=dict)
     minor: tuple[Hypothesis, float] | None = None
     doubted: frozenset[str] = frozenset()
-    unheard: bool = False
+    nothing_varied: bool = False
 
     @property
     def none(self) -> Weighed:
@@ -103,7 +103,7 @@ class Search:
         values |= {acting: rough for acting, rough in self.rough.items() if acting not in values}
         if self.unknown is not None:
             values[UNKNOWN] = self.unknown.log_evidence
-        elif self.unheard:
+        elif self.nothing_varied:
             values[UNKNOWN] = self.none.log_evidence
         logs = np.array([value + self.log_prior(acting, none) for acting, value in values.items()])
         chances = dict(zip(values, np.exp(logs - logsumexp(logs)).tolist(), strict=True))

@@ -66,7 +66,7 @@ def why_unsettled(instrument: Instrument | str) -> str | None:
     )
 
 
-def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | None:
+def why_unconfirmed(instrument: Instrument | str, named: Mapping[str, str]) -> str | None:
     """Return which causes an alarming instrument does not confirm; None if it confirms all.
 
     Parameters
@@ -85,7 +85,7 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
         value = instrument.effects.get(whose)
         if value is None:
             parts.append(f"it does not determine {name}")
-        elif not _is_told(value):
+        elif not _confirms(value):
             unit = "" if value.unit == "1" else f" {value.unit}"
             parts.append(
                 f"{name} is {value.instrumental:.2g} ± {value.instrumental_se:.1g}{unit} by it, "
@@ -100,7 +100,7 @@ def not_held(instrument: Instrument | str, named: Mapping[str, str]) -> str | No
     )
 
 
-def _is_told(value: InstrumentNumber) -> bool:
+def _confirms(value: InstrumentNumber) -> bool:
     """Return whether the instrument's amplitude is significant and not much below least squares."""
     ordinary, instrumental = value.ordinary, value.instrumental * np.sign(value.ordinary)
     return bool(
@@ -146,7 +146,7 @@ def by_the_instrument(
         if scatter is not None and name in FRICTION:
             of_runs = value.instrumental * scatter.share / np.sqrt(scatter.runs)
             error = float(np.hypot(error, of_runs))
-        numbers[name] = _number_told(name, number, value.instrumental, error)
+        numbers[name] = _instrumental_number(name, number, value.instrumental, error)
     return numbers
 
 
@@ -198,7 +198,7 @@ def _by_as_much(name: str, number: LawNumber, value: InstrumentNumber) -> LawNum
     return number.model_copy(update={"after": wider(number.after, factor, name)})
 
 
-def _number_told(name: str, number: LawNumber, mean: float, error: float) -> LawNumber:
+def _instrumental_number(name: str, number: LawNumber, mean: float, error: float) -> LawNumber:
     least = -np.inf if name in SIGNED else 0.0
     after = Interval.of(*normal_above(mean, error, least))
     after = after if name in SIGNED else open_below(after)

@@ -24,7 +24,7 @@ IN_WORDS = {
 }
 
 
-def diagnosed_together(
+def diagnose_joints(
     parted: Mapping[str, Recording],
     diagnosed: Callable[[Recording, Path | None], Diagnosed],
     checkpoint: Path | None,

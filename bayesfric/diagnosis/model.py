@@ -15,9 +15,9 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
 from bayesfric.diagnosis.forms import Form, FormShare
+from bayesfric.diagnosis.information_cache import InformationCache
 from bayesfric.diagnosis.model_numbers import ModelNumbers
 from bayesfric.diagnosis.noise import Noise
-from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import rms_friction
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information, Reduced
@@ -109,7 +109,7 @@ class LinearModel(ModelNumbers):
             self.rigs = tuple(map(with_heavy_scatter, self.rigs, heavy))
         self.noise = Noise(parameter for rig in self.rigs for parameter in rig.noise)
         self.lawbook = lawbook(self.candidates)
-        self.said = Said()
+        self.information_cache = InformationCache()
         self.squeezed_from: LinearModel | None = None
         self.squeeze: Array | None = None
 
@@ -265,7 +265,8 @@ class LinearModel(ModelNumbers):
 
     def _with_heavy(self, heavy: Sequence[HeavyScatter | None]) -> "LinearModel":
         model = copy(self)
-        model.rigs, model.said = tuple(map(with_heavy_scatter, self.rigs, heavy)), Said()
+        model.rigs = tuple(map(with_heavy_scatter, self.rigs, heavy))
+        model.information_cache = InformationCache()
         if self.squeezed_from is not None:
             model.squeezed_from = self.squeezed_from._with_heavy(heavy)
         return model
@@ -305,7 +306,7 @@ class LinearModel(ModelNumbers):
         information = sum((part.information for part in parts[1:]), parts[0].information)
         return parts, replace(information, constant=information.constant + constant)
 
-    def said_of(
+    def information_on(
         self,
         psi: Array,
         places: Sequence[int],
@@ -325,7 +326,7 @@ class LinearModel(ModelNumbers):
         if phases or only_these:
             return computed(places)
         first = self.layout.own * len(self.layout.sizes)
-        return self.said.of(psi, places, len(self.candidates), first, computed)
+        return self.information_cache.of(psi, places, len(self.candidates), first, computed)
 
     def reduced_of(
         self, information: Information, form: Mapping[str, FormShare] | None, places: Sequence[int]
@@ -352,4 +353,4 @@ class LinearModel(ModelNumbers):
             The candidates; None is all.
         """
         chosen = list(range(len(self.candidates))) if places is None else list(places)
-        return self.reduced_of(self.said_of(psi, chosen, acting.phases), form, chosen)
+        return self.reduced_of(self.information_on(psi, chosen, acting.phases), form, chosen)

@@ -118,7 +118,7 @@ def why_overruled(
     gap: Gap,
     practical: float,
     *,
-    told_as_remainder: bool,
+    in_remainder: bool,
     force_left: bool = False,
     implausible: Collection[str] = (),
 ) -> str | None:
@@ -130,7 +130,7 @@ def why_overruled(
         The gap on held-out data.
     practical : float
         Practical share of friction.
-    told_as_remainder : bool
+    in_remainder : bool
         Whether the remainder accounts for the residual of the causes.
     force_left : bool
         Whether an unexplained force of any size is left.
@@ -151,12 +151,12 @@ def why_overruled(
             f"{density.difference:+.2g} ± {density.error:.2g} nat; "
             f"{errors:.0f} standard error{'s are' if errors > 1 else ' is'} needed)"
         )
-    if leaves_too_much(gap, practical) and not told_as_remainder:
+    if leaves_too_much(gap, practical) and not in_remainder:
         return (
             f"after scatter is subtracted, an error of {two_digits(gap.held_out_excess)} "
             f"{gap.unit} rms is left there, and {LEFT_OVER}"
         )
-    if implausible and (force_left or told_as_remainder):
+    if implausible and (force_left or in_remainder):
         return (
             f"{' and '.join(implausible)} would be {IMPLAUSIBLE}, and a force "
             "that no effect explains is left"
@@ -197,7 +197,7 @@ def why_beyond_rivals(gap: Gap) -> str | None:
     )
 
 
-def tells_what_is_left(remainder: Remainder, gap: Gap) -> bool:
+def accounts_for_residual(remainder: Remainder, gap: Gap) -> bool:
     """Return whether a remainder accounts for the held-out residual of the causes.
 
     A remainder that is a small part of this residual does not: the rest is another kind of force,

@@ -73,7 +73,7 @@ def search(
     _weigh_together(model, searched, effects, shapes, steps)
     _weigh_parts(model, searched, steps)
     unknown = steps.unknown_force(model, searched.none, Acting(), inverse, volume)
-    return replace(searched, unknown=unknown, unheard=unknown is None)
+    return replace(searched, unknown=unknown, nothing_varied=unknown is None)
 
 
 def _weigh_alone(
@@ -222,7 +222,7 @@ def _weigh_finalists(model: LinearModel, first: Search, leader: Weighed, steps: 
             volume,
             shapes=_shapes_of(finalist),
             forms=FORM_SHARES,
-            own_volume=found_near(first, finalist),
+            own_volume=has_own_noise_volume(first, finalist),
         )
         compared[finalist.hypothesis] = again
         if finalist.hypothesis == leader.hypothesis and again.volume is not None:
@@ -259,7 +259,7 @@ def _with_unknown_force(
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
             return result.with_unknown(unknown, beside, best.hypothesis)
-    return replace(result, unknown=unknown, unheard=unknown is None)
+    return replace(result, unknown=unknown, nothing_varied=unknown is None)
 
 
 def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
@@ -277,7 +277,7 @@ def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
     return unknown.best.share > float(np.linalg.norm(sizes))
 
 
-def found_near(first: Search, weighed: Weighed) -> bool:
+def has_own_noise_volume(first: Search, weighed: Weighed) -> bool:
     """Return whether a hypothesis is probable enough to get its own noise volume."""
     return first.worth(weighed) > first.worth(first.best()) - RULES.own_noise_within
 

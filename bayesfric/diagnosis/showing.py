@@ -41,7 +41,7 @@ def why_not_shown(search: Search, residuals: Residuals, *, along_path: bool) -> 
         if better < RULES.unknown_less_likely:
             words = "do not tell an unknown force from none"
         factor = np.exp(min(better, LARGEST))
-        return f"{windows_told(residuals)} {words} (Bayes factor {factor:.2g})"
+        return f"{window_count(residuals)} {words} (Bayes factor {factor:.2g})"
     return None
 
 
@@ -104,12 +104,12 @@ def loosely_known(
     return None
 
 
-def windows_told(residuals: Residuals) -> str:
+def window_count(residuals: Residuals) -> str:
     """Return the effective number of windows in words."""
     return f"{residuals.independent} window{'' if residuals.independent == 1 else 's'}"
 
 
-def windows_meant(residuals: Residuals) -> str:
+def window_words(residuals: Residuals) -> str:
     """Return the number of windows in words, and what each of them averages."""
     of_trial = np.bincount(residuals.trial)[residuals.trial]
     places = [
@@ -120,7 +120,7 @@ def windows_meant(residuals: Residuals) -> str:
         )
         if is_there
     ]
-    return f"{windows_told(residuals)}, each the mean friction {' or '.join(places)}"
+    return f"{window_count(residuals)}, each the mean friction {' or '.join(places)}"
 
 
 def _numbers(residuals: Residuals) -> int:

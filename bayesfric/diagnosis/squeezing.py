@@ -8,8 +8,8 @@ from scipy.linalg import block_diag
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.information_cache import InformationCache
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.said import Said
 from bayesfric.inference.symmetric import eigen_of
 from bayesfric.observation.layout import COEFFICIENTS
 
@@ -33,7 +33,7 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
         Smooth forces with a larger rms than in the discrepancy; the result has this rms.
     """
     layout, sizes = model.layout, len(model.layout.sizes)
-    information = model.said_of(model.noise.quiet(psi[: len(model.noise)]), ())
+    information = model.information_on(model.noise.quiet(psi[: len(model.noise)]), ())
     _, sd = model.prior((), wide)
     whole = sd[:, None] * information.precision * sd
     forms = len(model.forms)
@@ -58,7 +58,7 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
         squeeze,
         squeezed,
     )
-    squeezed_model.said = Said()
+    squeezed_model.information_cache = InformationCache()
     squeezed_model.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
     squeezed_model.scales = np.ones(squeezed.local)
     squeezed_model.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]

@@ -35,7 +35,7 @@ TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Together:
+class SharedForce:
     """A force that neighbouring windows along an axis share.
 
     Parameters
@@ -81,9 +81,9 @@ def differs_within_runs(noise: Mapping[str, float], practical: float) -> str | N
     return f"friction {how} within a run, by {share:.1%} of itself rms"
 
 
-def goes_together(
+def shared_by_neighbours(
     residuals: Residuals, left: Array, practical: float, rng: np.random.Generator
-) -> Together | None:
+) -> SharedForce | None:
     """Return the force that neighbouring residuals share; None if scatter explains it.
 
     Each statistic (an axis and a width) is standardised by its distribution for redrawn and
@@ -121,7 +121,7 @@ def goes_together(
     share = float(np.sqrt(max(squares[place, 0] - null[place].mean(), 0.0)))
     if p_value > RULES.like_scatter or share < RULES.order_matters * practical:
         return None
-    return Together(rows[place][0], share, p_value)
+    return SharedForce(rows[place][0], share, p_value)
 
 
 def unlike_scatter(
@@ -157,7 +157,9 @@ def unlike_scatter(
     if leaves_too_much(gap, practical):
         excess = f"{two_digits(gap.held_out_excess)} {gap.unit} rms"
         return f"after scatter is subtracted, an error of {excess} is left on held-out data"
-    structured = goes_together(residuals, left - posterior.force.mean(axis=1), practical, rng)
+    structured = shared_by_neighbours(
+        residuals, left - posterior.force.mean(axis=1), practical, rng
+    )
     if structured is None:
         return None
     size = f"{structured.share * gap.friction_rms:.3g} {gap.unit} rms"

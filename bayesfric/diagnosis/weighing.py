@@ -190,10 +190,10 @@ def _chosen(
 ) -> list[_Chosen]:
     """Return for each relative error of the laws the best laws and shapes, and the evidence.
 
-    `only_these` is as for ``LinearModel.said_of``.
+    `only_these` is as for ``LinearModel.information_on``.
     """
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
-    information = model.said_of(psi, places, phases, only_these=only_these)
+    information = model.information_on(psi, places, phases, only_these=only_these)
     results = []
     for form in shares:
         share = dict.fromkeys([*free, *(law.effect for law in phases)], form)

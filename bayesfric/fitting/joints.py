@@ -16,7 +16,7 @@ from bayesfric.schemas.parameter import ParameterSummary
 OFFSET = "offset"
 
 
-def fitted_together(
+def fit_joints(
     parted: Mapping[str, Recording],
     fitted: Callable[[Recording, Path | None], Fit],
     checkpoint: Path | None,

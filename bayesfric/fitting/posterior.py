@@ -17,7 +17,7 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit
-from bayesfric.fitting.joints import fitted_together
+from bayesfric.fitting.joints import fit_joints
 from bayesfric.fitting.predictive import covered, predict
 from bayesfric.fitting.predictive.assemblies import Assemblies, assemblies_of
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
@@ -86,7 +86,7 @@ def fit(
                 own, analysis, progress=progress, checkpoint=kept, rigs=rigs, baseline=baseline
             )
 
-        return fitted_together(parted, of_joint, checkpoint)
+        return fit_joints(parted, of_joint, checkpoint)
     chosen = chosen_rigs(recording, rigs)
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         return _fit_rigs(recording, chosen, baseline, analysis, progress, checkpoint)

@@ -12,7 +12,7 @@ KEPT = 4  # sets of noise parameters in the cache
 
 
 @dataclass
-class Said:
+class InformationCache:
     """Cache of the information on all numbers and candidates, by noise parameters."""
 
     _kept: dict[bytes, Information] = field(default_factory=dict)
